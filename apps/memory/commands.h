@@ -13,6 +13,8 @@ Command fact_command();
 Command taxonomy_command();
 Command edit_command();
 Command verify_command();
+Command backup_command();
+Command restore_command();
 Command stat_command();
 Command export_command();
 Command model_command();

@@ -7,7 +7,28 @@
 
 namespace loci {
 
+void check_json_depth(std::string_view text, const std::string& file) {
+  int depth = 0, line = 1;
+  bool quoted = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '\n') ++line;
+    if (quoted && c == '\\') {
+      ++i;  // whatever it escapes
+      continue;
+    }
+    if (c == '"') quoted = !quoted;
+    if (quoted) continue;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+    if (depth > kMaxJsonDepth)
+      throw Error("JSON that is nested too deeply", {file, line, {}},
+                  "up to " + std::to_string(kMaxJsonDepth) + " levels can be read");
+  }
+}
+
 Json parse_json(std::string_view text, const std::string& file) {
+  check_json_depth(text, file);
   try {
     return Json::parse(text);
   } catch (const Json::parse_error& error) {

@@ -66,8 +66,10 @@ MemorySession::MemorySession(const MemorySessionOptions& options, const mapping:
   planes_ = load_planes(store_);
   recorder_ = std::make_unique<Recorder>(store_, run_, options.belief);
   for (const SceneRow& scene : store_.scenes())
-    if (scene.recording == recording_)
-      last_present_ = std::max(scene.time, last_present_.value_or(scene.time));
+    if (scene.recording == recording_) {
+      const Moment moment(scene.time, scene.frame_index.value_or(0));
+      last_present_ = std::max(moment, last_present_.value_or(moment));
+    }
 }
 
 std::optional<double> MemorySession::seconds_after(TimeNs time) const {
@@ -84,8 +86,11 @@ MemoryRunResult run_with_memory(perception::Pipeline& pipeline, perception::Cont
   pipeline.start(context);
   perception::Reader& reader = pipeline.reader();
   session.reader_ = &reader;
-  while (session.last_present_ && reader.position() < reader.count() &&
-         reader.upcoming().time_ns <= *session.last_present_) {
+  const auto is_present = [&] {  // or was left out on purpose
+    const perception::FrameId next = reader.upcoming();
+    return std::pair{next.time_ns, next.index} <= *session.last_present_;
+  };
+  while (session.last_present_ && reader.position() < reader.count() && is_present()) {
     reader.skip(1);
     ++result.skipped;
   }

@@ -64,7 +64,9 @@ class MemorySession {
   Id recording_ = 0;
   std::optional<Id> map_;
   const perception::Reader* reader_ = nullptr;
-  std::optional<TimeNs> last_present_;  ///< time of the last frame of the recording that was in the memory
+  /// The time of a frame and its index, because two frames may have one time.
+  using Moment = std::pair<TimeNs, int64_t>;
+  std::optional<Moment> last_present_;  ///< the last frame of the recording that was in the memory
   KnownPlanes planes_;
   std::unique_ptr<Recorder> recorder_;
 };

@@ -1,5 +1,6 @@
 #include "memory/belief/serialization.h"
 
+#include <cmath>
 #include <limits>
 
 #include "mapping/base/error.h"
@@ -9,7 +10,7 @@ namespace loci::memory::belief {
 namespace {
 
 constexpr uint32_t kVersion = 1;
-constexpr size_t kMaxBytes = size_t{1} << 28;
+constexpr size_t kMaxBytes = size_t{1} << 26;  // a message takes some tens of times its bytes
 
 [[noreturn]] void refuse(const std::string& what) {
   throw Error("the stored belief cannot be read: " + what);
@@ -17,6 +18,12 @@ constexpr size_t kMaxBytes = size_t{1} << 28;
 
 void check(bool good, const char* what) {
   if (!good) refuse(std::string("its ") + what + " is invalid");
+}
+
+/// A coordinate, size or variance: such numbers become indices of grids.
+double finite(double value, const char* what) {
+  check(std::isfinite(value), what);
+  return value;
 }
 
 template <class Message>
@@ -51,7 +58,10 @@ struct Codec {
     message.set_z(v.z());
   }
 
-  static Vector3d read(const stored::Vector& message) { return {message.x(), message.y(), message.z()}; }
+  static Vector3d read(const stored::Vector& message) {
+    return {finite(message.x(), "position"), finite(message.y(), "position"),
+            finite(message.z(), "position")};
+  }
 
   static void write(const AxisBox& box, stored::Box& message) {
     write(box.centre, *message.mutable_centre());
@@ -67,7 +77,7 @@ struct Codec {
   static Isometry3d read(const stored::Pose& message) {
     check(message.matrix_size() == 12, "pose");
     Isometry3d pose = Isometry3d::Identity();
-    for (int i = 0; i < 12; ++i) pose.matrix()(i / 4, i % 4) = message.matrix(i);
+    for (int i = 0; i < 12; ++i) pose.matrix()(i / 4, i % 4) = finite(message.matrix(i), "pose");
     return pose;
   }
 
@@ -479,7 +489,7 @@ ProtoObject object_from_bytes(std::string_view bytes) {
   object.missed_views = message.missed_views();
   object.place = message.place();
   object.box = Codec::read(message.box());
-  object.variance = message.variance();
+  object.variance = finite(message.variance(), "variance");
   object.partial = message.partial();
   object.has_size = message.has_size();
   object.map_from_camera = Codec::read(message.map_from_camera());
@@ -544,7 +554,12 @@ std::string to_bytes(const SceneReasoning& reasoning) {
 
 SceneReasoning reasoning_from_bytes(std::string_view bytes) {
   const auto message = parsed<stored::SceneReasoning>(bytes);
-  return {Codec::read(message.evidence()), Codec::read(message.decisions()), Codec::read(message.matrices())};
+  SceneReasoning reasoning{Codec::read(message.evidence()), Codec::read(message.decisions()),
+                           Codec::read(message.matrices())};
+  const size_t decided = reasoning.decisions.observations.size();
+  check(decided <= reasoning.evidence.observations.size(), "list of decisions");
+  check(reasoning.matrices.keys.empty() || decided <= reasoning.matrices.rows, "table of pairs");
+  return reasoning;
 }
 
 }  // namespace loci::memory::belief

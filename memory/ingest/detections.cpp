@@ -19,7 +19,6 @@ namespace {
 constexpr double kFarthest_m = 1e5;
 constexpr double kMaxSize_m = 100;
 constexpr size_t kMaxDetections = 1000;
-constexpr int kMaxDepth = 32;
 
 /// Parsed here with sorted keys: a line of millions of keys must not take hours.
 using Parsed = nlohmann::json;
@@ -217,28 +216,10 @@ void check_masks(const DetectedScene& scene) {
                                      perception::kMaxMaskPixelsPerImage / 1'000'000));
 }
 
-/// Deep nesting takes a hundred times its size in memory.
-void refuse_deep(std::string_view line) {
-  int depth = 0;
-  bool quoted = false;
-  for (size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (quoted && c == '\\') {
-      ++i;  // whatever it escapes
-      continue;
-    }
-    if (c == '"') quoted = !quoted;
-    if (quoted) continue;
-    if (c == '[' || c == '{') ++depth;
-    if (c == ']' || c == '}') --depth;
-    if (depth > kMaxDepth) throw Error("is nested too deeply");
-  }
-}
-
 }  // namespace
 
 DetectedScene parse_detections(std::string_view line, const std::filesystem::path& folder) {
-  refuse_deep(line);
+  check_json_depth(line, {});
   Parsed json;
   try {
     json = Parsed::parse(line);

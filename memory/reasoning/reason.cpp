@@ -40,7 +40,7 @@ void read_view(const Store& store, const SceneRow& row, belief::SceneView& view)
                  row.camera->fy / step,
                  (row.camera->cx - first) / step,
                  (row.camera->cy - first) / step};
-  const std::vector<float> depth = decode_depth_thumbnail(store.blob(*row.depth).bytes);
+  const std::vector<float> depth = depth_thumbnail(store, row);
   view.depth = cv::Mat(row.depth_height, row.depth_width, CV_32F);
   view.labels = cv::Mat(row.depth_height, row.depth_width, CV_32S, cv::Scalar(-1));
   for (int v = 0; v < row.depth_height; ++v)
@@ -56,6 +56,7 @@ void draw_label(const ObservationRow& row, const BlobRecord& mask_blob, int step
                 cv::Mat& labels) {
   if (!row.roi || mask_blob.bytes.empty() || labels.empty()) return;
   const cv::Mat mask = mapping::decode_image({mask_blob.bytes.begin(), mask_blob.bytes.end()}, "mask");
+  if (mask.type() != CV_8U) throw Error(fmt::format("the mask of observation {} is no mask", row.id));
   const auto [x, y, width, height] = *row.roi;
   for (int v = 0; v < labels.rows; ++v)
     for (int u = 0; u < labels.cols; ++u) {
@@ -116,9 +117,13 @@ SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoni
   record.seconds_to_next = reasoning.evidence.seconds_to_next;
   record.place_poses = reasoning.evidence.places;
   record.places = places;
-  for (const ObservationRow& observation : from.observations(row.id)) {
+  const std::vector<ObservationRow> observations = from.observations(row.id);
+  if (reasoning.evidence.observations.size() < observations.size())
+    throw from.error(fmt::format("the evidence of scene {} is of other observations", row.id),
+                     "loci-memory verify lists what is damaged");
+  for (const ObservationRow& observation : observations) {
     ObservationRecord copy;
-    copy.evidence = reasoning.evidence.observations.at(record.observations.size());
+    copy.evidence = reasoning.evidence.observations[record.observations.size()];
     copy.row = observation;
     copy.row.place.reset();
     copy.crop = blob_of(from, observation.crop);
@@ -133,7 +138,6 @@ SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoni
     record.observations.push_back(std::move(copy));
   }
   std::map<Id, size_t> number_of;
-  const std::vector<ObservationRow> observations = from.observations(row.id);
   for (size_t i = 0; i < observations.size(); ++i) number_of[observations[i].id] = i;
   for (const AnnotationRow& annotation : from.annotations(row.id)) {
     auto& list = annotation.observation
@@ -228,15 +232,13 @@ Json ReasonResult::report() const {
 
 ReasonResult reason(const Store& from, const std::filesystem::path& other,
                     const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress) {
-  if (std::filesystem::exists(other))
-    throw Error("there is a file already", {other.string(), 0, {}}, "name a new memory with -o");
   const std::vector<SceneRow> scenes = from.scenes();
   ReasonResult result;
   for (const SceneRow& scene : scenes) result.let_go += from.reasoning_discarded(scene.id) ? 1 : 0;
   if (result.let_go > 0 && result.let_go == scenes.size())
     throw Error("the evidence of all scenes was let go: nothing can be reasoned about anew",
                 {from.path().string(), 0, {}}, "loci-memory retain --keep-reasoning erased it");
-  create_atomically(other, [&](const std::filesystem::path& made) {
+  create_atomically(other, {from.path()}, [&](const std::filesystem::path& made) {
     reason_into(from, scenes, made, options, write, progress, result);
   });
   return result;

@@ -102,7 +102,17 @@ std::optional<BeliefRow> last_row(Store::Connection& db, Id object, const AsOf& 
 
 /// The time of a stay that is asked about.
 int64_t stay_time(const AsOf& as_of) {
-  return as_of.at ? *as_of.at / kSecond : kOpenStay;
+  return as_of.at ? stay_seconds(*as_of.at) : kOpenStay;
+}
+
+/// Removes candidates that were not at the place at this time to the nanosecond, or, for `gone`, had not gone
+/// from it.
+void keep_exact(Store::Connection& db, std::vector<Id>& candidates, Id place, bool gone, const AsOf& as_of) {
+  if (!as_of.at) return;
+  std::erase_if(candidates, [&](Id object) {
+    const std::optional<BeliefRow> row = last_row(db, object, as_of);
+    return !row || row->place != place || (row->status == ObjectStatus::gone) != gone;
+  });
 }
 
 /// Objects of which an observation has one of the terms that the query `terms` finds for ?1.
@@ -185,11 +195,13 @@ std::vector<Id> Store::objects_at(Id place, const AsOf& as_of) const {
       if (row.place == place) result.push_back(row.object);
     return result;
   }
-  return connection_->values<Id>(
+  std::vector<Id> found = connection_->values<Id>(
       "SELECT DISTINCT object FROM stay WHERE place_from <= ?1 AND place_to >= ?1 AND since <= ?2 AND until "
       ">= ?2 "
       "ORDER BY object",
       {sql(place), sql(stay_time(as_of))});
+  keep_exact(*connection_, found, place, false, as_of);
+  return found;
 }
 
 Store::Gone Store::objects_gone_from(Id place, size_t max_count, const AsOf& as_of) const {
@@ -204,9 +216,9 @@ Store::Gone Store::objects_gone_from(Id place, size_t max_count, const AsOf& as_
   } else {
     result.objects = connection_->values<Id>(
         "SELECT object FROM stay WHERE place_from <= ?1 AND place_to >= ?1 AND since <= ?2 AND until >= ?2 "
-        "ORDER BY "
-        "since DESC, belief DESC",
+        "GROUP BY object ORDER BY max(since) DESC, max(belief) DESC",
         {sql(-place), sql(stay_time(as_of))});
+    keep_exact(*connection_, result.objects, place, true, as_of);
   }
   result.in_all = result.objects.size();
   if (result.in_all > max_count) result.objects.resize(max_count);

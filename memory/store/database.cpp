@@ -1,12 +1,62 @@
 #include "memory/store/database.h"
 
 #include <sqlite3.h>
+#include <unistd.h>
 #include <zstd.h>
 
 #include "mapping/base/hash.h"
+#include "memory/store/digest.h"
 #include "memory/store/row_columns.h"
+#include "memory/store/schema_check.h"
 
 namespace loci::memory {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// More is not believed of one value, however small it is when compressed.
+constexpr uint64_t kMaxValueBytes = uint64_t{1} << 28;
+
+}  // namespace
+
+void SqlRow::refuse_value(const SQLite::Column& value) {
+  throw Error(fmt::format("{} holds a number that is out of range", value.getName()), {},
+              "loci-memory verify lists what is damaged");
+}
+
+std::unique_ptr<SQLite::Database> open_database(const std::string& name, int flags) {
+  auto database = std::make_unique<SQLite::Database>(name, flags);
+  sqlite3_db_config(database->getHandle(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_db_config(database->getHandle(), SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  database->setBusyTimeout(5000);
+  database->exec("PRAGMA cell_size_check = ON");
+  return database;
+}
+
+void trust_schema(SQLite::Database& database) {
+  sqlite3_db_config(database.getHandle(), SQLITE_DBCONFIG_TRUSTED_SCHEMA, 1, nullptr);
+}
+
+bool can_write(const fs::path& path) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  return ::access(path.c_str(), W_OK) == 0 && ::access(folder.c_str(), W_OK) == 0;
+}
+
+std::unique_ptr<SQLite::Database> open_database_to_read(const fs::path& path) {
+  // Opened so that the shared memory of the log can be set up and removed again; query_only prevents the
+  // rest.
+  if (can_write(path)) return open_database(path.string(), SQLite::OPEN_READWRITE);
+  std::error_code ignored;
+  const fs::path log = path.string() + "-wal";
+  if (fs::exists(log, ignored) && fs::file_size(log, ignored) > 0)
+    return open_database(path.string(), SQLite::OPEN_READONLY);
+  std::string uri = "file:";
+  for (const char c : fs::absolute(path).string())
+    uri += c == '?' || c == '#' || c == '%' ? fmt::format("%{:02x}", static_cast<unsigned char>(c))
+                                            : std::string(1, c);
+  return open_database(uri + "?immutable=1", SQLite::OPEN_READONLY | SQLite::OPEN_URI);
+}
 
 SQLite::Column SqlRow::column(std::string_view name) const {
   const int count = statement_.getColumnCount();
@@ -139,7 +189,7 @@ Id Store::Connection::insert(const char* table, const SqlColumns& columns) {
   if (!slot) {
     std::string names, marks;
     for (const auto& [name, value] : columns) {
-      names += (names.empty() ? "" : ", ") + std::string(name.prefix) + name.name;
+      names += (names.empty() ? "" : ", ") + sql_name(std::string(name.prefix) + name.name);
       marks += marks.empty() ? "?" : ", ?";
     }
     slot = std::make_unique<SQLite::Statement>(
@@ -150,8 +200,10 @@ Id Store::Connection::insert(const char* table, const SqlColumns& columns) {
   for (const auto& [name, value] : columns) values.push_back(value);
   bind_values(*slot, values);
   slot->exec();
+  const Id id = database->getLastInsertRowid();
   ++added[table];
-  return database->getLastInsertRowid();
+  digests[table] += row_digest(table, columns, id);
+  return id;
 }
 
 bool Store::Connection::needs_known(const AsOf& as_of) {
@@ -169,6 +221,9 @@ Id Store::Connection::next_object_id() {
 Id Store::Connection::add_blob(std::string_view bytes, const std::string& media) {
   const std::string hash = content_hash(bytes);
   if (const auto known = value<Id>("SELECT id FROM blob WHERE hash = ?", {sql(hash)})) return *known;
+  if (bytes.size() > kMaxValueBytes)
+    throw error(fmt::format("{} MB are too much for one value", bytes.size() >> 20),
+                "up to 256 MB are stored");
   const bool packed = media == "image/jpeg" || media == "image/png";
   const Encoded encoded = packed ? Encoded{0, std::string(bytes)} : encode_bytes(bytes);
   return insert("blob", {{"hash", sql(hash)},
@@ -215,12 +270,12 @@ Encoded encode_bytes(std::string_view bytes) {
 
 std::string decode_bytes(std::string bytes, int64_t encoding, int64_t size,
                          const std::filesystem::path& path) {
-  if (encoding == 0) return bytes;
-  const Error damaged("a compressed value is damaged", {path.string(), 0, {}},
-                      "restore the memory from a copy");
+  const Error damaged("a stored value is damaged", {path.string(), 0, {}}, "restore the memory from a copy");
+  if (encoding == 0 && (size < 0 || static_cast<uint64_t>(size) == bytes.size())) return bytes;
+  if (encoding != 1) throw damaged;
   const unsigned long long stated = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
   const bool known = stated != ZSTD_CONTENTSIZE_ERROR && stated != ZSTD_CONTENTSIZE_UNKNOWN;
-  if (!known || stated > (1ULL << 32) || (size >= 0 && stated != static_cast<unsigned long long>(size)))
+  if (!known || stated > kMaxValueBytes || (size >= 0 && stated != static_cast<unsigned long long>(size)))
     throw damaged;
   std::string plain(static_cast<size_t>(stated), '\0');
   const size_t got = ZSTD_decompress(plain.data(), plain.size(), bytes.data(), bytes.size());

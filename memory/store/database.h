@@ -5,12 +5,14 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 
+#include <cmath>
 #include <map>
 #include <memory>
 #include <unordered_map>
 #include <utility>
 #include <variant>
 
+#include "memory/store/format.h"
 #include "memory/store/scene_transaction.h"
 #include "memory/store/store.h"
 
@@ -76,8 +78,10 @@ class SqlRow {
   std::string bytes(std::string_view name) const;
 
  private:
+  /// Every value of a row passes here: numbers that do not fit their type are refused.
   template <class T>
   static T convert(const SQLite::Column& value);
+  [[noreturn]] static void refuse_value(const SQLite::Column& value);
   SQLite::Column column(std::string_view name) const;
 
   SQLite::Statement& statement_;
@@ -92,11 +96,13 @@ T SqlRow::convert(const SQLite::Column& value) {
     return parse_state<T>(value.getText());
   else if constexpr (std::is_same_v<T, bool>)
     return value.getInt64() != 0;
-  else if constexpr (std::is_integral_v<T>)
+  else if constexpr (std::is_integral_v<T>) {
+    if (!std::in_range<T>(value.getInt64())) refuse_value(value);
     return static_cast<T>(value.getInt64());
-  else if constexpr (std::is_floating_point_v<T>)
+  } else if constexpr (std::is_floating_point_v<T>) {
+    if (!std::isfinite(value.getDouble())) refuse_value(value);
     return value.getDouble();
-  else
+  } else
     return value.getString();
 }
 
@@ -147,10 +153,13 @@ struct Store::Connection {
   ~Connection();
 
   std::filesystem::path path;
+  std::filesystem::path lock_name;  ///< of the lock file
   bool writable = false;
   int version = 0;
   std::optional<TimeNs> now;  ///< as in WriteOptions
   int lock = -1;              ///< file descriptor of the lock file
+  MemoryFormat format{};
+  std::filesystem::path kept_before_migration;
   std::unique_ptr<SQLite::Database> database;
   std::unordered_map<std::string, std::unique_ptr<SQLite::Statement>> statements;
   bool in_scene = false;
@@ -175,6 +184,7 @@ struct Store::Connection {
   std::optional<Sequence> scenes;                       ///< of all scenes
   std::unordered_map<Id, Sequence> observations;        ///< of some objects
   std::unordered_map<std::string_view, int64_t> added;  ///< rows by table that row_count does not have yet
+  std::map<std::string_view, uint64_t> digests;         ///< of these rows, and of changes
 
   /// A prepared statement, ready to be bound.
   SQLite::Statement& statement(const std::string& text);
@@ -190,7 +200,8 @@ struct Store::Connection {
   template <class T>
   std::optional<T> value(const std::string& text, const SqlValues& values = {});
 
-  /// Runs `body` and turns the exceptions of the database into Error with the name of the file.
+  /// Runs `body` and turns the exceptions of the database, and errors about values of rows, into Error with
+  /// the name of the file.
   template <class Body>
   auto guarded(Body body) -> decltype(body());
   /// guarded() as one transaction; inside a scene it is part of the scene's.
@@ -231,6 +242,16 @@ struct Store::Connection {
 void drop_unused_blobs(SQLite::Database& database);
 /// Overwrites what was deleted, in the file and in its log.
 void overwrite_deleted(SQLite::Database& database);
+/// Opens a database file. What a file brings along cannot do harm: functions with side effects are not called
+/// from its schema, its shadow tables are not written directly, and damaged pages are recognised.
+std::unique_ptr<SQLite::Database> open_database(const std::string& name, int flags);
+/// For a writer whose file has passed check_schema(): its triggers keep the full-text index, which SQLite
+/// only allows to a schema that is trusted.
+void trust_schema(SQLite::Database& database);
+/// Opens a memory for reading. A file in a folder where nothing can be written (a read-only medium) is opened
+/// as immutable.
+std::unique_ptr<SQLite::Database> open_database_to_read(const std::filesystem::path& path);
+bool can_write(const std::filesystem::path& path);
 [[noreturn]] void throw_database_error(const SQLite::Exception& error, const std::filesystem::path& path);
 void bind_values(SQLite::Statement& statement, const SqlValues& values);
 /// Runs several statements; each is bound to as many of the values as it has parameters. Returns the rows
@@ -271,6 +292,9 @@ auto Store::Connection::guarded(Body body) -> decltype(body()) {
     return body();
   } catch (const SQLite::Exception& error) {
     throw_database_error(error, path);
+  } catch (const Error& error) {
+    if (!error.location().file.empty()) throw;
+    throw Error(error.message(), {path.string(), 0, error.location().key}, error.hint());
   }
 }
 
@@ -281,6 +305,7 @@ auto Store::Connection::transaction(Body body) -> decltype(body()) {
     if (in_scene) return body();
     SQLite::Transaction all(*database, SQLite::TransactionBehavior::IMMEDIATE);
     added.clear();
+    digests.clear();
     if constexpr (std::is_void_v<decltype(body())>) {
       body();
       save_counts();

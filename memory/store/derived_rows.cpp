@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "memory/store/digest.h"
+
 namespace loci::memory {
 namespace {
 
@@ -46,16 +48,19 @@ constexpr DerivedTable kObjectTerm = {
     "association WHERE {observed} AND object IS NOT NULL) a JOIN annotation n ON n.scene = a.scene AND "
     "n.observation = a.observation GROUP BY n.term, a.object",
     "object"};
+// The index holds 32 bits: times that need more are the first or the last second that it has
+// (stay_seconds()).
 constexpr DerivedTable kStay = {
     "stay", "belief, x_from, x_to, y_from, y_to, z_from, z_to, since, until, place_from, place_to, object",
-    "SELECT id AS belief, x, x, y, y, z, z, valid_from / 1000000000, until, place, place, object FROM "
-    "(SELECT id, "
-    "object, valid_from, iif(status = 'gone', -1, 1) * coalesce(place, 0) AS place, "
-    "round(min(max(1000 * x, -2e9), 2e9)) AS x, round(min(max(1000 * y, -2e9), 2e9)) AS y, "
-    "round(min(max(1000 * z, -2e9), 2e9)) AS z, coalesce(lead(valid_from) OVER (PARTITION BY object ORDER BY "
-    "valid_from, id) / 1000000000, 2147483647) AS until FROM belief) WHERE x IS NOT NULL AND y IS NOT NULL "
-    "AND z IS "
-    "NOT NULL",
+    "SELECT id AS belief, x, x, y, y, z, z, min(max(valid_from / 1000000000, -2147483647), 2147483646), "
+    "until, "
+    "place, place, object FROM (SELECT id, object, valid_from, iif(status = 'gone', -1, 1) * coalesce(place, "
+    "0) "
+    "AS place, round(min(max(1000 * x, -2e9), 2e9)) AS x, round(min(max(1000 * y, -2e9), 2e9)) AS y, "
+    "round(min(max(1000 * z, -2e9), 2e9)) AS z, coalesce(min(max(lead(valid_from) OVER (PARTITION BY object "
+    "ORDER BY valid_from, id) / 1000000000, -2147483647), 2147483646), 2147483647) AS until FROM belief) "
+    "WHERE "
+    "x IS NOT NULL AND y IS NOT NULL AND z IS NOT NULL",
     "belief"};
 constexpr std::array kDerivedTables = {kSceneRank, kObservationRank, kVisit, kObjectTerm, kStay};
 
@@ -79,6 +84,10 @@ void derive_for_object(Store::Connection& db, const DerivedTable& table, Id obje
 
 }  // namespace
 
+int64_t stay_seconds(TimeNs time) {
+  return std::clamp<int64_t>(time / kSecond, -kOpenStay, kOpenStay - 1);
+}
+
 void derive_tables(SQLite::Database& database) {
   for (const DerivedTable& table : kDerivedTables)
     database.exec(fmt::format("DELETE FROM {0}; INSERT INTO {0} ({1}) {2}", table.name, table.columns,
@@ -91,6 +100,7 @@ void count_rows(SQLite::Database& database) {
   database.exec("DELETE FROM row_count");
   for (const char* table : kCountedTables)
     database.exec(fmt::format("INSERT INTO row_count (name, rows) SELECT '{0}', count(*) FROM {0}", table));
+  derive_digests(database);
 }
 
 std::vector<std::string> derived_problems(Store::Connection& db) {
@@ -105,18 +115,20 @@ std::vector<std::string> derived_problems(Store::Connection& db) {
       problems.push_back(fmt::format("table {} does not agree with the other tables about {} {}", table.name,
                                      table.subject, id));
   }
-  db.query("SELECT name, rows FROM row_count ORDER BY name", {}, [&](const SqlRow& row) {
-    const auto name = row.get<std::string>("name");
-    const auto counted = row.get<int64_t>("rows");
-    const int64_t found = query_integer(*db.database, fmt::format("SELECT count(*) FROM \"{}\"", name));
+  for (const char* table : kCountedTables) {
+    const int64_t counted =
+        db.value<int64_t>("SELECT rows FROM row_count WHERE name = ?", {std::string_view(table)}).value_or(0);
+    const int64_t found = query_integer(*db.database, fmt::format("SELECT count(*) FROM {}", table));
     if (found != counted)
-      problems.push_back(fmt::format("{} has {} rows, not the {} counted", name, found, counted));
-  });
+      problems.push_back(fmt::format("{} has {} rows, not the {} counted", table, found, counted));
+  }
+  if (db.value<int64_t>("SELECT count(*) FROM row_count").value_or(0) > int64_t{kCountedTables.size()})
+    problems.push_back("table row_count counts what is no table");
   return problems;
 }
 
 void Store::Connection::add_stay(Id belief, const BeliefRow& row, TimeNs from) {
-  const int64_t since = from / kSecond;
+  const int64_t since = stay_seconds(from);
   const auto before = value<Id>(
       "SELECT id FROM belief WHERE object = ?1 AND valid_from <= ?2 AND id <> ?3 ORDER BY valid_from DESC, "
       "id DESC "
@@ -129,7 +141,7 @@ void Store::Connection::add_stay(Id belief, const BeliefRow& row, TimeNs from) {
       "ORDER BY "
       "valid_from, id LIMIT 1",
       {sql(row.object), sql(from), sql(belief)});
-  const int64_t until = next ? *next / kSecond : kOpenStay;
+  const int64_t until = next ? stay_seconds(*next) : kOpenStay;
   const auto millimetres = [&](int axis) {  // rounded as SQLite does
     const double value = std::clamp((*row.position)[axis] * 1000, -2e9, 2e9);
     return sql(static_cast<int64_t>(value + (value < 0 ? -0.5 : 0.5)));
@@ -222,11 +234,14 @@ void Store::Connection::save_counts() {
       run("INSERT INTO row_count (name, rows) VALUES (?, ?) ON CONFLICT DO UPDATE SET rows = rows + "
           "excluded.rows",
           {std::string_view(table), sql(found->second)});
+  add_to_digests(*this, digests);
+  digests.clear();
   added.clear();
   new_observations.clear();
 }
 
 void Store::Connection::clear_caches() {
+  digests.clear();
   added.clear();
   new_observations.clear();
   object_terms.clear();

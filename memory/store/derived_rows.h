@@ -13,10 +13,13 @@ inline constexpr const char* kObserved = "chosen = 1 AND observation IS NOT NULL
 
 /// `until` of a stay that has not ended.
 inline constexpr int64_t kOpenStay = 2147483647;
+/// The time of a stay, seconds since 1970 as far as 32 bits hold them (1901 to 2038), else the nearest that
+/// they hold. Stays found by it are candidates: rows of belief have the exact times.
+int64_t stay_seconds(TimeNs time);
 
 /// Derives all of them.
 void derive_tables(SQLite::Database& database);
-/// Counts the rows of the large tables (row_count).
+/// Counts the rows of the large tables (row_count), and computes the digests of all tables.
 void count_rows(SQLite::Database& database);
 /// What does not follow from the other tables, one line each.
 std::vector<std::string> derived_problems(Store::Connection& db);

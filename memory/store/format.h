@@ -14,6 +14,7 @@ struct Migration {
   int version;             ///< user_version
   const char* sql;         ///< changes the schema and its rows
   const char* read_views;  ///< TEMP views with which a file from before it is read as it is
+  const char* revert;      ///< gives an empty memory the schema from before it
 };
 
 /// What a program reads and writes. PRAGMA user_version = 1000 · major + minor: a newer minor version can be

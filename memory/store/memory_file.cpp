@@ -1,45 +1,138 @@
 #include "memory/store/memory_file.h"
 
+#include <SQLiteCpp/Backup.h>
+#include <sqlite3.h>
+
 #include <system_error>
 
-#include "mapping/base/error.h"
+#include "memory/store/database.h"
 
 namespace loci::memory {
 
 namespace fs = std::filesystem;
 
-void copy_memory(const fs::path& from, const fs::path& to) {
-  std::error_code none;
-  const fs::path log = from.string() + "-wal";
-  if (fs::exists(log, none) && fs::file_size(log, none) > 0)
-    throw Error("another program is writing to this memory", {from.string(), 0, {}},
-                "wait until it has finished");
-  std::error_code code;
-  fs::copy_file(from, to, fs::copy_options::overwrite_existing, code);
-  if (!code) return;
-  fs::remove(to, none);
-  // The library does not report a full disk as such.
-  const auto space = fs::space(fs::absolute(to).parent_path(), none);
-  const bool full = !none && space.available < fs::file_size(from, none);
-  throw Error(full ? std::string("the disk is full") : "cannot be written: " + code.message(),
-              {to.string(), 0, {}}, full ? "make room, or write it elsewhere" : "");
+namespace {
+
+constexpr unsigned kPrivate = 0600;  ///< a home's private life
+
+/// Verifies a memory under construction; it gets its name when there are no problems.
+BackupResult commit_verified(TemporaryMemory& made, const fs::path& source, Progress& progress) {
+  BackupResult result;
+  result.report = Store::open_read(made.path()).verify(progress);
+  if (!result.report.problems.empty())
+    throw Error(fmt::format("the copy has {} problems, the first: {}", result.report.problems.size(),
+                            result.report.problems.front()),
+                {source.string(), 0, {}}, "nothing was written; loci-memory verify lists them");
+  result.bytes = static_cast<int64_t>(fs::file_size(made.path()));
+  made.commit();
+  return result;
 }
 
-void TemporaryMemory::remove() const {
-  std::error_code ignored;
-  for (const char* end : {"", "-wal", "-shm", ".lock"}) fs::remove(path_.string() + end, ignored);
-}
-
-void create_atomically(const fs::path& memory, const std::function<void(const fs::path&)>& fill) {
-  const TemporaryMemory partial(memory.string() + ".partial");
+/// Errors about the temporary file are reported of the memory.
+template <class Body>
+auto reported_of(const fs::path& memory, const TemporaryMemory& made, Body body) -> decltype(body()) {
   try {
-    fill(partial.path());
-    fs::rename(partial.path(), memory);
+    return body();
   } catch (const Error& error) {
-    if (error.location().file != partial.path().string()) throw;
+    if (error.location().file != made.path().string()) throw;
     throw Error(error.message(), {memory.string(), 0, {}},
                 "nothing of it remains; make room, or write it elsewhere");
   }
+}
+
+/// Keeps other programs out of a memory that is about to be replaced, and leaves it without a log.
+std::unique_ptr<SQLite::Database> only_user_of(const fs::path& memory) {
+  std::error_code none;
+  if (!fs::exists(memory, none)) return nullptr;
+  try {
+    auto database = open_database(memory.string(), SQLite::OPEN_READWRITE);
+    database->setBusyTimeout(0);
+    // Only possible for the last user: it folds the log into the file.
+    database->exec("PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = DELETE; BEGIN EXCLUSIVE");
+    return database;
+  } catch (const SQLite::Exception& error) {
+    const int code = error.getErrorCode() & 0xff;
+    if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT) return nullptr;  // nobody can use it
+    throw_database_error(error, memory);
+  }
+}
+
+}  // namespace
+
+TemporaryMemory::TemporaryMemory(const fs::path& memory, std::vector<fs::path> inputs, Replace replace)
+    : memory_(fs::weakly_canonical(memory)),
+      options_{.replace = replace, .inputs = std::move(inputs), .mode = kPrivate},
+      file_(memory, options_) {}
+
+TemporaryMemory::~TemporaryMemory() {
+  remove_side_files(path());
+}
+
+void TemporaryMemory::commit() {
+  check_output(memory_, options_);  // before the log of one that appeared meanwhile would be removed
+  remove_side_files(memory_);
+  file_.commit();
+}
+
+PartialMemory::PartialMemory(const fs::path& memory) : path_(fs::weakly_canonical(memory).string() + ".partial") {
+  remove();
+}
+
+void PartialMemory::remove() const {
+  std::error_code ignored;
+  for (const char* end : {"", ".lock"}) fs::remove(path_.string() + end, ignored);
+  remove_side_files(path_);
+}
+
+void remove_side_files(const fs::path& memory) {
+  std::error_code ignored;
+  for (const char* end : {"-wal", "-shm", "-journal"}) fs::remove(memory.string() + end, ignored);
+}
+
+void copy_memory(const fs::path& from, const fs::path& to) {
+  { const Store is_memory = Store::open_read(from); }
+  copy_database(from, to);
+}
+
+void copy_database(const fs::path& from, const fs::path& to) {
+  try {
+    const auto source = open_database_to_read(from);
+    const auto copy = open_database(to.string(), SQLite::OPEN_READWRITE);
+    SQLite::Backup backup(*copy, *source);
+    const int result = backup.executeStep(-1);
+    if (result != SQLITE_DONE)
+      throw Error("another program is using this memory", {from.string(), 0, {}},
+                  "wait until it has finished");
+  } catch (const SQLite::Exception& error) {
+    throw_database_error(error, to);
+  }
+}
+
+void create_atomically(const fs::path& memory, const std::vector<fs::path>& inputs,
+                       const std::function<void(const fs::path&)>& fill) {
+  TemporaryMemory made(memory, inputs);
+  reported_of(memory, made, [&] {
+    fill(made.path());
+    made.commit();
+  });
+}
+
+BackupResult backup_memory(const fs::path& memory, const fs::path& backup, Progress& progress) {
+  TemporaryMemory made(backup, {memory});
+  return reported_of(backup, made, [&] {
+    copy_memory(memory, made.path());
+    return commit_verified(made, memory, progress);
+  });
+}
+
+BackupResult restore_memory(const fs::path& backup, const fs::path& memory, Replace replace,
+                            Progress& progress) {
+  TemporaryMemory made(memory, {backup}, replace);
+  const std::unique_ptr<SQLite::Database> replaced = only_user_of(memory);
+  return reported_of(memory, made, [&] {
+    copy_memory(backup, made.path());
+    return commit_verified(made, backup, progress);
+  });
 }
 
 }  // namespace loci::memory

@@ -3,18 +3,41 @@
 #include <filesystem>
 #include <functional>
 
+#include "mapping/base/output_file.h"
+#include "memory/store/store.h"
+
 namespace loci::memory {
 
-/// Copies a memory that nobody writes to, so that all of it is in the one file.
-void copy_memory(const std::filesystem::path& from, const std::filesystem::path& to);
-
-/// A memory under construction: removed with its log and lock when it goes out of scope, unless it was moved.
+/// A memory under construction beside `memory`, private to its user. Removed with its log and lock when it
+/// goes out of scope, unless it was committed.
 class TemporaryMemory {
  public:
-  explicit TemporaryMemory(std::filesystem::path path) : path_(std::move(path)) { remove(); }
-  ~TemporaryMemory() { remove(); }
+  /// Error when `memory` exists, unless `replace` allows it, or is one of `inputs`.
+  explicit TemporaryMemory(const std::filesystem::path& memory,
+                           std::vector<std::filesystem::path> inputs = {},
+                           Replace replace = Replace::nothing);
+  ~TemporaryMemory();
   TemporaryMemory(const TemporaryMemory&) = delete;
   TemporaryMemory& operator=(const TemporaryMemory&) = delete;
+
+  const std::filesystem::path& path() const { return file_.temporary(); }
+  /// Takes its name. A log that lies at that name, of a memory that is gone, is never replayed into it.
+  void commit();
+
+ private:
+  std::filesystem::path memory_;
+  OutputOptions options_;
+  OutputFile file_;
+};
+
+/// The name under which a memory is rewritten in place, so that the next writer finds what a killed one left. What lies
+/// there is removed when it is made, and when it goes out of scope.
+class PartialMemory {
+ public:
+  explicit PartialMemory(const std::filesystem::path& memory);
+  ~PartialMemory() { remove(); }
+  PartialMemory(const PartialMemory&) = delete;
+  PartialMemory& operator=(const PartialMemory&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
 
@@ -24,9 +47,35 @@ class TemporaryMemory {
   std::filesystem::path path_;
 };
 
-/// Creates a memory completely or not at all: `fill` writes it under a temporary name, which is then renamed.
-/// An Error about the temporary file is reported of `memory`.
-void create_atomically(const std::filesystem::path& memory,
+/// Removes the log, its index and the journal of a memory that is not there.
+void remove_side_files(const std::filesystem::path& memory);
+
+/// Copies a memory as it is at this moment into a file that is empty, also while a program writes to it. All
+/// of the copy is in the one file.
+void copy_memory(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// The same of a file that is known to be a memory.
+void copy_database(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// Creates a memory completely or not at all: `fill` writes it under a temporary name, which then becomes
+/// `memory`. Error when `memory` exists. An Error about the temporary file is reported of `memory`.
+void create_atomically(const std::filesystem::path& memory, const std::vector<std::filesystem::path>& inputs,
                        const std::function<void(const std::filesystem::path&)>& fill);
+
+/// What a backup holds, or the memory that was restored from it.
+struct BackupResult {
+  int64_t bytes = 0;    ///< of the file
+  VerifyReport report;  ///< of what was written: without problems
+};
+
+/// Copies a memory as it is at this moment, also while a program writes to it, and verifies the copy. Error,
+/// and no copy, when that finds problems, or when `backup` exists.
+BackupResult backup_memory(const std::filesystem::path& memory, const std::filesystem::path& backup,
+                           Progress& progress);
+
+/// Verifies a backup and copies it to `memory`. Error when `memory` exists, unless `replace` allows it; then
+/// also while another program has it open.
+BackupResult restore_memory(const std::filesystem::path& backup, const std::filesystem::path& memory,
+                            Replace replace, Progress& progress);
 
 }  // namespace loci::memory

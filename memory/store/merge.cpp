@@ -2,9 +2,10 @@
 
 #include <cmath>
 
-#include "mapping/base/json.h"
 #include "memory/store/derived_rows.h"
 #include "memory/store/memory_file.h"
+#include "memory/store/row_columns.h"
+#include "memory/store/schema_check.h"
 
 namespace loci::memory {
 namespace {
@@ -156,11 +157,9 @@ class Merger {
     SQLite::Statement places(database_, "SELECT id, outline FROM other.place WHERE outline IS NOT NULL");
     std::vector<std::pair<int64_t, std::string>> outlines;
     while (places.executeStep()) {
-      Json outline = parse_json(places.getColumn(1).getString(), "place.outline");
-      for (Json& corner : outline) {
-        const double x = corner.at(0).get<double>(), y = corner.at(1).get<double>();
-        corner = {t.x() + c * x - s * y, t.y() + s * x + c * y};
-      }
+      Json outline = Json::array();
+      for (const Vector2d& corner : outline_from_json(places.getColumn(1).getString()))
+        outline.push_back({t.x() + c * corner.x() - s * corner.y(), t.y() + s * corner.x() + c * corner.y()});
       outlines.emplace_back(places.getColumn(0).getInt64(), outline.dump());
     }
     SQLite::Statement change(database_, "UPDATE other.place SET outline = ? WHERE id = ?");
@@ -195,15 +194,12 @@ class Merger {
       Spot& spot = spots[places.getColumn(0).getString()];
       if (!places.getColumn(2).isNull()) spot.height = places.getColumn(2).getDouble();
       if (places.getColumn(1).isNull()) continue;
-      const Json outline = parse_json(places.getColumn(1).getString(), "place.outline");
+      const std::vector<Vector2d> outline = outline_from_json(places.getColumn(1).getString());
       if (outline.empty()) continue;
-      double x = 0, y = 0;
-      for (const Json& corner : outline) {
-        x += corner.at(0).get<double>();
-        y += corner.at(1).get<double>();
-      }
-      spot.x = x / static_cast<double>(outline.size());
-      spot.y = y / static_cast<double>(outline.size());
+      Vector2d sum = Vector2d::Zero();
+      for (const Vector2d& corner : outline) sum += corner;
+      spot.x = sum.x() / static_cast<double>(outline.size());
+      spot.y = sum.y() / static_cast<double>(outline.size());
     }
     return spots;
   }
@@ -255,10 +251,11 @@ class Merger {
     const auto columns = columns_of(table);
     for (const auto& [column, target] : columns) {
       const bool known = !target.empty() && target != table;
-      names += (names.empty() ? "" : ", ") + column;
-      values += known
-                    ? fmt::format(", (SELECT new FROM temp.of_{0} WHERE old = o.{1}) AS {1}", target, column)
-                    : ", o." + column;
+      const std::string name = sql_name(column);
+      names += (names.empty() ? "" : ", ") + name;
+      values += known ? fmt::format(", (SELECT new FROM temp.{0} WHERE old = o.{1}) AS {1}",
+                                    sql_name("of_" + target), name)
+                      : ", o." + name;
     }
     database_.exec(
         fmt::format("CREATE TEMP TABLE rows_of_{0} AS SELECT o.id AS id{1} FROM other.{0} o", table, values));
@@ -280,7 +277,7 @@ class Merger {
       if (target == table)
         database_.exec(
             fmt::format("UPDATE {0} SET {1} = (SELECT new FROM {2} WHERE old = {1}) WHERE {1} IS NOT NULL",
-                        rows, column, ids));
+                        rows, sql_name(column), ids));
     const int64_t before = number("SELECT count(*) FROM main." + table);
     database_.exec(
         fmt::format("INSERT INTO main.{0} (id, {1}) SELECT m.new, {1} FROM {2} r JOIN {3} m ON m.old = r.id "
@@ -357,31 +354,29 @@ class Merger {
 
 MergeResult merge(const fs::path& first, const fs::path& second, const fs::path& output,
                   const std::optional<FrameChange>& frame, Progress& progress) {
-  if (fs::exists(output))
-    throw Error("the file exists already", {output.string(), 0, {}}, "name a new memory with -o");
-  const TemporaryMemory other(output.string() + ".second");
   MergeResult result;
-  create_atomically(output, [&](const fs::path& result_file) {
-    copy_migrated(first, result_file);
+  create_atomically(output, {first, second}, [&](const fs::path& made) {
+    const TemporaryMemory other(output);
+    copy_migrated(first, made);
     copy_migrated(second, other.path());
-    const int64_t forgotten = forget_in_both(result_file, other.path());
+    const int64_t forgotten = forget_in_both(made, other.path());
     try {
-      SQLite::Database database(result_file.string(), SQLite::OPEN_READWRITE);
-      SQLite::Statement attach(database, "ATTACH ? AS other");
+      const auto database = open_database(made.string(), SQLite::OPEN_READWRITE);
+      trust_schema(*database);  // both are checked and migrated
+      SQLite::Statement attach(*database, "ATTACH ? AS other");
       attach.bind(1, other.path().string());
       attach.exec();
-      SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
-      result = Merger(database, first, second, frame).run(progress);
-      result.forgotten = forgotten;
+      SQLite::Transaction all(*database, SQLite::TransactionBehavior::IMMEDIATE);
+      result = Merger(*database, first, second, frame).run(progress);
       result.forgotten = forgotten;
       all.commit();
-      database.exec("DETACH other");
-      if (forgotten > 0) overwrite_deleted(database);
-      database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
+      database->exec("DETACH other");
+      if (forgotten > 0) overwrite_deleted(*database);
+      database->exec("PRAGMA wal_checkpoint(TRUNCATE)");
     } catch (const SQLite::Exception& error) {
-      throw_database_error(error, result_file);
+      throw_database_error(error, made);
     }
-    { Store::open_write(result_file); }
+    { Store::open_write(made); }
   });
   return result;
 }

@@ -128,8 +128,7 @@ void rewrite_memory(const std::filesystem::path& memory, const std::filesystem::
     sync_to_disk(copy, O_RDONLY);
   };
   if (!output.empty()) {
-    check_output(output, {.replace = Replace::nothing, .inputs = {memory}});
-    create_atomically(output, [&](const std::filesystem::path& copy) {
+    create_atomically(output, {memory}, [&](const std::filesystem::path& copy) {
       copy_memory(memory, copy);
       changed(copy);
     });
@@ -138,7 +137,7 @@ void rewrite_memory(const std::filesystem::path& memory, const std::filesystem::
   const std::filesystem::path target = std::filesystem::canonical(memory);
   Store store = Store::open_write(target);  // its lock keeps out other writers until the end
   Store::Connection& db = *store.connection_;
-  const TemporaryMemory copy(target.string() + ".partial");
+  const PartialMemory copy(target);
   const auto restore = [&] {
     if (!db.database) return;
     db.database->tryExec("PRAGMA locking_mode = NORMAL");

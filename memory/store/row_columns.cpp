@@ -1,6 +1,20 @@
 #include "memory/store/row_columns.h"
 
 namespace loci::memory {
+namespace {
+
+/// Sides and pixels of the largest image that rows are believed to describe.
+constexpr int kMaxImageSide = 1 << 15;
+constexpr int64_t kMaxPixels = int64_t{1} << 26;
+/// 146 years from 1970: differences of two times fit 64 bits.
+constexpr TimeNs kMaxTime = TimeNs{1} << 62;
+
+bool is_image_size(int width, int height) {
+  return width > 0 && height > 0 && width <= kMaxImageSide && height <= kMaxImageSide &&
+         int64_t{width} * height <= kMaxPixels;
+}
+
+}  // namespace
 
 template <size_t N>
 std::optional<std::array<double, N>> RowReader::numbers(const char* prefix, const char* const (&names)[N]) {
@@ -14,14 +28,17 @@ std::optional<std::array<double, N>> RowReader::numbers(const char* prefix, cons
 }
 
 void RowReader::operator()(const char* name, std::vector<Vector2d>& outline) {
-  if (const auto text = row_.get<std::optional<std::string>>(name))
-    for (const Json& point : parse_json(*text, name))
-      outline.emplace_back(point.at(0).get<double>(), point.at(1).get<double>());
+  if (const auto text = row_.get<std::optional<std::string>>(name)) outline = outline_from_json(*text);
 }
 
 void RowReader::operator()(const char* name, std::map<std::string, double>& numbers) {
-  if (const auto text = row_.get<std::optional<std::string>>(name))
-    numbers = parse_json(*text, name).get<std::map<std::string, double>>();
+  const auto text = row_.get<std::optional<std::string>>(name);
+  if (!text) return;
+  try {
+    numbers = parse_json(*text, {}).get<std::map<std::string, double>>();
+  } catch (const Json::exception&) {
+    refuse(name, "is no JSON object of numbers");
+  }
 }
 
 void RowReader::vector(const char* prefix, std::optional<Vector3d>& vector) {
@@ -29,7 +46,8 @@ void RowReader::vector(const char* prefix, std::optional<Vector3d>& vector) {
 }
 
 void RowReader::pose(const char* prefix, std::optional<Isometry3d>& pose) {
-  if (const auto values = numbers(prefix, kPoseColumns)) pose = pose_from_values(*values);
+  if (const auto values = numbers(prefix, kPoseColumns))
+    pose = pose_from_values(*values, {{}, 0, std::string(prefix) + "pose"});
 }
 
 void RowReader::color(std::optional<HsvColor>& color) {
@@ -41,11 +59,13 @@ void RowReader::camera(std::optional<SceneCamera>& camera) {
   null_as(0, "camera_width", read.width);
   null_as(0, "camera_height", read.height);
   const auto fx = row_.get<std::optional<double>>("fx");
-  if (!fx || read.width <= 0) return;
+  if (!fx || (read.width == 0 && read.height == 0)) return;
   read.fx = *fx;
   (*this)("fy", read.fy);
   (*this)("cx", read.cx);
   (*this)("cy", read.cy);
+  if (!is_image_size(read.width, read.height) || read.fx <= 0 || read.fy <= 0)
+    refuse("camera_width", "and its neighbours are of no camera");
   (*this)("range_min", read.range_min);
   (*this)("range_max", read.range_max);
   camera = read;
@@ -54,17 +74,47 @@ void RowReader::camera(std::optional<SceneCamera>& camera) {
 void RowReader::roi(std::optional<std::array<int, 4>>& roi) {
   if (row_.is_null(kRoiColumns[0])) return;
   roi.emplace();
-  for (size_t i = 0; i < 4; ++i) (*this)(kRoiColumns[i], (*roi)[i]);
+  for (size_t i = 0; i < 4; ++i) {
+    (*this)(kRoiColumns[i], (*roi)[i]);
+    if ((*roi)[i] < 0 || (*roi)[i] > kMaxImageSide) refuse(kRoiColumns[i], "lies outside of any image");
+  }
+}
+
+void RowReader::thumbnail_size(int& width, int& height) {
+  null_as(0, "depth_width", width);
+  null_as(0, "depth_height", height);
+  if ((width != 0 || height != 0) && !is_image_size(width, height))
+    refuse("depth_width", "and depth_height are of no image");
+}
+
+void RowReader::time(const char* name, TimeNs& time) {
+  (*this)(name, time);
+  if (time < -kMaxTime || time > kMaxTime) refuse(name, "is a time that is too far off");
+}
+
+void RowReader::refuse(const char* name, const char* what) {
+  throw Error(fmt::format("{} {}", name, what), {}, "loci-memory verify lists what is damaged");
 }
 
 void RowReader::bitemporal(Bitemporal& times) {
-  (*this)("valid_from", times.valid_from);
+  time("valid_from", times.valid_from);
   (*this)("valid_to", times.valid_to);
-  (*this)("known_from", times.known_from);
+  time("known_from", times.known_from);
   (*this)("known_to", times.known_to);
   (*this)("supersedes", times.supersedes);
   (*this)("run", times.run);
   (*this)("source", times.source);
+}
+
+std::vector<Vector2d> outline_from_json(const std::string& text) {
+  std::vector<Vector2d> outline;
+  try {
+    for (const Json& point : parse_json(text, {}))
+      outline.emplace_back(point.at(0).get<double>(), point.at(1).get<double>());
+  } catch (const Json::exception&) {
+    throw Error("an outline is no list of points", {}, "loci-memory verify lists what is damaged");
+  }
+  return outline;
 }
 
 void RowWriter::json(const char* name, bool empty, const Json& value) {
@@ -115,6 +165,11 @@ void RowWriter::camera(const std::optional<SceneCamera>& camera) {
 
 void RowWriter::roi(const std::optional<std::array<int, 4>>& roi) {
   for (size_t i = 0; i < 4; ++i) columns_.emplace_back(kRoiColumns[i], roi ? sql((*roi)[i]) : SqlValue());
+}
+
+void RowWriter::thumbnail_size(int width, int height) {
+  null_as(0, "depth_width", width);
+  null_as(0, "depth_height", height);
 }
 
 void RowWriter::bitemporal(const Bitemporal& times) {

@@ -15,7 +15,12 @@ inline constexpr const char* kVectorColumns[] = {"x", "y", "z"};
 inline constexpr const char* kPoseColumns[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
 inline constexpr const char* kRoiColumns[] = {"roi_x", "roi_y", "roi_width", "roi_height"};
 
-/// Fills a row struct from the row at which a query stands.
+/// The points of place.outline.
+std::vector<Vector2d> outline_from_json(const std::string& text);
+
+/// Fills a row struct from the row at which a query stands. This is where the values of a file are checked:
+/// what it passes is finite, fits its type, and can be used as a size, an index or a time. Error for other
+/// values.
 class RowReader {
  public:
   explicit RowReader(const SqlRow& row) : row_(row) {}
@@ -37,9 +42,12 @@ class RowReader {
   void color(std::optional<HsvColor>& color);
   void camera(std::optional<SceneCamera>& camera);
   void roi(std::optional<std::array<int, 4>>& roi);
+  void thumbnail_size(int& width, int& height);
+  void time(const char* name, TimeNs& time);
   void bitemporal(Bitemporal& times);
 
  private:
+  [[noreturn]] static void refuse(const char* name, const char* what);
   /// Unset when one of them is NULL.
   template <size_t N>
   std::optional<std::array<double, N>> numbers(const char* prefix, const char* const (&names)[N]);
@@ -68,6 +76,8 @@ class RowWriter {
   void color(const std::optional<HsvColor>& color);
   void camera(const std::optional<SceneCamera>& camera);
   void roi(const std::optional<std::array<int, 4>>& roi);
+  void thumbnail_size(int width, int height);
+  void time(const char* name, const TimeNs& time) { (*this)(name, time); }
   void bitemporal(const Bitemporal& times);
 
  private:
@@ -128,13 +138,12 @@ void visit_columns(Columns& column, Row& row) {
   column.id(row.id);
   column("recording", row.recording);
   column("frame_index", row.frame_index);
-  column("time", row.time);
+  column.time("time", row.time);
   column("map", row.map);
   column.camera(row.camera);
   column.pose("", row.map_from_camera);
   column("depth", row.depth);
-  column.null_as(0, "depth_width", row.depth_width);
-  column.null_as(0, "depth_height", row.depth_height);
+  column.thumbnail_size(row.depth_width, row.depth_height);
   column("pixel_kinds", row.pixel_kinds);
   column("image", row.image);
   column("joints", row.joints);
@@ -249,7 +258,7 @@ void visit_columns(Columns& column, Row& row) {
   column("status", row.status);
   column("probability", row.probability);
   column("fraction", row.fraction);
-  column("valid_from", row.time);
+  column.time("valid_from", row.time);
 }
 
 template <class Columns, RowOf<FactRow> Row>

@@ -24,12 +24,18 @@ uint16_t millimetres(float z) {
 
 std::optional<DepthThumbnail> DepthThumbnail::of(const Store& store, const SceneRow& scene) {
   if (!scene.depth || !scene.camera || !scene.map_from_camera) return std::nullopt;
-  const std::vector<float> depth = decode_depth_thumbnail(store.blob(*scene.depth).bytes);
+  return DepthThumbnail(*scene.camera, *scene.map_from_camera, scene.depth_width, scene.depth_height,
+                        depth_thumbnail(store, scene));
+}
+
+std::vector<float> depth_thumbnail(const Store& store, const SceneRow& scene) {
+  if (!scene.depth) return {};
+  std::vector<float> depth = decode_depth_thumbnail(store.blob(*scene.depth).bytes);
   const int64_t pixels = int64_t{scene.depth_width} * scene.depth_height;
   if (pixels <= 0 || static_cast<int64_t>(depth.size()) != pixels)
     throw store.error(
         fmt::format("the depth thumbnail of scene {} has another size than its row says", scene.id));
-  return DepthThumbnail(*scene.camera, *scene.map_from_camera, scene.depth_width, scene.depth_height, depth);
+  return depth;
 }
 
 const char* to_text(SpotStatus status) {
@@ -134,6 +140,10 @@ std::optional<ClusterPoints> cluster_points(const Store& store, const SceneRow& 
   const std::vector<float> depth = decode_cluster_depth(store.blob(*observation.cloud).bytes);
   const SceneCamera& camera = *scene.camera;
   const auto& [left, top, width, height] = *observation.roi;
+  if (mask.type() != CV_8U || mask.cols != width || mask.rows != height || left + width > camera.width ||
+      top + height > camera.height)
+    throw store.error(
+        fmt::format("the mask of observation {} does not lie in its depth image", observation.id));
   ClusterPoints cluster;
   size_t next = 0;
   for (int y = 0; y < mask.rows; ++y)
@@ -147,7 +157,7 @@ std::optional<ClusterPoints> cluster_points(const Store& store, const SceneRow& 
       cluster.points.emplace_back(static_cast<float>((u - camera.cx) / camera.fx) * z,
                                   static_cast<float>((v - camera.cy) / camera.fy) * z, z);
     }
-  if (next != depth.size() || mask.cols != width || mask.rows != height)
+  if (next != depth.size())
     throw store.error(fmt::format("the points of observation {} do not fit its mask", observation.id));
   return cluster;
 }

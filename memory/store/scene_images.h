@@ -56,6 +56,8 @@ mapping::RgbdCamera cameras_of(const Store& store, const SceneRow& row);
 /// The bytes of a thumbnail blob from z-depths in metres (0 or NaN = none): uint16, little endian, mm.
 std::string encode_depth_thumbnail(const std::vector<float>& depth);
 std::vector<float> decode_depth_thumbnail(std::string_view bytes);
+/// The z-depths of a scene's thumbnail, as many as its row says (else Error); empty when it has none.
+std::vector<float> depth_thumbnail(const Store& store, const SceneRow& scene);
 inline constexpr const char* kDepthThumbnailMedia = "depth/uint16-mm";
 
 /// A kind per pixel of the depth thumbnail, row by row.

@@ -4,21 +4,13 @@
 #include "memory/store/row_columns.h"
 
 namespace loci::memory {
-namespace {
-
-void run_encoded(Store::Connection& db, const char* statement, SqlValues values, const Encoded& encoded) {
-  values.insert(values.end(), {sql(encoded.encoding), BytesView{encoded.bytes}});
-  db.guarded([&] { db.run(statement, values); });
-}
-
-}  // namespace
-
 SceneTransaction::SceneTransaction(Store& store, Id run)
     : db_(*store.connection_), run_(run), known_(db_.known_time()) {
   db_.require_writable();
   db_.guarded([&] { db_.database->exec("BEGIN IMMEDIATE"); });
   db_.in_scene = true;
   db_.added.clear();
+  db_.digests.clear();
   db_.new_observations.clear();
 }
 
@@ -124,9 +116,8 @@ Id SceneTransaction::add_feature_structure(const FeatureStructureRow& row) {
                                                    {"type_system", sql(row.type_system)},
                                                    {"encoding", sql(encoded.encoding)},
                                                    {"content", BytesView{encoded.bytes}}});
-    for (const Id blob : row.blobs)
-      db_.run("INSERT OR IGNORE INTO feature_structure_blob (feature_structure, blob) VALUES (?, ?)",
-              {sql(id), sql(blob)});
+    for (const Id blob : std::set(row.blobs.begin(), row.blobs.end()))
+      db_.insert("feature_structure_blob", {{"feature_structure", sql(id)}, {"blob", sql(blob)}});
     return id;
   });
 }
@@ -182,19 +173,25 @@ Id SceneTransaction::add_fact(const FactRow& row) {
 }
 
 void SceneTransaction::set_reasoning(Id scene, std::string_view bytes) {
-  run_encoded(db_, "INSERT INTO reasoning (scene, encoding, content) VALUES (?, ?, ?)", {sql(scene)},
-              encode_bytes(bytes));
-  ++db_.added["reasoning"];
+  const Encoded encoded = encode_bytes(bytes);
+  db_.guarded([&] {
+    db_.insert(
+        "reasoning",
+        {{"scene", sql(scene)}, {"encoding", sql(encoded.encoding)}, {"content", BytesView{encoded.bytes}}});
+  });
 }
 
 void SceneTransaction::set_checkpoint(const std::string& name, std::string_view bytes,
                                       std::optional<Id> scene) {
   // Small ones are written again with every scene.
-  run_encoded(
-      db_,
-      "INSERT INTO checkpoint (name, scene, encoding, content) VALUES (?, ?, ?, ?) ON CONFLICT DO UPDATE SET "
-      "scene = excluded.scene, encoding = excluded.encoding, content = excluded.content",
-      {sql(name), sql(scene)}, bytes.size() < 4096 ? Encoded{0, std::string(bytes)} : encode_bytes(bytes));
+  const Encoded encoded = bytes.size() < 4096 ? Encoded{0, std::string(bytes)} : encode_bytes(bytes);
+  db_.guarded([&] {
+    db_.run(
+        "INSERT INTO checkpoint (name, scene, encoding, content) VALUES (?, ?, ?, ?) ON CONFLICT DO UPDATE "
+        "SET "
+        "scene = excluded.scene, encoding = excluded.encoding, content = excluded.content",
+        {sql(name), sql(scene), sql(encoded.encoding), BytesView{encoded.bytes}});
+  });
 }
 
 void SceneTransaction::drop_checkpoints(const std::string& prefix) {

@@ -14,7 +14,8 @@
 -- *_known compute that end as known_to). Probability 0, or a NULL value, retracts a row without replacing it.
 
 -- One value per key: format ("loci-memory"), created (ISO 8601), written_by ("loci 0.1.0"), time_zone_minutes
--- (minutes east of UTC of times without a zone), next_object (ids of objects below it are not given again).
+-- (minutes east of UTC of times without a zone), next_object (ids of objects below it are not given again), digests
+-- (of the tables, for verify).
 CREATE TABLE meta (
   key TEXT PRIMARY KEY,
   value TEXT NOT NULL
@@ -326,8 +327,8 @@ CREATE INDEX belief_scene ON belief (scene);
 CREATE INDEX belief_supersedes ON belief (supersedes) WHERE supersedes IS NOT NULL;
 
 -- Where objects were believed to be, from one row of belief to the next. Derived from belief, to find objects near a
--- point or on a place at a time. Millimetres, seconds since 1970 (2147483647 = until now), place 0 = none, -5 = gone
--- from place 5.
+-- point or on a place at a time. Millimetres, seconds since 1970 (2147483647 = until now; later than 2038 = 2147483646),
+-- place 0 = none, -5 = gone from place 5.
 CREATE VIRTUAL TABLE stay USING rtree_i32(
   belief, x_from, x_to, y_from, y_to, z_from, z_to, since, until, place_from, place_to, +object);
 

@@ -12,9 +12,11 @@
 
 #include "mapping/base/hash.h"
 #include "memory/store/derived_rows.h"
+#include "memory/store/digest.h"
 #include "memory/store/format.h"
 #include "memory/store/memory_file.h"
 #include "memory/store/row_columns.h"
+#include "memory/store/schema_check.h"
 
 namespace loci::memory {
 namespace {
@@ -25,16 +27,12 @@ Error file_error(const fs::path& path, const std::string& what, const std::strin
   return Error(what, {path.string(), 0, {}}, hint);
 }
 
-fs::path lock_path(const fs::path& path) {
-  return path.string() + ".lock";
-}
-
 /// Keeps other writers out. The lock is a file of its own, because closing another descriptor of the database
-/// file would release SQLite's own locks. It is released with its process.
-int take_lock(const fs::path& path) {
-  const fs::path name = lock_path(path);
+/// file would release SQLite's own locks. It lies beside the file that symbolic links lead to, and is
+/// released with its process.
+int take_lock(const fs::path& name, const fs::path& path) {
   for (int attempt = 0; attempt < 10; ++attempt) {
-    const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    const int descriptor = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     if (descriptor < 0) throw file_error(path, std::string("cannot be written: ") + std::strerror(errno));
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
       ::close(descriptor);
@@ -49,6 +47,15 @@ int take_lock(const fs::path& path) {
     ::close(descriptor);
   }
   throw file_error(path, "another program is writing to this memory", "try again");
+}
+
+/// Log and lock go by the name of the file: under a second name, a second writer would know of neither.
+void check_only_name(const fs::path& path) {
+  const auto names = fs::hard_link_count(path);
+  if (names > 1)
+    throw file_error(
+        path, fmt::format("has {} names (hard links): writing under one of them would damage it", names),
+        "remove the other names, or write to a copy (loci-memory backup)");
 }
 
 bool is_blank(SQLite::Database& database) {
@@ -95,14 +102,28 @@ void check_writable_version(int version, const fs::path& path, const MemoryForma
                      "write to it with a newer loci");
 }
 
-void migrate(SQLite::Database& database, int version, const MemoryFormat& format) {
-  if (version >= format.version) return;
+/// A copy of a memory before its migration: memory.loci.1.0, memory.loci.1.0.2, ...
+fs::path backup_beside(const fs::path& path, int version) {
+  const std::string name = path.string() + "." + version_text(version);
+  fs::path kept = name;
+  std::error_code none;
+  for (int n = 2; fs::exists(kept, none); ++n) kept = fmt::format("{}.{}", name, n);
+  create_atomically(kept, {path}, [&](const fs::path& made) { copy_database(path, made); });
+  return kept;
+}
+
+/// Migrates a memory of an older minor version. As it was it is kept beside: the path of that copy.
+fs::path migrate(SQLite::Database& database, const fs::path& path, int version, const MemoryFormat& format) {
+  if (version >= format.version) return {};
+  const fs::path kept = backup_beside(path, version);
   SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
   for (const Migration& migration : format.migrations)
     if (migration.version > version) database.exec(migration.sql);
   derive_tables(database);
   database.exec(fmt::format("PRAGMA user_version = {}", format.version));
+  check_schema(database, path, format.version, format);
   all.commit();
+  return kept;
 }
 
 void create_schema(SQLite::Database& database, TimeNs known, const MemoryFormat& format) {
@@ -124,7 +145,6 @@ void create_schema(SQLite::Database& database, TimeNs known, const MemoryFormat&
 }
 
 void configure(SQLite::Database& database) {
-  database.setBusyTimeout(5000);
   database.exec(
       "PRAGMA cache_size = -16000");  // 16 MB: what scenes change and questions read again and again
   database.exec("PRAGMA foreign_keys = ON");
@@ -132,37 +152,12 @@ void configure(SQLite::Database& database) {
 
 /// A memory without scenes; complete or not there at all, whenever the program is stopped.
 void create_memory(const fs::path& path, TimeNs known, const MemoryFormat& format) {
-  const fs::path partial = path.string() + ".partial";
-  std::error_code ignored;
-  for (const char* end : {"", "-wal", "-shm", "-journal"}) fs::remove(partial.string() + end, ignored);
-  {
-    SQLite::Database database(partial.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
-    configure(database);
-    create_schema(database, known, format);
-    database.exec("PRAGMA journal_mode = WAL");
-  }
-  fs::rename(partial, path);
-}
-
-bool can_write(const fs::path& path) {
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  return ::access(path.c_str(), W_OK) == 0 && ::access(folder.c_str(), W_OK) == 0;
-}
-
-/// A file in a folder where nothing can be written (a read-only medium) is opened as immutable.
-std::unique_ptr<SQLite::Database> open_database_to_read(const fs::path& path) {
-  // Opened so that the shared memory of the log can be set up and removed again; query_only prevents the
-  // rest.
-  if (can_write(path)) return std::make_unique<SQLite::Database>(path.string(), SQLite::OPEN_READWRITE);
-  std::error_code ignored;
-  const fs::path log = path.string() + "-wal";
-  if (fs::exists(log, ignored) && fs::file_size(log, ignored) > 0)
-    return std::make_unique<SQLite::Database>(path.string(), SQLite::OPEN_READONLY);
-  std::string uri = "file:";
-  for (const char c : fs::absolute(path).string())
-    uri += c == '?' || c == '#' || c == '%' ? fmt::format("%{:02x}", static_cast<unsigned char>(c))
-                                            : std::string(1, c);
-  return std::make_unique<SQLite::Database>(uri + "?immutable=1", SQLite::OPEN_READONLY | SQLite::OPEN_URI);
+  create_atomically(path, {}, [&](const fs::path& made) {
+    const auto database = open_database(made.string(), SQLite::OPEN_READWRITE);
+    configure(*database);
+    create_schema(*database, known, format);
+    database->exec("PRAGMA journal_mode = WAL");
+  });
 }
 
 }  // namespace
@@ -178,7 +173,7 @@ Store::Connection::~Connection() {
   }
   database.reset();
   if (lock >= 0) {
-    ::unlink(lock_path(path).c_str());
+    ::unlink(lock_name.c_str());
     ::close(lock);
   }
 }
@@ -189,6 +184,7 @@ Store Store::open_read(const fs::path& path, const MemoryFormat& format) {
   if (fs::is_directory(path, code)) throw file_error(path, "is a folder, a memory file was expected");
   auto connection = std::make_unique<Connection>();
   connection->path = path;
+  connection->format = format;
   connection->guarded([&] {
     connection->database = open_database_to_read(path);
     SQLite::Database& database = *connection->database;
@@ -196,6 +192,8 @@ Store Store::open_read(const fs::path& path, const MemoryFormat& format) {
     database.exec("PRAGMA cache_size = -64000");  // Questions read back and forth in a long history.
     if (is_blank(database)) throw file_error(path, "is empty, not a memory of loci", "give a *.loci file");
     connection->version = check_version(database, path, format);
+    check_schema(database, path, connection->version, format);
+    if (connection->version > format.version) shadow_views(database, format);
     for (const Migration& migration : format.migrations)
       if (migration.version > connection->version) database.exec(migration.read_views);
     if (can_write(path)) database.exec("PRAGMA query_only = ON");
@@ -210,35 +208,36 @@ Store Store::open_write(const fs::path& path, const WriteOptions& options, const
   if (!fs::is_directory(folder, code)) throw file_error(path, "the folder does not exist");
   auto connection = std::make_unique<Connection>();
   connection->path = path;
+  connection->format = format;
   connection->now = options.now;
-  connection->lock = take_lock(path);
-  const bool existed = fs::exists(path, code);
+  connection->lock_name = fs::weakly_canonical(path).string() + ".lock";
+  connection->lock = take_lock(connection->lock_name, path);
   // What a program that was killed while it rewrote the memory left: it may hold what was to be forgotten.
-  { const TemporaryMemory unfinished(path.string() + ".partial"); }
-  try {
-    connection->guarded([&] {
-      if (!existed) create_memory(path, connection->known_time(), format);
-      connection->database = std::make_unique<SQLite::Database>(path.string(), SQLite::OPEN_READWRITE);
-      SQLite::Database& database = *connection->database;
-      configure(database);
-      if (is_blank(database)) create_schema(database, connection->known_time(), format);
-      const int version = check_version(database, path, format);
-      check_writable_version(version, path, format);
-      migrate(database, version, format);
-      database.exec("PRAGMA journal_mode = WAL");
-      database.exec("PRAGMA synchronous = NORMAL");
-      // The same pages change with every scene: a log of eight times the usual size writes each less often.
-      database.exec("PRAGMA wal_autocheckpoint = 8000");
-      database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
-      connection->version = format.version;
-    });
-  } catch (...) {
-    if (!existed) {
-      connection->database.reset();
-      for (const char* end : {"", ".partial"}) fs::remove(path.string() + end, code);
+  { const PartialMemory unfinished(path); }
+  connection->guarded([&] {
+    if (!fs::exists(path, code)) create_memory(path, connection->known_time(), format);
+    check_only_name(path);
+    connection->database = open_database(path.string(), SQLite::OPEN_READWRITE);
+    SQLite::Database& database = *connection->database;
+    configure(database);
+    if (is_blank(database)) create_schema(database, connection->known_time(), format);
+    const int version = check_version(database, path, format);
+    check_writable_version(version, path, format);
+    check_schema(database, path, version, format);
+    trust_schema(database);
+    connection->kept_before_migration = migrate(database, path, version, format);
+    if (!connection->value<int64_t>("SELECT 1 FROM meta WHERE key = 'digests'")) {
+      SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
+      derive_digests(database);  // of a program that did not keep them yet
+      all.commit();
     }
-    throw;
-  }
+    database.exec("PRAGMA journal_mode = WAL");
+    database.exec("PRAGMA synchronous = NORMAL");
+    // The same pages change with every scene: a log of eight times the usual size writes each less often.
+    database.exec("PRAGMA wal_autocheckpoint = 8000");
+    database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
+    connection->version = format.version;
+  });
   connection->writable = true;
   return Store(std::move(connection));
 }
@@ -267,6 +266,9 @@ Store::ReadTransaction::~ReadTransaction() {
 const fs::path& Store::path() const {
   return connection_->path;
 }
+const fs::path& Store::kept_before_migration() const {
+  return connection_->kept_before_migration;
+}
 bool Store::writable() const {
   return connection_->writable;
 }
@@ -293,7 +295,14 @@ Id Store::begin_run(const std::string& program, const std::string& configuration
 void Store::finish_run(Id run) {
   auto& db = *connection_;
   db.transaction([&] {
+    const auto digest = [&] {
+      SQLite::Statement row(*db.database, "SELECT * FROM run WHERE id = ?");
+      row.bind(1, run);
+      return row.executeStep() ? row_digest(RunRow::kTable, row) : 0;
+    };
+    const uint64_t before = digest();
     db.run("UPDATE run SET finished = ? WHERE id = ?", {sql(db.known_time()), sql(run)});
+    db.digests[RunRow::kTable] += digest() - before;
   });
 }
 

@@ -124,6 +124,8 @@ class Store {
 
   const std::filesystem::path& path() const;
   bool writable() const;
+  /// The copy that was kept of the file before open_write() migrated it; empty when nothing was migrated.
+  const std::filesystem::path& kept_before_migration() const;
   int major() const;  ///< of the format
   int minor() const;
   /// An Error about this file.

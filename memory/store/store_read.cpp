@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "memory/store/row_columns.h"
+#include "memory/store/schema_check.h"
 
 namespace loci::memory {
 namespace {
@@ -283,7 +284,8 @@ std::vector<Store::TableSize> Store::statistics(bool with_bytes) const {
     for (auto& [table, size] : sizes)
       size.rows = db.value<int64_t>("SELECT rows FROM row_count WHERE name = ?", {sql(table)}).value_or(-1);
     for (auto& [table, size] : sizes)
-      if (size.rows < 0) size.rows = query_integer(*db.database, "SELECT count(*) FROM " + table);
+      if (size.rows < 0 && has_object(db.format, "table", table))
+        size.rows = query_integer(*db.database, "SELECT count(*) FROM " + sql_name(table));
     if (with_bytes) {
       db.query("SELECT name, pgsize FROM dbstat WHERE aggregate = 1", {}, [&](const SqlRow& row) {
         const auto found = owners.find(row.get<std::string>("name"));
@@ -301,9 +303,8 @@ std::vector<Store::TableSize> Store::statistics(bool with_bytes) const {
 void Store::read_view(const std::string& view, const std::function<void(const Json&)>& visitor) const {
   auto& db = *connection_;
   db.guarded([&] {
-    if (!db.value<int64_t>("SELECT 1 FROM sqlite_master WHERE type = 'view' AND name = ?", {sql(view)}))
-      throw db.error("there is no view " + view);
-    SQLite::Statement rows(*db.database, "SELECT * FROM " + view);
+    if (!has_object(db.format, "view", view)) throw db.error("there is no view " + view);
+    SQLite::Statement rows(*db.database, "SELECT * FROM " + sql_name(view));
     while (rows.executeStep()) {
       Json row = Json::object();
       for (int i = 0; i < rows.getColumnCount(); ++i) {

@@ -3,6 +3,8 @@
 #include "mapping/base/hash.h"
 #include "mapping/base/json.h"
 #include "memory/store/derived_rows.h"
+#include "memory/store/digest.h"
+#include "memory/store/row_columns.h"
 
 namespace loci::memory {
 namespace {
@@ -76,7 +78,7 @@ void check_blobs(Store::Connection& db, Progress& progress, std::vector<std::str
       if (content_hash(bytes) != row.get<std::string>("hash"))
         problems.push_back(fmt::format("blob {} does not match its hash", id));
     } catch (const Error&) {
-      problems.push_back(fmt::format("blob {} cannot be decompressed", id));
+      problems.push_back(fmt::format("blob {} is damaged", id));
     }
   });
 }
@@ -90,6 +92,60 @@ void check_feature_structures(Store::Connection& db, std::vector<std::string>& p
       problems.push_back(fmt::format("feature structure {} is damaged", row.get<Id>("id")));
     }
   });
+}
+
+/// That every row of a table can be read.
+template <class Row>
+void check_rows_of(Store::Connection& db, std::vector<std::string>& problems) {
+  int64_t position = 0;
+  db.query(fmt::format("SELECT * FROM {}", Row::kTable), {}, [&](const SqlRow& row) {
+    ++position;
+    try {
+      read_row<Row>(row);
+    } catch (const Error& error) {
+      problems.push_back(fmt::format("{} row {}: {}", Row::kTable, position, error.what()));
+    }
+  });
+}
+
+void check_rows(Store::Connection& db, std::vector<std::string>& problems) {
+  check_rows_of<PlaceRow>(db, problems);
+  check_rows_of<SceneRow>(db, problems);
+  check_rows_of<ObservationRow>(db, problems);
+  check_rows_of<ObjectRow>(db, problems);
+  check_rows_of<AssociationRow>(db, problems);
+  check_rows_of<EventRow>(db, problems);
+  check_rows_of<BeliefRow>(db, problems);
+  check_rows_of<VisibilityRow>(db, problems);
+  check_rows_of<FactRow>(db, problems);
+}
+
+/// That the R*Tree is one, and that the full-text index has the words of the terms: the pages of both are of
+/// SQLite.
+void check_search_tables(Store::Connection& db, std::vector<std::string>& problems) {
+  if (const auto text = db.value<std::string>("SELECT rtreecheck('main', 'stay')"); text && *text != "ok")
+    problems.push_back("table stay is damaged: " + text->substr(0, text->find('\n')));
+  // An index of the same terms, to compare with.
+  SQLite::Database& database = *db.database;
+  const bool only_reads = query_integer(database, "PRAGMA query_only") != 0;
+  database.exec(
+      "PRAGMA query_only = OFF; CREATE VIRTUAL TABLE temp.fresh_text USING fts5(value);"
+      "INSERT INTO temp.fresh_text (rowid, value) SELECT id, value FROM main.term;"
+      "CREATE VIRTUAL TABLE temp.stored_words USING fts5vocab(main, term_text, instance);"
+      "CREATE VIRTUAL TABLE temp.fresh_words USING fts5vocab(temp, fresh_text, instance)");
+  if (only_reads) database.exec("PRAGMA query_only = ON");
+  const auto differences = db.value<int64_t>(
+      "SELECT count(*) FROM (SELECT * FROM (SELECT * FROM temp.stored_words EXCEPT SELECT * FROM "
+      "temp.fresh_words) "
+      "UNION ALL SELECT * FROM (SELECT * FROM temp.fresh_words EXCEPT SELECT * FROM temp.stored_words))");
+  if (*differences > 0)
+    problems.push_back(
+        fmt::format("table term_text does not have the words of the terms ({} differ)", *differences));
+  db.statements.clear();
+  database.exec(
+      "PRAGMA query_only = OFF; DROP TABLE temp.stored_words; DROP TABLE temp.fresh_words;"
+      "DROP TABLE temp.fresh_text");
+  if (only_reads) database.exec("PRAGMA query_only = ON");
 }
 
 void check_rule(Store::Connection& db, const Rule& rule, std::vector<std::string>& problems) {
@@ -111,6 +167,9 @@ VerifyReport Store::verify(Progress& progress) const {
     check_blobs(db, progress, report.problems);
     check_feature_structures(db, report.problems);
     for (const Rule& rule : kRules) check_rule(db, rule, report.problems);
+    for (std::string& problem : digest_problems(db)) report.problems.push_back(std::move(problem));
+    check_rows(db, report.problems);
+    check_search_tables(db, report.problems);
     report.derived_problems = derived_problems(db);
     report.problems.insert(report.problems.end(), report.derived_problems.begin(),
                            report.derived_problems.end());

@@ -134,8 +134,11 @@ class PageReader {
 
   void on_text(const std::string& text) {
     if (data_) {
-      const Json json = Json::parse(text, nullptr, false);  // Pages hold what they hold.
-      if (!json.is_discarded()) find_data(json, page_);
+      try {
+        find_data(parse_json(text, {}), page_);
+      } catch (const Error&) {
+        // Pages hold what they hold.
+      }
       data_ = false;
       return;
     }

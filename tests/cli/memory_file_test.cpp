@@ -111,6 +111,46 @@ TEST_F(MemoryFileCli, RetainLetsReasonsGoAndWhyAndReasonSaySo) {
   EXPECT_EQ(run("loci-memory verify -m " + smaller).exit_code, 0);
 }
 
+TEST_F(MemoryFileCli, AnOutputIsNeverTheMemoryItselfUnderWhateverName) {
+  const std::string link = folder_ + "/link.loci", hard = folder_ + "/hard.loci", before = read_file(file_);
+  fs::create_symlink("memory.loci", link);
+  fs::create_hard_link(file_, hard);
+  for (const std::string& output : {file_, folder_ + "/./memory.loci", link, hard})
+    for (const std::string command : {"forget object_1 -m ", "retain --keep-images 1h -m ", "backup -m ",
+                                      "reason -m ", "restore --force "}) {
+      const Outcome refused = run("loci-memory " + command + file_ + " -o " + output);
+      EXPECT_EQ(refused.exit_code, 1) << command << output;
+      EXPECT_THAT(refused.error, HasSubstr("is an input of this command"));
+      EXPECT_EQ(lines_of(refused.error), 1);
+      EXPECT_EQ(read_file(file_), before);
+    }
+  EXPECT_TRUE(fs::is_symlink(link));
+}
+
+TEST_F(MemoryFileCli, ANewMemoryNeverReplacesAFile) {
+  const std::string letter = folder_ + "/letter.txt";
+  write_file_atomically(letter, "dear loci");
+  for (const std::string& command :
+       std::vector<std::string>{"forget object_1 -m ", "retain --keep-images 1h -m ", "backup -m ",
+                                "reason -m ", "restore ", "merge " + file_ + " "}) {
+    const Outcome refused = run("loci-memory " + command + file_ + " -o " + letter);
+    EXPECT_EQ(refused.exit_code, 1) << command;
+    EXPECT_THAT(refused.error, HasSubstr("exists already"));
+    EXPECT_EQ(read_file(letter), "dear loci");
+  }
+  EXPECT_EQ(run("loci-memory forget object_99 -m " + file_ + " -o " + folder_ + "/none.loci").exit_code, 1);
+  EXPECT_FALSE(fs::exists(folder_ + "/none.loci")) << "a copy in which nothing was forgotten";
+}
+
+TEST_F(MemoryFileCli, BackupAndRestoreGiveTheSameAnswers) {
+  const std::string backup = folder_ + "/backup.loci", restored = folder_ + "/restored.loci";
+  const Json made = answer("backup -m " + file_ + " -o " + backup);
+  EXPECT_EQ(made["scenes"], 6);
+  EXPECT_EQ(answer("restore " + backup + " -o " + restored)["bytes"], made["bytes"]);
+  EXPECT_EQ(answer("objects -m " + restored), answer("objects -m " + file_));
+  EXPECT_EQ(answer("restore " + backup + " -o " + restored + " --force")["ok"], true);
+}
+
 /// Where files cannot become larger than some kilobytes, as on a full disk: each command says so in one line.
 class FullDisk : public MemoryFileCli {
  protected:

@@ -66,6 +66,17 @@ TEST(Serialization, NumbersComeBackBitByBit) {
   EXPECT_EQ(stored(restored(stored(example.state))), stored(example.state));
 }
 
+TEST(Serialization, RefusesPositionsThatAreNoneAndListsThatDoNotFit) {
+  Example example;
+  ProtoObject object = example.state.objects.at(0);
+  object.box.centre.x() = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(object_from_bytes(to_bytes(object)), Error);
+  SceneReasoning more = example.reasoning;
+  more.decisions.observations.resize(more.evidence.observations.size() + 1,
+                                     more.decisions.observations.front());
+  EXPECT_THROW(reasoning_from_bytes(to_bytes(more)), Error);
+}
+
 TEST(Serialization, ReasoningComesBack) {
   const Example example;
   const SceneReasoning back = reasoning_from_bytes(to_bytes(example.reasoning));

@@ -1,6 +1,7 @@
 // The mechanism of migrations, with an example: a minor version that adds a column.
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "mapping/base/json.h"
@@ -11,17 +12,34 @@
 namespace loci::memory {
 namespace {
 
+namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::ThrowsMessage;
 
 const Migration kExample[] = {{kMemoryFormat.version + 1, "ALTER TABLE recording ADD COLUMN robot TEXT",
-                               "CREATE TEMP VIEW recording AS SELECT *, NULL AS robot FROM main.recording"}};
-const Migration kBroken[] = {
-    {kMemoryFormat.version + 1, "ALTER TABLE recording ADD COLUMN robot TEXT; DROP TABLE no_such_table", ""}};
+                               "CREATE TEMP VIEW recording AS SELECT *, NULL AS robot FROM main.recording",
+                               "ALTER TABLE recording DROP COLUMN robot"}};
+const Migration kBroken[] = {{kMemoryFormat.version + 1,
+                              "ALTER TABLE recording ADD COLUMN robot TEXT; DROP TABLE no_such_table", "",
+                              "ALTER TABLE recording DROP COLUMN robot"}};
+/// The migration leaves another schema than the version has.
+const Migration kIncomplete[] = {
+    {kMemoryFormat.version + 1, "SELECT 1", "", "ALTER TABLE recording DROP COLUMN robot"}};
 
-MemoryFormat with(std::span<const Migration> migrations) {
-  return {kMemoryFormat.version + 1, kMemoryFormat.schema, migrations};
+/// A later version, in which recordings name their robot.
+MemoryFormat with(std::span<const Migration> example) {
+  static const std::string schema = [] {
+    std::string text = kMemoryFormat.schema;
+    const std::string last = "  frames INTEGER ";
+    text.replace(text.find(last), last.size(), "  frames INTEGER, robot TEXT ");
+    return text;
+  }();
+  static std::vector<std::vector<Migration>> kept;  // formats refer to them
+  std::vector<Migration>& all =
+      kept.emplace_back(kMemoryFormat.migrations.begin(), kMemoryFormat.migrations.end());
+  all.insert(all.end(), example.begin(), example.end());
+  return {kMemoryFormat.version + 1, schema.c_str(), all};
 }
 
 class MigrationTest : public testing_support::TemporaryFolder {
@@ -79,6 +97,46 @@ TEST_F(MigrationTest, AMigrationThatFailsLeavesTheMemoryAsItWas) {
   EXPECT_THROW(Store::open_write(file_, {}, with(kBroken)), Error);
   EXPECT_EQ(number("PRAGMA user_version"), kMemoryFormat.version);
   expect_content(Store::open_write(file_));
+}
+
+TEST_F(MigrationTest, WhatWasThereBeforeIsKeptBeside) {
+  fs::path kept;
+  { kept = Store::open_write(file_, {}, with(kExample)).kept_before_migration(); }
+  EXPECT_EQ(kept.string(),
+            file_.string() + fmt::format(".{}.{}", kMemoryFormat.major(), kMemoryFormat.minor()));
+  EXPECT_EQ(fs::status(kept).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  expect_content(Store::open_write(kept));
+  EXPECT_THAT(Store::open_write(file_, {}, with(kExample)).kept_before_migration().string(), IsEmpty());
+}
+
+TEST_F(MigrationTest, AMigrationThatMakesAnotherSchemaIsTakenBack) {
+  EXPECT_THROW(Store::open_write(file_, {}, with(kIncomplete)), Error);
+  expect_content(Store::open_write(file_));
+}
+
+TEST_F(MigrationTest, ViewsAndTriggersOfANewerVersionAreNeverRun) {
+  { Store::open_write(file_, {}, with(kExample)); }
+  SQLite::Database(file_.string(), SQLite::OPEN_READWRITE)
+      .exec(
+          "DROP VIEW v_scenes; CREATE VIEW v_scenes AS SELECT 'planted' AS scene; DROP VIEW "
+          "association_known;"
+          "CREATE VIEW association_known AS SELECT 'planted' AS object");
+  const Store store = Store::open_read(file_);
+  expect_content(store);
+  store.read_view("v_scenes", [](const Json& row) { EXPECT_EQ(row["scene"], 1); });
+  EXPECT_THROW(store.read_view("v_planted", [](const Json&) {}), Error);
+}
+
+TEST_F(MigrationTest, ANewerVersionWithAnotherKindOfTableIsRefused) {
+  { Store::open_write(file_, {}, with(kExample)); }
+  for (const char* change : {"DROP TABLE recording; CREATE VIEW recording AS SELECT 1 AS id",
+                             "ALTER TABLE recording RENAME COLUMN name TO title", "DROP TABLE recording"}) {
+    const fs::path changed = folder_ / "changed.loci";
+    fs::copy_file(file_, changed, fs::copy_options::overwrite_existing);
+    SQLite::Database(changed.string(), SQLite::OPEN_READWRITE)
+        .exec(std::string("PRAGMA foreign_keys = OFF; PRAGMA legacy_alter_table = ON;") + change);
+    EXPECT_THAT([&] { Store::open_read(changed); }, ThrowsMessage<Error>(HasSubstr("'recording'"))) << change;
+  }
 }
 
 TEST_F(MigrationTest, AMemoryOfADevelopmentVersionIsRefused) {

@@ -339,13 +339,14 @@ TEST_F(StoreTest, VerifyFindsADamagedBlobAndAWrongReference) {
     scene.commit();
   }
   SQLite::Database database(file_.string(), SQLite::OPEN_READWRITE);
-  database.exec("UPDATE blob SET content = x'00'");
+  database.exec("UPDATE blob SET content = x'0000000000'");
   database.exec("PRAGMA foreign_keys = OFF");
   database.exec("INSERT INTO observation (scene, number) VALUES (77, 0)");
   NoProgress quiet;
   EXPECT_THAT(store.verify(quiet).problems,
               testing::UnorderedElementsAre(HasSubstr("observation row 1 refers to a scene"),
                                             HasSubstr("blob 1 does not match its hash"),
+                                            HasSubstr("table observation is not as it was written"),
                                             HasSubstr("observation has 1 rows, not the 0 counted")));
 }
 

@@ -1,0 +1,126 @@
+// where, on, history and objects are several views of one belief: they agree at the time of every scene.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "mapping/base/json.h"
+#include "mapping/base/random.h"
+#include "memory/ingest/ingest.h"
+#include "memory/questions/contents.h"
+#include "memory/questions/location.h"
+#include "memory/questions/objects.h"
+#include "tests/memory/store/temporary_folder.h"
+
+namespace loci::memory {
+namespace {
+
+class Agreement : public testing_support::TemporaryFolder, public testing::WithParamInterface<uint64_t> {
+ protected:
+  static constexpr int kScenes = 30, kObjects = 5, kPlaces = 3;
+
+  /// A day of detections: the camera looks at one place after the other, and objects are moved or taken away.
+  void generate(uint64_t seed) {
+    Random random(seed);
+    struct Object {
+      int place;  ///< kPlaces = taken away
+      Vector3d position;
+    };
+    const auto spot = [&](int place) {
+      return Vector3d(3.0 * place + random.uniform(0, 1), random.uniform(0, 1), 0.8);
+    };
+    std::vector<Object> objects;
+    for (int i = 0; i < kObjects; ++i) {
+      const int place = static_cast<int>(random.index(kPlaces));
+      objects.push_back({place, spot(place)});
+    }
+    std::string lines;
+    for (int n = 0; n < kScenes; ++n) {
+      for (Object& object : objects) {
+        if (random.uniform() > 0.1) continue;
+        object.place = static_cast<int>(random.index(kPlaces + 1));
+        object.position = spot(object.place);
+      }
+      const int seen = static_cast<int>(random.index(kPlaces));
+      Json detections = Json::array();
+      for (int i = 0; i < kObjects; ++i) {
+        if (objects[size_t(i)].place != seen || random.uniform() < 0.1) continue;
+        const Vector3d p = objects[size_t(i)].position;
+        detections.push_back(
+            {{"position", {p.x() + 0.004 * random.normal(), p.y() + 0.004 * random.normal(), p.z()}},
+             {"size", {0.08, 0.08, 0.1}},
+             {"class", {{fmt::format("kind_{}", i), 0.9}}},
+             {"color", {70 * i, 0.8, 0.8}},
+             {"score", 0.9},
+             {"place", fmt::format("table_{}", seen)}});
+      }
+      const Json scene = {{"time", format_time(parse_time("2026-05-01T08:00:00Z") + n * 600 * kSecond)},
+                          {"observed", {{{"place", fmt::format("table_{}", seen)}, {"fraction", 0.95}}}},
+                          {"detections", detections}};
+      lines += scene.dump() + "\n";
+    }
+    write_file_atomically(folder_ / "day.jsonl", lines);
+    NoProgress silent;
+    Warnings warnings;
+    ingest(folder_ / "day.jsonl", file_, {}, {}, silent, warnings);
+  }
+
+  static std::string text_of(const ObjectBelief& belief) {
+    return fmt::format("{} {} {:.6f} {}", belief.object.name, to_text(belief.status), belief.probability,
+                       belief.place ? belief.place->name : "nowhere");
+  }
+  static std::multiset<std::string> texts_of(const std::vector<ObjectBelief>& beliefs) {
+    std::multiset<std::string> texts;
+    for (const ObjectBelief& belief : beliefs) texts.insert(text_of(belief));
+    return texts;
+  }
+};
+
+TEST_P(Agreement, HoldsAtTheTimeOfEveryScene) {
+  generate(GetParam());
+  const Store store = Store::open_read(file_);
+  std::vector<SceneRow> scenes = store.scenes();
+  ASSERT_EQ(scenes.size(), size_t{kScenes});
+  for (const SceneRow& scene : scenes) {
+    const AsOf as_of{.at = scene.time};
+    SCOPED_TRACE(format_time(scene.time));
+    const std::vector<ObjectBelief> objects = ask(store, ObjectsQuestion{.as_of = as_of}).objects;
+    std::map<std::string, std::multiset<std::string>> there, gone;
+    for (const ObjectBelief& object : objects) {
+      (object.status == ObjectStatus::gone ? gone : there)[object.place ? object.place->name : ""].insert(
+          text_of(object));
+      const WhereAnswer where = ask(store, WhereQuestion{.subject = object.object.name, .as_of = as_of});
+      EXPECT_EQ(texts_of(where.objects), std::multiset<std::string>{text_of(object)});
+      const HistoryAnswer history =
+          ask(store, HistoryQuestion{.subject = object.object.name, .as_of = as_of});
+      ASSERT_EQ(history.objects.size(), 1U);
+      EXPECT_EQ(text_of(history.objects[0].now), text_of(object));
+      ASSERT_FALSE(history.objects[0].stays.empty());
+      const Stay& last = history.objects[0].stays.back();
+      ASSERT_TRUE(object.last_seen.has_value());
+      EXPECT_EQ(last.scenes.back().time, object.last_seen->time);
+      EXPECT_LE(object.last_seen->time, scene.time);
+      EXPECT_EQ(last.place ? last.place->name : "", object.place ? object.place->name : "")
+          << object.object.name;
+      EXPECT_EQ(object.status == ObjectStatus::seen, object.last_seen->time == scene.time)
+          << object.object.name;
+      size_t sightings = 0;
+      for (const Stay& stay : history.objects[0].stays) sightings += stay.scenes.size();
+      EXPECT_EQ(sightings, object.sightings) << object.object.name;
+    }
+    for (const PlaceRow& place : store.places()) {
+      const ContentsAnswer on =
+          ask(store, ContentsQuestion{.place = place.name, .as_of = as_of, .max_gone = 1000});
+      ASSERT_EQ(on.places.size(), 1U);
+      EXPECT_EQ(texts_of(on.places[0].there), there[place.name]) << place.name;
+      EXPECT_EQ(texts_of(on.places[0].gone), gone[place.name]) << place.name;
+      EXPECT_EQ(on.places[0].gone_in_all, gone[place.name].size()) << place.name;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(GeneratedDays, Agreement, testing::Range<uint64_t>(1, 9));
+
+}  // namespace
+}  // namespace loci::memory
