@@ -96,10 +96,9 @@ Command edit_command() {
           const size_t optional = arguments->action == "part" ? 1 : 0;
           if (given < least || given > least + optional)
             throw UsageError(std::string("the actions are ") + kForms);
-          const memory::Store before =
-              memory::Store::open_read(arguments->memory);  // a mistyped name must not create a memory
-          if (arguments->action == "list") return answer_list(session, edits(before));
-          memory::Store store = memory::Store::open_write(arguments->memory);
+          if (arguments->action == "list")
+            return answer_list(session, edits(memory::Store::open_read(arguments->memory)));
+          memory::Store store = open_to_change(arguments->memory, session);
           const memory::Edit edit = make_edit(store, *arguments);
           const std::string done = arguments->action == "undo" ? "Undone: " : "Done: ";
           session.answer(done + edit.text + "\n", json_of({edit}).front());
@@ -134,8 +133,7 @@ Command fact_command() {
               if (action == "list") {
                 answer = ask(memory::Store::open_read(memory), memory::FactsQuestion{word(0), word(1), {}});
               } else {
-                memory::Store::open_read(memory);  // a mistyped name must not create a memory
-                memory::Store store = memory::Store::open_write(memory);
+                memory::Store store = open_to_change(memory, session);
                 answer = action == "set" ? set_fact(store, word(0), word(1), word(2))
                                          : remove_fact(store, word(0), word(1), word(2));
               }
@@ -163,8 +161,7 @@ Command taxonomy_command() {
           if (arguments->action == "load") {
             if (arguments->file.empty()) throw UsageError("FILE is required");
             taxonomy = memory::Taxonomy::read(arguments->file);
-            memory::Store::open_read(arguments->memory);  // a mistyped name must not create a memory
-            memory::Store store = memory::Store::open_write(arguments->memory);
+            memory::Store store = open_to_change(arguments->memory, session);
             taxonomy.save(store);
           } else {
             taxonomy = memory::Taxonomy::of(memory::Store::open_read(arguments->memory), {});

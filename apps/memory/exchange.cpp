@@ -304,8 +304,7 @@ void export_to(const CatalogueArguments& arguments, Session& session) {
 
 void import_from(const CatalogueArguments& arguments, Session& session) {
   const memory::Catalogue catalogue = memory::read_home_catalogue(arguments.file);
-  memory::Store::open_read(arguments.memory);  // a mistyped name must not create a memory
-  memory::Store store = memory::Store::open_write(arguments.memory);
+  memory::Store store = open_to_change(arguments.memory, session);
   const memory::CatalogueResult result = import_catalogue(store, catalogue);
   session.answer(result.summary(), result.report());
 }

@@ -32,6 +32,15 @@ std::optional<TimeNs> SpanArguments::last(const memory::Store& store) const {
   return text.empty() ? std::nullopt : std::optional(memory::TimeReader(store).read(text).last);
 }
 
+memory::Store open_to_change(const std::string& memory, Session& session) {
+  memory::Store::open_read(memory);
+  memory::Store store = memory::Store::open_write(memory);
+  if (!store.kept_before_migration().empty())
+    session.warnings().add("was migrated; as it was it is kept in " + store.kept_before_migration().string(),
+                           {memory, 0, {}});
+  return store;
+}
+
 std::string joined(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
 }

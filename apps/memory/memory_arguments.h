@@ -35,6 +35,10 @@ struct SpanArguments {
   std::optional<TimeNs> last(const memory::Store& store) const;
 };
 
+/// Opens a memory for writing that is there already: a mistyped name does not make one. Warns where it was
+/// migrated.
+memory::Store open_to_change(const std::string& memory, Session& session);
+
 /// "the", "red", "cup" given as one or several arguments.
 std::string joined(const std::vector<std::string>& words);
 

@@ -301,6 +301,9 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
     if (places.empty()) warnings.add("the map has no places", {options.map.string(), 0, {}});
   }
   Store store = Store::open_write(memory, write);
+  if (!store.kept_before_migration().empty())
+    warnings.add("was migrated; as it was it is kept in " + store.kept_before_migration().string(),
+                 {memory.string(), 0, {}});
   IngestResult result;
   result.noise_estimated = options.noise_m == 0 && ahead.sigma_m.has_value();
   result.noise_m = options.noise_m > 0 ? options.noise_m : ahead.sigma_m.value_or(PositionNoise::kDefault_m);

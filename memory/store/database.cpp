@@ -170,11 +170,12 @@ void throw_database_error(const SQLite::Exception& error, const std::filesystem:
 }
 
 SQLite::Statement& Store::Connection::statement(const std::string& text) {
-  auto& slot = statements[text];
-  if (!slot) slot = std::make_unique<SQLite::Statement>(*database, text);
-  slot->reset();
-  slot->clearBindings();
-  return *slot;
+  auto found = statements.find(text);
+  if (found == statements.end())  // built first: a damaged file may not let it be prepared
+    found = statements.emplace(text, std::make_unique<SQLite::Statement>(*database, text)).first;
+  found->second->reset();
+  found->second->clearBindings();
+  return *found->second;
 }
 
 void Store::Connection::run(const std::string& text, const SqlValues& values) {
@@ -185,21 +186,22 @@ void Store::Connection::run(const std::string& text, const SqlValues& values) {
 
 Id Store::Connection::insert(const char* table, const SqlColumns& columns) {
   // The columns of a table always come in the same order, so that its name finds the statement.
-  auto& slot = statements[table];
-  if (!slot) {
+  auto found = statements.find(table);
+  if (found == statements.end()) {
     std::string names, marks;
     for (const auto& [name, value] : columns) {
       names += (names.empty() ? "" : ", ") + sql_name(std::string(name.prefix) + name.name);
       marks += marks.empty() ? "?" : ", ?";
     }
-    slot = std::make_unique<SQLite::Statement>(
-        *database, fmt::format("INSERT INTO {} ({}) VALUES ({})", table, names, marks));
+    const std::string text = fmt::format("INSERT INTO {} ({}) VALUES ({})", table, names, marks);
+    found = statements.emplace(table, std::make_unique<SQLite::Statement>(*database, text)).first;
   }
-  slot->reset();
+  SQLite::Statement& prepared = *found->second;
+  prepared.reset();
   SqlValues values;
   for (const auto& [name, value] : columns) values.push_back(value);
-  bind_values(*slot, values);
-  slot->exec();
+  bind_values(prepared, values);
+  prepared.exec();
   const Id id = database->getLastInsertRowid();
   ++added[table];
   digests[table] += row_digest(table, columns, id);
