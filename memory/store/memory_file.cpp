@@ -74,7 +74,8 @@ void TemporaryMemory::commit() {
   file_.commit();
 }
 
-PartialMemory::PartialMemory(const fs::path& memory) : path_(fs::weakly_canonical(memory).string() + ".partial") {
+PartialMemory::PartialMemory(const fs::path& memory)
+    : path_(fs::weakly_canonical(memory).string() + ".partial") {
   remove();
 }
 

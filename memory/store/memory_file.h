@@ -30,8 +30,8 @@ class TemporaryMemory {
   OutputFile file_;
 };
 
-/// The name under which a memory is rewritten in place, so that the next writer finds what a killed one left. What lies
-/// there is removed when it is made, and when it goes out of scope.
+/// The name under which a memory is rewritten in place, so that the next writer finds what a killed one left.
+/// What lies there is removed when it is made, and when it goes out of scope.
 class PartialMemory {
  public:
   explicit PartialMemory(const std::filesystem::path& memory);

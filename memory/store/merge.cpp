@@ -48,7 +48,7 @@ const std::vector<MergedTable>& merged_tables() {
 void copy_migrated(const fs::path& from, const fs::path& to) {
   { const Store check = Store::open_read(from); }
   copy_memory(from, to);
-  { Store::open_write(to); }
+  { Store::open_write(to, {.keep_before_migration = false}); }
 }
 
 /// What one of them has forgotten, the other forgets too. Returns how many observations went.

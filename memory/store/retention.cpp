@@ -122,7 +122,7 @@ void rewrite_memory(const std::filesystem::path& memory, const std::filesystem::
   { const Store exists = Store::open_read(memory); }
   const auto changed = [&](const std::filesystem::path& copy) {
     {
-      Store store = Store::open_write(copy);
+      Store store = Store::open_write(copy, {.keep_before_migration = false});
       change(store);
     }
     sync_to_disk(copy, O_RDONLY);
@@ -135,7 +135,8 @@ void rewrite_memory(const std::filesystem::path& memory, const std::filesystem::
     return;
   }
   const std::filesystem::path target = std::filesystem::canonical(memory);
-  Store store = Store::open_write(target);  // its lock keeps out other writers until the end
+  // Its lock keeps out other writers until the end. A copy beside would keep what is to be erased.
+  Store store = Store::open_write(target, {.keep_before_migration = false});
   Store::Connection& db = *store.connection_;
   const PartialMemory copy(target);
   const auto restore = [&] {

@@ -112,10 +112,11 @@ fs::path backup_beside(const fs::path& path, int version) {
   return kept;
 }
 
-/// Migrates a memory of an older minor version. As it was it is kept beside: the path of that copy.
-fs::path migrate(SQLite::Database& database, const fs::path& path, int version, const MemoryFormat& format) {
+/// Migrates a memory of an older minor version. As it was it may be kept beside: the path of that copy.
+fs::path migrate(SQLite::Database& database, const fs::path& path, int version, bool keep,
+                 const MemoryFormat& format) {
   if (version >= format.version) return {};
-  const fs::path kept = backup_beside(path, version);
+  const fs::path kept = keep ? backup_beside(path, version) : fs::path();
   SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
   for (const Migration& migration : format.migrations)
     if (migration.version > version) database.exec(migration.sql);
@@ -225,7 +226,8 @@ Store Store::open_write(const fs::path& path, const WriteOptions& options, const
     check_writable_version(version, path, format);
     check_schema(database, path, version, format);
     trust_schema(database);
-    connection->kept_before_migration = migrate(database, path, version, format);
+    connection->kept_before_migration =
+        migrate(database, path, version, options.keep_before_migration, format);
     if (!connection->value<int64_t>("SELECT 1 FROM meta WHERE key = 'digests'")) {
       SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
       derive_digests(database);  // of a program that did not keep them yet

@@ -29,7 +29,8 @@ struct AsOf {
 };
 
 struct WriteOptions {
-  std::optional<TimeNs> now = {};  ///< known time of what is added; unset = the machine's clock
+  std::optional<TimeNs> now = {};     ///< known time of what is added; unset = the machine's clock
+  bool keep_before_migration = true;  ///< keep a copy beside of a file that is migrated
 };
 
 /// The result of Store::verify().
