@@ -121,7 +121,9 @@ uint64_t row_digest(std::string_view table, const SqlColumns& columns, Id id) {
   };
   const DigestedTable* const known = find_table(table);
   if (known == nullptr) return 0;
-  uint64_t sum = known->has_id ? column_digest("", "id", digest_of(id)) : 0;
+  const bool chosen_id = std::ranges::any_of(
+      columns, [](const auto& column) { return std::string_view(column.first.name) == "id"; });
+  uint64_t sum = known->has_id && !chosen_id ? column_digest("", "id", digest_of(id)) : 0;
   for (const auto& [name, value] : columns) {
     const double* const number = std::get_if<double>(&value);
     const bool is_null =
