@@ -154,11 +154,11 @@ TEST_F(LiftedTruth, CentresAreWithinCentimetres) {
 
 /// A real recording with spots of objects that a person picked: a box of 50 pixels around each.
 TEST(LiftedReal, ShelfBinWithinCentimetres) {
-  LOCI_NEEDS_SHARED("shelf_bin");
-  const auto recording = mapping::open_recording(shared("shelf_bin"));
+  LOCI_NEEDS_SHARED("data/shelf_bin");
+  const auto recording = mapping::open_recording(shared("data/shelf_bin"));
   std::map<size_t, std::vector<Vector3d>> spots;
   std::map<size_t, Json> found;
-  std::istringstream table(read_file(shared("shelf_bin/objects.csv")));
+  std::istringstream table(read_file(shared("data/shelf_bin/objects.csv")));
   std::string line;
   std::getline(table, line);
   while (std::getline(table, line)) {
@@ -174,7 +174,7 @@ TEST(LiftedReal, ShelfBinWithinCentimetres) {
   const std::string folder = fresh_folder();
   write_file_atomically(folder + "/shelf.jsonl", text);
   const Outcome outcome = run("loci-memory ingest " + folder + "/shelf.jsonl --recording " +
-                              shared("shelf_bin") + " -m " + folder + "/shelf.loci");
+                              shared("data/shelf_bin") + " -m " + folder + "/shelf.loci");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   const memory::Store store = memory::Store::open_read(folder + "/shelf.loci");
   std::vector<double> distances;
