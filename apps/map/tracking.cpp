@@ -4,6 +4,7 @@
 
 #include "apps/map/commands.h"
 #include "mapping/base/json.h"
+#include "mapping/recording/gravity.h"
 #include "mapping/tracking/tracking.h"
 
 namespace loci::apps {
@@ -29,6 +30,23 @@ void write_posed(const mapping::Recording& posed, const mapping::TrackingResult&
   writer.finish();
 }
 
+/// The recording with its poses, z up as far as that is known.
+std::unique_ptr<mapping::Recording> levelled(const std::shared_ptr<const mapping::Recording>& recording,
+                                             const mapping::TrackingResult& result, bool refined,
+                                             Session& session) {
+  std::unique_ptr<mapping::Recording> posed = with_poses(recording, result, result.map_frame);
+  if (refined) return posed;  // in the frame of the given poses
+  std::optional<Vector3d> up = recording->info().up_in_camera;
+  if (!up) up = find_up(*posed);
+  if (!up) {
+    session.warnings().add(
+        "which way is up is not known: the map frame is the first camera's; choose with --up");
+    return posed;
+  }
+  const Isometry3d level(Eigen::Quaterniond::FromTwoVectors(*up, Vector3d::UnitZ()));
+  return with_poses(recording, result, "odom", level);
+}
+
 void run_track(TrackArguments& arguments, Session& session) {
   arguments.options.threads = session.flags().threads;
   const std::shared_ptr<const mapping::Recording> recording =
@@ -36,7 +54,8 @@ void run_track(TrackArguments& arguments, Session& session) {
   const mapping::TrackingResult result = track(*recording, arguments.options, session.progress());
   session.timing("track", result.seconds);
   require_usable(result, arguments.recording);
-  write_posed(*with_poses(recording, result, result.map_frame), result, arguments.out, session);
+  write_posed(*levelled(recording, result, arguments.options.refine, session), result, arguments.out,
+              session);
   Json json = result.report();
   json["out"] = arguments.out;
   session.answer(result.summary() + "; written to " + arguments.out, json);

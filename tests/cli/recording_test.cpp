@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -98,6 +99,23 @@ TEST(RecordAndInfo, RecordDoesNotWriteIntoAFolderOfOtherThings) {
   expect_one_line_refusal(run("loci-simulate record " + folder + "/s.yaml -o " + folder),
                           "loci did not write it");
   EXPECT_TRUE(fs::exists(folder + "/s.yaml"));
+}
+
+TEST(RecordAndInfo, AHandHeldRecordingWithoutPosesIsTrackedAndUpright) {
+  LOCI_NEEDS_SHARED("data/redkitchen_30hz");
+  const fs::path frames = shared("data/redkitchen_30hz/frames"), folder = fresh_folder();
+  for (int i = 0; i < 60; i += 3)
+    for (const char* image : {"color.jpg", "depth.png"}) {
+      const std::string name = fmt::format("frame-{:06}.{}", i, image);
+      fs::create_symlink(frames / name, folder / name);
+    }
+  fs::copy(frames.parent_path() / "cameras.yaml", folder / "cameras.yaml");
+  const std::string posed = (folder / "posed").string(), scans = (folder / "scans").string();
+  ASSERT_EQ(run("loci-map track " + folder.string() + " -o " + posed).exit_code, 0);
+  ASSERT_EQ(run("loci-map fuse " + posed + " -o " + scans).exit_code, 0);
+  const Outcome map = run("loci-map interpret " + scans + " -o " + (folder / "map").string());
+  EXPECT_EQ(map.exit_code, 0) << map.error;
+  EXPECT_THAT(map.out, HasSubstr("table_1")) << "horizontal surfaces are horizontal";
 }
 
 }  // namespace
