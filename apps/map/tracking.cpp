@@ -5,6 +5,7 @@
 #include "apps/map/commands.h"
 #include "mapping/base/json.h"
 #include "mapping/recording/gravity.h"
+#include "mapping/recording/posed_recording.h"
 #include "mapping/tracking/tracking.h"
 
 namespace loci::apps {
@@ -16,45 +17,47 @@ struct TrackArguments {
   mapping::TrackingOptions options;
 };
 
-void write_posed(const mapping::Recording& posed, const mapping::TrackingResult& result,
+void write_posed(const mapping::Recording& recording, const mapping::TrackingResult& result,
                  const std::string& folder, Session& session) {
-  const mapping::RecordingInfo& info = posed.info();
+  const mapping::RecordingInfo& info = recording.info();
   mapping::RecordingWriter writer(
       folder, info.camera, info.map_frame,
       {.time_assumed = info.time_assumed, .depth_unit_m = info.depth_unit_m, .inputs = {info.path}});
   for (size_t i = 0; i < result.frames.size(); ++i) {
     session.progress().check(static_cast<double>(i) / static_cast<double>(result.frames.size()), "writing");
-    writer.add(posed.frame(result.frames[i].number));
+    writer.add(recording.frame(result.frames[i].number));
   }
   writer.add_file("tracking.json", result.report().dump(2) + '\n');
   writer.finish();
 }
 
 /// The recording with its poses, z up as far as that is known.
-std::unique_ptr<mapping::Recording> levelled(const std::shared_ptr<const mapping::Recording>& recording,
-                                             const mapping::TrackingResult& result, bool refined,
-                                             Session& session) {
-  std::unique_ptr<mapping::Recording> posed = with_poses(recording, result, result.map_frame);
-  if (refined) return posed;  // in the frame of the given poses
+std::unique_ptr<mapping::Recording> posed(std::unique_ptr<mapping::Recording> recording,
+                                          const mapping::TrackingResult& result, bool refined,
+                                          Session& session) {
   std::optional<Vector3d> up = recording->info().up_in_camera;
-  if (!up) up = find_up(*posed);
+  const bool is_levelled = refined && recording->info().levelled;
+  auto poses = result.poses(recording->size());
+  recording = with_poses(std::move(recording), std::move(poses), result.map_frame, is_levelled);
+  if (refined) return recording;  // in the frame of the given poses
+  if (!up) up = find_up(*recording);
   if (!up) {
     session.warnings().add(
         "which way is up is not known: the map frame is the first camera's; choose with --up");
-    return posed;
+    return recording;
   }
   const Isometry3d level(Eigen::Quaterniond::FromTwoVectors(*up, Vector3d::UnitZ()));
-  return with_poses(recording, result, "odom", level);
+  return in_frame(std::move(recording), level, "odom");
 }
 
 void run_track(TrackArguments& arguments, Session& session) {
   arguments.options.threads = session.flags().threads;
-  const std::shared_ptr<const mapping::Recording> recording =
+  std::unique_ptr<mapping::Recording> recording =
       mapping::open_recording(arguments.recording, arguments.reading);
   const mapping::TrackingResult result = track(*recording, arguments.options, session.progress());
   session.timing("track", result.seconds);
   require_usable(result, arguments.recording);
-  write_posed(*levelled(recording, result, arguments.options.refine, session), result, arguments.out,
+  write_posed(*posed(std::move(recording), result, arguments.options.refine, session), result, arguments.out,
               session);
   Json json = result.report();
   json["out"] = arguments.out;

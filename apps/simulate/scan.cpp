@@ -35,7 +35,7 @@ double number_from(const std::string& text, const std::string& what) {
   std::istringstream stream(text);
   double value = 0;
   if (!(stream >> value) || !(stream >> std::ws).eof())
-    throw Error(fmt::format("{}: '{}' is no number", what, text));
+    throw Error(fmt::format("{}: '{}' is not a number", what, text));
   return value;
 }
 

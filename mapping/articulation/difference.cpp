@@ -244,7 +244,8 @@ JointEstimate joint_of(const Motion& motion, const Front& front, const std::arra
 }  // namespace
 
 void DifferenceOptions::declare(OptionTable& table) {
-  table.number("tolerance_m", tolerance_m, "m", "Nearer to what was there before is no change.", 0.005, 0.2);
+  table.number("tolerance_m", tolerance_m, "m", "Nearer to what was there before does not count as a change.",
+               0.005, 0.2);
   table.number("hand_position_sigma_m", hand_position_sigma_m, "m", "Noise of a hand's position.", 1e-5, 0.1);
   table.number("hand_orientation_sigma_deg", hand_orientation_sigma_deg, "deg",
                "Noise of a hand's orientation.", 0.001, 30);

@@ -21,7 +21,7 @@ void check_size(const YAML::Node& node, const std::string& file, int depth, size
     for (const auto& item : node) check_size(item, file, depth + 1, nodes);
   if (!node.IsMap()) return;
   for (const auto& entry : node) {
-    if (!entry.first.IsScalar()) throw Error("a key is no name", place);
+    if (!entry.first.IsScalar()) throw Error("a key is not a name", place);
     check_size(entry.second, file, depth + 1, nodes);
   }
 }

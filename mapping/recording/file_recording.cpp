@@ -209,7 +209,7 @@ std::vector<double> numbers_in(const fs::path& path, size_t min_count) {
   for (const std::string& word : words_of(read_file(path), " ,;\t\r\n")) {
     char* end = nullptr;
     numbers.push_back(std::strtod(word.c_str(), &end));  // "-inf" marks frames without pose.
-    if (*end != '\0') throw Error(fmt::format("'{}' is no number", word), {path.string(), 0, {}});
+    if (*end != '\0') throw Error(fmt::format("'{}' is not a number", word), {path.string(), 0, {}});
   }
   if (numbers.size() < min_count)
     throw Error(fmt::format("{} numbers are needed, there are {}", min_count, numbers.size()),

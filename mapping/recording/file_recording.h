@@ -32,7 +32,7 @@ struct FileRecordingContent {
   double depth_scale = 0.001;            ///< metres per unit
   std::vector<int> invalid_depth = {0};  ///< raw values that are no measurement
   std::shared_ptr<const Video> video;    ///< of frames with video_frame
-  int min_confidence = 0;                ///< depth of less is no measurement
+  int min_confidence = 0;                ///< depth of less does not count as measured
   Distortion depth_distortion, color_distortion;
   std::vector<FrameFiles> frames;
 };

@@ -53,7 +53,8 @@ void RegistrationOptions::declare(OptionTable& table) {
                "Expected error of the directions given (standard deviation); twice as far is searched.", 0,
                90);
   table.number("voxel_m", voxel_m, "m", "Cells of the finest level.", 0.005, 1);
-  table.number("min_overlap", min_overlap, "", "A pair with less shared surface is no evidence.", 0, 1);
+  table.number("min_overlap", min_overlap, "", "A pair with less shared surface does not count as evidence.",
+               0, 1);
   table.number("max_conflict", max_conflict, "",
                "A pair with more points in space that the other scan saw as free is refused.", 0, 1);
   table.number(

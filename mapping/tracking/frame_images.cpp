@@ -72,7 +72,7 @@ cv::Mat inverse_of(const cv::Mat& depth) {
   for (int v = 0; v < depth.rows; ++v) {
     const auto* z = depth.ptr<float>(v);
     auto* out = inverse.ptr<float>(v);
-    for (int u = 0; u < depth.cols; ++u) out[u] = z[u] > 0 ? 1 / z[u] : 0;  // NaN is no measurement.
+    for (int u = 0; u < depth.cols; ++u) out[u] = z[u] > 0 ? 1 / z[u] : 0;  // NaN: not measured.
   }
   return inverse;
 }

@@ -57,34 +57,6 @@ bool stands_still(const std::vector<TrackedFrame>& frames) {
   });
 }
 
-/// A recording whose poses come from elsewhere.
-class PosedRecording : public Recording {
- public:
-  PosedRecording(std::shared_ptr<const Recording> recording, std::map<size_t, Isometry3d> poses,
-                 const std::string& map_frame)
-      : recording_(std::move(recording)), poses_(std::move(poses)), info_(recording_->info()) {
-    info_.map_frame = map_frame;
-    info_.frames_with_pose = poses_.size();
-    info_.levelled = info_.levelled && map_frame == recording_->info().map_frame;
-  }
-  const RecordingInfo& info() const override { return info_; }
-  size_t size() const override { return recording_->size(); }
-  RgbdFrame frame(size_t i) const override {
-    RgbdFrame frame = recording_->frame(i);
-    const auto pose = poses_.find(i);
-    frame.map_from_camera = pose == poses_.end() ? std::nullopt : std::optional(pose->second);
-    return frame;
-  }
-  TimeNs time_of(size_t i) const override { return recording_->time_of(i); }
-  int64_t index_of(size_t i) const override { return recording_->index_of(i); }
-  std::string name_of(size_t i) const override { return recording_->name_of(i); }
-
- private:
-  std::shared_ptr<const Recording> recording_;
-  std::map<size_t, Isometry3d> poses_;
-  RecordingInfo info_;
-};
-
 }  // namespace
 
 void TrackingOptions::declare(OptionTable& table) {
@@ -130,28 +102,16 @@ TrackingResult track(const Recording& recording, const TrackingOptions& options,
   return result;
 }
 
-std::unique_ptr<Recording> with_poses(std::shared_ptr<const Recording> recording,
-                                      const TrackingResult& result, const std::string& map_frame,
-                                      const Isometry3d& map_from_result) {
-  std::map<size_t, Isometry3d> poses;
-  for (const TrackedFrame& frame : result.frames)
-    if (frame.map_from_camera) poses[frame.number] = map_from_result * *frame.map_from_camera;
-  return std::make_unique<PosedRecording>(std::move(recording), std::move(poses), map_frame);
-}
-
 void require_usable(const TrackingResult& result, const std::string& path) {
   if (10 * result.good() >= result.frames.size()) return;
   throw Error("the camera cannot be tracked: " + result.summary(), {path, 0, ""},
               "move more slowly, keep 0.5 to 4 m from surfaces with corners or texture, or give poses");
 }
 
-bool is_untracked_video(const Recording& recording) {
-  const RecordingInfo& info = recording.info();
-  if (info.frames_with_pose > 0 || recording.size() < 2 || info.format == "pcd") return false;
-  size_t close = 0;
-  for (size_t i = 1; i < recording.size(); ++i)
-    if (recording.time_of(i) - recording.time_of(i - 1) <= kSecond / 2) ++close;
-  return 2 * close >= recording.size() - 1;
+std::vector<std::optional<Isometry3d>> TrackingResult::poses(size_t recording_size) const {
+  std::vector<std::optional<Isometry3d>> all(recording_size);
+  for (const TrackedFrame& frame : frames) all.at(frame.number) = frame.map_from_camera;
+  return all;
 }
 
 size_t TrackingResult::good() const {

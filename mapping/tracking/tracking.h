@@ -42,6 +42,8 @@ struct TrackingResult {
   double cpu_seconds = 0;
 
   size_t good() const;
+  /// Of all frames of a recording of that size: unset where the frame is lost or was not tracked.
+  std::vector<std::optional<Isometry3d>> poses(size_t recording_size) const;
   std::string summary() const;
   Json report() const;
 };
@@ -54,15 +56,5 @@ TrackingResult track(const Recording& recording, const TrackingOptions& options,
 
 /// Error when fewer than a tenth of the frames are good, with the reasons.
 void require_usable(const TrackingResult& result, const std::string& path);
-
-/// Whether a recording without poses is a video that tracking is for: at least two frames, and half of them
-/// within half a second of the one before, with stamps of their own or in a layout of videos.
-bool is_untracked_video(const Recording& recording);
-
-/// The recording with the poses of a result, in `map_frame`; frames that were lost or not tracked have none.
-/// `map_from_result` is put before each pose.
-std::unique_ptr<Recording> with_poses(std::shared_ptr<const Recording> recording,
-                                      const TrackingResult& result, const std::string& map_frame,
-                                      const Isometry3d& map_from_result = Isometry3d::Identity());
 
 }  // namespace loci::mapping

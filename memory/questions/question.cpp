@@ -243,7 +243,7 @@ std::optional<Id> Arguments::number(const std::string& name) const {
   Id number = 0;
   const auto [end, failure] = std::from_chars(value.data(), value.data() + value.size(), number);
   if (failure != std::errc() || end != value.data() + value.size())
-    throw Error(fmt::format("'{}' is no number", value), {}, "--" + name + " takes a number");
+    throw Error(fmt::format("'{}' is not a number", value), {}, "--" + name + " takes a number");
   return number;
 }
 

@@ -273,7 +273,7 @@ Detection2D read_line(const std::string& line, const std::vector<std::string>& n
     double value = 0;
     const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (code != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
-      throw Error("'" + word.substr(0, 20) + "' is no number");
+      throw Error("'" + word.substr(0, 20) + "' is not a number");
     values.push_back(value);
   }
   if (values.size() < 5) throw Error("has fewer than five numbers", {}, "class x y width height [score]");

@@ -367,7 +367,7 @@ std::string read_token(const std::filesystem::path& file) {
   const std::string token = trimmed(text.substr(0, text.find('\n')));
   const bool printable = std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c <= '~'; });
   if (token.size() < kMinToken || !printable)
-    throw Error("the first line is no token", {file.string(), 1, {}},
+    throw Error("the first line is not a token", {file.string(), 1, {}},
                 fmt::format("write at least {} letters and digits there", kMinToken));
   return token;
 }

@@ -93,7 +93,7 @@ struct SeamParameters {
   double max_z = 4;         ///< influence of one chunk
   double shown_z = 1;       ///< a chunk with more shows the line
   float min_weight = 1.5F;  ///< rays in a line's part of a chunk
-  /// By channel (metres, share, intensity, colours): differences that are no evidence, by shading and
+  /// By channel (metres, share, intensity, colours): differences that are not evidence, by shading and
   /// registration.
   std::array<double, 6> trivial = {0.001, 0.02, 0.008, 0.006, 0.006, 0.006};
   /// By channel: minimum noise of a ray.

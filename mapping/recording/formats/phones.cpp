@@ -148,7 +148,7 @@ FileRecordingContent read_stray_scanner(const fs::path& folder) {
     try {
       frame.index = std::stoll(trimmed(table.cell(row, number)));
       const double seconds = cell(row, stamp);
-      if (!(seconds >= 0 && seconds < 1e9)) throw Error("this stamp is no time", frame.location);
+      if (!(seconds >= 0 && seconds < 1e9)) throw Error("this stamp is not a time", frame.location);
       frame.time_ns = assumed_time(0) + static_cast<TimeNs>(seconds * 1e9);
       std::array<double, 7> values{};
       for (size_t i = 0; i < 7; ++i) values[i] = cell(row, pose_columns[i]);

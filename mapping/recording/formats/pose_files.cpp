@@ -25,7 +25,7 @@ struct PoseLine {
     const std::string& word = words.at(i);
     const char* end = word.data() + word.size();
     if (const auto read = std::from_chars(word.data(), end, value); read.ec != std::errc() || read.ptr != end)
-      throw Error(fmt::format("'{}' is no number", word), location);
+      throw Error(fmt::format("'{}' is not a number", word), location);
     return value;
   }
   template <size_t count>

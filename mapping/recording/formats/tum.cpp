@@ -70,7 +70,7 @@ std::vector<StampedPose> poses_in(const fs::path& path) {
       const std::string& word = row.words[i];
       const auto end = std::from_chars(word.data(), word.data() + word.size(), values[i]);
       if (end.ec != std::errc() || end.ptr != word.data() + word.size())
-        throw Error(fmt::format("'{}' is no number", word), row.location);
+        throw Error(fmt::format("'{}' is not a number", word), row.location);
     }
     poses.push_back({row.time_ns, pose_from_values(values, row.location)});
   }

@@ -30,7 +30,7 @@ double gaussian_similarity(double distance, double sigma) {
 double histogram_distance(const std::vector<float>& a, const std::vector<float>& b) {
   double sum_a = 0, sum_b = 0, overlap = 0;
   for (size_t i = 0; i < a.size(); ++i) {
-    // std::max(0, NaN) is 0: a bin that is no number would make a perfect match.
+    // std::max(0, NaN) is 0: a bin that is not a number would make a perfect match.
     if (!std::isfinite(a[i]) || !std::isfinite(b[i])) return std::numeric_limits<double>::quiet_NaN();
     sum_a += double(a[i]);
     sum_b += double(b[i]);

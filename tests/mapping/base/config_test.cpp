@@ -81,7 +81,8 @@ TEST(Config, RefusesWhatIsTooDeepOrGrowsThroughAliases) {
     bomb += "]\n";
   }
   EXPECT_THAT(message_of([&] { Config::parse(bomb, "p.yaml"); }), HasSubstr("aliases expanded"));
-  EXPECT_THAT(message_of([] { Config::parse("? [a, b]\n: c\n", "p.yaml"); }), HasSubstr("a key is no name"));
+  EXPECT_THAT(message_of([] { Config::parse("? [a, b]\n: c\n", "p.yaml"); }),
+              HasSubstr("a key is not a name"));
 }
 
 }  // namespace

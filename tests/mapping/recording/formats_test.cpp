@@ -349,7 +349,7 @@ TEST_F(Poses, OfColmapAreOfTheColourCameraAndWorldToCamera) {
 
 TEST_F(Poses, OfAnotherKindAreRefusedWithTheirLine) {
   EXPECT_THAT(refusal_of("hello world\n"), HasSubstr("poses.txt:1: no poses of a known format"));
-  EXPECT_THAT(refusal_of("VERTEX_SE3:QUAT 6 3 0 0 0 0 x 1\n"), HasSubstr("'x' is no number"));
+  EXPECT_THAT(refusal_of("VERTEX_SE3:QUAT 6 3 0 0 0 0 x 1\n"), HasSubstr("'x' is not a number"));
   EXPECT_THAT(refusal_of(""), HasSubstr("has no poses"));
 }
 

@@ -140,7 +140,7 @@ TEST_F(Ros2, PixelsAreThoseThatWereRecorded) {
     const RosMessage message{bytes, Serialization::cdr, topic};
     cv::Mat pixels;
     if (table.cell(row, 4).starts_with("16UC1")) {
-      // 65535 is no measurement either: put it back where the stored image has it.
+      // 65535 means not measured, too: put it back where the stored image has it.
       pixels = millimetres(read_ros_depth(message, compressed));
     } else if (!compressed) {
       const cv::Mat bgr = read_ros_color(message, false);

@@ -1,4 +1,5 @@
 #include "mapping/tracking/tracking.h"
+#include "mapping/recording/posed_recording.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -260,9 +261,10 @@ TEST(Tracking, GivenPosesAreRefinedInTheirFrame) {
 }
 
 TEST(Tracking, PosesComeWithTheRecording) {
-  auto room = std::make_shared<Room>(walk(12));
+  auto room = std::make_unique<Room>(walk(12));
   const TrackingResult result = tracked(*room);
-  const auto posed = with_poses(room, result, "map", camera_at(0, 0, 0));
+  const auto posed =
+      in_frame(with_poses(std::move(room), result.poses(12), "map", false), camera_at(0, 0, 0), "map");
   EXPECT_EQ(posed->info().frames_with_pose, 12U);
   EXPECT_EQ(posed->info().map_frame, "map");
   EXPECT_TRUE(posed->frame(0).map_from_camera->isApprox(camera_at(0, 0, 0)));
