@@ -58,8 +58,8 @@ BeliefOptions options_of_detections() {
   return options;
 }
 
-/// The belief that `loci-perceive run` and `loci-memory ingest` use, with options_of_detections(). What it has
-/// learned about habits, noise and similarity goes on from one world to the next.
+/// The belief that `loci-perceive run` and `loci-memory ingest` use, with options_of_detections(). What it
+/// has learned about habits, noise and similarity goes on from one world to the next.
 class ShippedModel : public Model {
  public:
   bool own_belief_only() const override { return true; }
