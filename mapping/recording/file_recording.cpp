@@ -64,6 +64,17 @@ void FileRecording::check_images() const {
   }
 }
 
+FileRecordingContent content_in_world(const std::string& format, const std::filesystem::path& folder,
+                                      bool time_assumed) {
+  FileRecordingContent content;
+  content.info.format = format;
+  content.info.path = folder.string();
+  content.info.map_frame = "world";
+  content.info.levelled = false;
+  content.info.time_assumed = time_assumed;
+  return content;
+}
+
 void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames) {
   const auto earlier = [](const FrameFiles& a, const FrameFiles& b) { return a.time_ns < b.time_ns; };
   if (!std::is_sorted(frames.begin(), frames.end(), earlier)) {

@@ -37,8 +37,25 @@ struct FileRecordingContent {
   std::vector<FrameFiles> frames;
 };
 
+/// A recording whose frames are listed when it is opened.
+class FrameListRecording : public Recording {
+ public:
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return frames_.size(); }
+  TimeNs time_of(size_t i) const override { return frames_.at(i).time_ns; }
+  int64_t index_of(size_t i) const override { return frames_.at(i).index; }
+
+ protected:
+  RecordingInfo info_;
+  std::vector<FrameFiles> frames_;
+};
+
 /// "frame-000012" from "frame-000012.depth.png", "learn33" from "learn33_depth.png".
 std::string frame_name(const std::filesystem::path& depth_file);
+
+/// Of a folder whose poses are in a frame "world" of which nothing is known.
+FileRecordingContent content_in_world(const std::string& format, const std::filesystem::path& folder,
+                                      bool time_assumed);
 
 /// Sorts frames by time and fills in what can be told from them: counts, times, what is odd.
 void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames);

@@ -65,12 +65,7 @@ bool is_nerfstudio(const fs::path& folder) {
 }
 
 FileRecordingContent read_nerfstudio(const fs::path& folder) {
-  FileRecordingContent content;
-  content.info.format = "nerfstudio";
-  content.info.path = folder.string();
-  content.info.map_frame = "world";
-  content.info.levelled = false;
-  content.info.time_assumed = true;
+  FileRecordingContent content = content_in_world("nerfstudio", folder, true);
   const FileLocation location{(folder / "transforms.json").string(), 0, {}};
   const Json json = read_json(location.file);
   const Json frames = json.value("frames", Json::array());

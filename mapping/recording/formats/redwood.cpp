@@ -114,11 +114,7 @@ bool is_redwood(const fs::path& folder) {
 }
 
 FileRecordingContent read_redwood(const fs::path& folder) {
-  FileRecordingContent content;
-  content.info.format = "redwood";
-  content.info.path = folder.string();
-  content.info.map_frame = "world";
-  content.info.levelled = false;
+  FileRecordingContent content = content_in_world("redwood", folder, false);
   const std::vector<fs::path> depths = images_in(folder / "depth"), colors = images_in(color_folder(folder));
   if (depths.size() != colors.size())
     throw Error(
@@ -146,12 +142,7 @@ bool is_replica(const fs::path& folder) {
 }
 
 FileRecordingContent read_replica(const fs::path& folder) {
-  FileRecordingContent content;
-  content.info.format = "replica";
-  content.info.path = folder.string();
-  content.info.map_frame = "world";
-  content.info.levelled = false;
-  content.info.time_assumed = true;
+  FileRecordingContent content = content_in_world("replica", folder, true);
   content.depth_scale = 1 / 6553.5;
   content.info.camera.depth = {1200, 680, 600, 600, 599.5, 339.5};
   if (const fs::path file = beside_or_above(folder, "cam_params.json"); !file.empty()) {

@@ -12,15 +12,11 @@ bool is_sens(const std::filesystem::path& path);
 
 /// A ScanNet stream: one file with cameras, poses and compressed images. A truncated one gives the frames
 /// that are whole.
-class SensRecording : public Recording {
+class SensRecording : public FrameListRecording {
  public:
   explicit SensRecording(const std::filesystem::path& path);
 
-  const RecordingInfo& info() const override { return info_; }
-  size_t size() const override { return frames_.size(); }
   RgbdFrame frame(size_t i) const override;
-  TimeNs time_of(size_t i) const override { return frames_.at(i).time_ns; }
-  int64_t index_of(size_t i) const override { return frames_.at(i).index; }
 
  private:
   struct Images {
@@ -36,11 +32,9 @@ class SensRecording : public Recording {
   mutable std::mutex mutex_;
   mutable std::ifstream file_;
   uint64_t file_size_ = 0, at_ = 0, frames_claimed_ = 0;
-  RecordingInfo info_;
   bool zlib_depth_ = false, has_color_ = false;
   float depth_shift_ = 1000;
-  std::vector<FrameFiles> frames_;  ///< index: in images_
-  std::vector<Images> images_;
+  std::vector<Images> images_;  ///< by index of the frame
 };
 
 }  // namespace loci::mapping

@@ -106,11 +106,7 @@ bool is_tum(const fs::path& folder) {
 }
 
 FileRecordingContent read_tum(const fs::path& folder, double color_delay_s) {
-  FileRecordingContent content;
-  content.info.format = "tum";
-  content.info.path = folder.string();
-  content.info.map_frame = "world";
-  content.info.levelled = false;
+  FileRecordingContent content = content_in_world("tum", folder, false);
   set_cameras(folder, content);
   const std::vector<Row> depths = read_list(folder / "depth.txt", 1);
   const bool has_color = fs::is_regular_file(folder / "rgb.txt");

@@ -143,13 +143,7 @@ class BagFolder : public BagReader {
         for (size_t i = 0; i < times.size(); ++i) messages_[topic.name].push_back({times[i], r, i});
       }
     }
-    for (auto& [name, topic] : topics) {
-      std::vector<Message>& messages = messages_[name];
-      std::stable_sort(messages.begin(), messages.end(),
-                       [](const Message& a, const Message& b) { return a.time < b.time; });
-      topic.messages = messages.size();
-      topics_.push_back(topic);
-    }
+    topics_ = with_sorted_messages(topics, messages_);
   }
 
   fs::path folder_;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -23,6 +25,20 @@ struct BagTopic {
   size_t messages = 0;
   Serialization serialization = Serialization::ros1;
 };
+
+/// The topics with their messages in order of the time of recording, and counted.
+template <typename Messages>
+std::vector<BagTopic> with_sorted_messages(const std::map<std::string, BagTopic>& topics,
+                                           Messages& messages) {
+  std::vector<BagTopic> sorted;
+  for (const auto& [name, topic] : topics) {
+    auto& of_topic = messages[name];
+    std::ranges::stable_sort(of_topic, {}, [](const auto& message) { return message.time; });
+    sorted.push_back(topic);
+    sorted.back().messages = of_topic.size();
+  }
+  return sorted;
+}
 
 /// A bag of one storage format. Messages of a topic are numbered in order of the time of recording.
 class BagReader {

@@ -262,13 +262,7 @@ class McapReader : public BagReader {
       all.insert(all.end(), by_channel_[id].begin(), by_channel_[id].end());
     }
     by_channel_.clear();
-    for (auto& [name, topic] : topics) {
-      std::vector<Message>& messages = messages_[name];
-      std::stable_sort(messages.begin(), messages.end(),
-                       [](const Message& a, const Message& b) { return a.time < b.time; });
-      topic.messages = messages.size();
-      topics_.push_back(topic);
-    }
+    topics_ = with_sorted_messages(topics, messages_);
   }
 
   fs::path path_;

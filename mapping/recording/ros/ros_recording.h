@@ -15,16 +15,12 @@ namespace loci::mapping {
 /// of its name; the one with the most images is read unless topics are given. Cameras come from the
 /// `camera_info` beside the images, poses from /tf and /tf_static, joints from JointState. Each depth image
 /// takes the nearest colour image; times are those of the headers. The map frame is what the depth camera's
-/// frame hangs on in the end.
-class RosRecording : public Recording {
+/// frame hangs on in the end. The index of a frame is the number of its depth message.
+class RosRecording : public FrameListRecording {
  public:
   explicit RosRecording(const std::filesystem::path& path, const RecordingOptions& options = {});
 
-  const RecordingInfo& info() const override { return info_; }
-  size_t size() const override { return frames_.size(); }
   RgbdFrame frame(size_t i) const override;
-  TimeNs time_of(size_t i) const override { return frames_.at(i).time_ns; }
-  int64_t index_of(size_t i) const override { return frames_.at(i).index; }
 
  private:
   /// A topic of images.
@@ -67,11 +63,9 @@ class RosRecording : public Recording {
 
   RosBag bag_;
   mutable std::mutex bag_lock_;
-  RecordingInfo info_;
   Stream depth_, color_;
   double depth_unit_m_ = 0.001;
   ImageCorrection correction_;
-  std::vector<FrameFiles> frames_;               ///< index: number of the depth message
   std::vector<std::optional<size_t>> color_of_;  ///< by number of the depth message
 };
 
