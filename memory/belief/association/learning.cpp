@@ -96,7 +96,7 @@ void SceneUpdate::learn_similarity() {
         // Equal weight for the same and for all different objects.
         const double weight = kParameters.similarity_weight;
         Calibration::Counts& of_pair = *counts[update_.evidence.achromatic(o, k)];
-        of_pair.count(true, distance, weight * solution_.stay(o, k));
+        if (solution_.stay(o, k) > 0) of_pair.count(true, distance, weight * solution_.stay(o, k));
         of_pair.count(false, distance,
                       weight / double(confirmed.size()) * (1 - pair_probability(size_t(o), size_t(k))));
       }

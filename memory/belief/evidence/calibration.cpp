@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "memory/belief/evidence/scale_prior.h"
 #include "memory/belief/parameters.h"
 
 namespace loci::memory::belief {
@@ -74,18 +75,6 @@ constexpr std::array<double, 9> kScales{0.35, 0.5, 0.7, 1, 1.4, 2, 2.8, 4, 5.6};
 
 using Scales = std::array<double, kScales.size()>;
 
-/// The factors before anything was seen.
-Scales prior_scales() {
-  Scales weights{};
-  double sum = 0;
-  for (size_t s = 0; s < kScales.size(); ++s) {
-    const double deviation = std::log(kScales[s]) / kParameters.calibration_spread;
-    sum += weights[s] = std::exp(-deviation * deviation / 2);
-  }
-  for (double& weight : weights) weight /= sum;
-  return weights;
-}
-
 /// A distribution of distances stretched by a factor; what exceeds the last bin falls into it.
 Shares stretched(const Shares& shares, double scale) {
   constexpr size_t kSteps = 32;
@@ -103,15 +92,16 @@ Shares stretched(const Shares& shares, double scale) {
 /// Distances between views of one object: a mixture of the expected distribution over scales.
 class SameDistances {
  public:
-  explicit SameDistances(const Shares& expected) : expected_(expected), prior_(prior_scales()) {
+  explicit SameDistances(const Shares& expected) : expected_(expected) {
     for (size_t s = 0; s < kScales.size(); ++s) of_scale_[s] = stretched(expected, kScales[s]);
+    before_ = mixture(prior_);
   }
 
   /// Log ratio of the share in each bin, after `counts` were found, to the expected one.
   Shares log_found_over_expected(const std::array<float, kBins>& counts) const {
-    const Shares before = mixture(prior_), now = mixture(fitted(counts));
+    const Shares now = mixture(fitted(counts));
     Shares scaled{};
-    for (size_t i = 0; i < kBins; ++i) scaled[i] = expected_[i] * now[i] / before[i];
+    for (size_t i = 0; i < kBins; ++i) scaled[i] = expected_[i] * now[i] / before_[i];
     const double sum = std::accumulate(scaled.begin(), scaled.end(), 0.0);
     constexpr double kPrior = kParameters.calibration_prior;
     const double all = std::accumulate(counts.begin(), counts.end(), kPrior);
@@ -136,12 +126,12 @@ class SameDistances {
     const double all = std::accumulate(counts.begin(), counts.end(), kPrior);
     Scales weights = prior_;
     for (int iteration = 0; iteration < kIterations; ++iteration) {
-      const Shares shares = mixture(weights);
+      Shares found = mixture(weights);  // over expected
+      for (size_t i = 0; i < kBins; ++i) found[i] = counts[i] / (found[i] * all);
       Scales next{};
       for (size_t s = 0; s < kScales.size(); ++s) {
         next[s] = kPrior * prior_[s] / all;
-        for (size_t i = 0; i < kBins; ++i)
-          next[s] += counts[i] * weights[s] * (of_scale_[s][i] + 1e-6) / (shares[i] * all);
+        for (size_t i = 0; i < kBins; ++i) next[s] += found[i] * weights[s] * (of_scale_[s][i] + 1e-6);
       }
       weights = next;
     }
@@ -149,8 +139,9 @@ class SameDistances {
   }
 
   Shares expected_;
-  Scales prior_;
+  Scales prior_ = scale_prior(kScales, kParameters.calibration_spread);
   std::array<Shares, kScales.size()> of_scale_{};
+  Shares before_{};  ///< mixture of the prior scales
 };
 
 std::vector<SameDistances> same_distances(const PriorDistributions& prior) {

@@ -4,20 +4,16 @@
 #include <cmath>
 #include <numeric>
 
+#include "memory/belief/evidence/scale_prior.h"
 #include "memory/belief/parameters.h"
 
 namespace loci::memory::belief {
 
 NoiseScale::Levels NoiseScale::weights(double spread) const {
-  Levels prior{}, weights{};
-  for (size_t i = 0; i < kLevels; ++i) {
-    const double deviation = std::log(kFactors[i]) / spread;
-    prior[i] = std::exp(-deviation * deviation / 2);
-  }
-  const double prior_sum = std::accumulate(prior.begin(), prior.end(), 0.0);
+  const Levels prior = scale_prior(kFactors, spread);
+  Levels weights{};
   const double sum = std::accumulate(counts_.begin(), counts_.end(), 0.0) + kParameters.noise_prior;
-  for (size_t i = 0; i < kLevels; ++i)
-    weights[i] = (counts_[i] + kParameters.noise_prior * prior[i] / prior_sum) / sum;
+  for (size_t i = 0; i < kLevels; ++i) weights[i] = (counts_[i] + kParameters.noise_prior * prior[i]) / sum;
   return weights;
 }
 
