@@ -78,7 +78,7 @@ struct Parameters {
   double view_point_ratio = 4;     ///< variance to be learned over the known one from which a view teaches
   double noise_prior = 10;         ///< offsets that the stated noise is worth
   double noise_memory = 300;       ///< offsets after which evidence of the noise counts for 1/e
-  double calibration_prior = 10;   ///< distances that the tables of comparisons() are worth
+  double calibration_prior = 30;   ///< distances that the tables of comparisons() are worth
   double calibration_spread = 1;   ///< of the logarithm of the distances' scale
   float calibration_max = 10000;   ///< counts beyond this fade by half
 
