@@ -14,13 +14,31 @@
 #include "mapping/interpretation/furniture/names.h"
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/registration/registration.h"
+#include "mapping/tracking/tracking.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::apps {
 
+namespace {
+
+/// The recording, with tracked poses when it has none of its own.
+std::unique_ptr<mapping::Recording> with_known_poses(std::unique_ptr<mapping::Recording> recording,
+                                                     Session& session) {
+  if (recording->info().frames_with_pose > 0) return recording;
+  mapping::TrackingOptions options;
+  options.threads = session.flags().threads;
+  const mapping::TrackingResult result = track(*recording, options, session.progress());
+  session.timing("track", result.seconds);
+  require_usable(result, recording->info().path);
+  session.warnings().add("the recording has no poses: " + result.summary());
+  return with_tracked_poses(std::move(recording), result, false, session.warnings());
+}
+
+}  // namespace
+
 Command fuse_command() {
   return {"fuse",
-          "Fuse posed depth images into a scan set",
+          "Fuse depth images into a scan set; a recording without poses is tracked",
           {"loci-map fuse demo-output/tour -o demo-output/scans",
            "loci-map fuse demo-output/tour -o demo-output/coarse --every 2 --voxel-m 0.02 --json"},
           [](ArgumentTable& table) {
@@ -36,7 +54,8 @@ Command fuse_command() {
             table.options(table_of(arguments->options), "Fusion");
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
-              const auto recording = mapping::open_recording(arguments->recording, arguments->reading);
+              const auto recording = with_known_poses(
+                  mapping::open_recording(arguments->recording, arguments->reading), session);
               for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
               const mapping::FusionResult result = fuse(*recording, arguments->options, session.progress());
               write_scan_set(result.scans, arguments->out);

@@ -4,8 +4,6 @@
 
 #include "apps/map/commands.h"
 #include "mapping/base/json.h"
-#include "mapping/recording/gravity.h"
-#include "mapping/recording/posed_recording.h"
 #include "mapping/tracking/tracking.h"
 
 namespace loci::apps {
@@ -31,25 +29,6 @@ void write_posed(const mapping::Recording& recording, const mapping::TrackingRes
   writer.finish();
 }
 
-/// The recording with its poses, z up as far as that is known.
-std::unique_ptr<mapping::Recording> posed(std::unique_ptr<mapping::Recording> recording,
-                                          const mapping::TrackingResult& result, bool refined,
-                                          Session& session) {
-  std::optional<Vector3d> up = recording->info().up_in_camera;
-  const bool is_levelled = refined && recording->info().levelled;
-  auto poses = result.poses(recording->size());
-  recording = with_poses(std::move(recording), std::move(poses), result.map_frame, is_levelled);
-  if (refined) return recording;  // in the frame of the given poses
-  if (!up) up = find_up(*recording);
-  if (!up) {
-    session.warnings().add(
-        "which way is up is not known: the map frame is the first camera's; choose with --up");
-    return recording;
-  }
-  const Isometry3d level(Eigen::Quaterniond::FromTwoVectors(*up, Vector3d::UnitZ()));
-  return in_frame(std::move(recording), level, "odom");
-}
-
 void run_track(TrackArguments& arguments, Session& session) {
   arguments.options.threads = session.flags().threads;
   std::unique_ptr<mapping::Recording> recording =
@@ -57,8 +36,8 @@ void run_track(TrackArguments& arguments, Session& session) {
   const mapping::TrackingResult result = track(*recording, arguments.options, session.progress());
   session.timing("track", result.seconds);
   require_usable(result, arguments.recording);
-  write_posed(*posed(std::move(recording), result, arguments.options.refine, session), result, arguments.out,
-              session);
+  write_posed(*with_tracked_poses(std::move(recording), result, arguments.options.refine, session.warnings()),
+              result, arguments.out, session);
   Json json = result.report();
   json["out"] = arguments.out;
   session.answer(result.summary() + "; written to " + arguments.out, json);

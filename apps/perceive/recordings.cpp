@@ -16,6 +16,7 @@
 #include "mapping/base/time.h"
 #include "mapping/recording/convert.h"
 #include "mapping/recording/recording.h"
+#include "mapping/tracking/tracking.h"
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
 #include "perception/annotators/annotators.h"
@@ -279,6 +280,7 @@ struct RunArguments {
   std::string labels;
   std::string images;
   int every = 0;
+  bool fixed_camera = false;
   MemoryTarget memory;
   StatisticsTarget statistics;
   PluginOption plugins;
@@ -296,6 +298,8 @@ void declare(ArgumentTable& table, RunArguments& arguments) {
                "URDF[,JOINTS.csv] of a robot that may be in view; may be repeated");
   table.option("--every N", &arguments.every, "Process every n-th frame",
                {.default_text = "as in the pipeline", .min = 1});
+  table.flag("--fixed-camera", arguments.fixed_camera,
+             "The camera of a recording without poses stood still: it is not tracked");
   table.option("--labels FOLDER", &arguments.labels,
                "Write label images FRAME_label.png (0 = none, n = object)");
   table.option("--overlays FOLDER", &arguments.images, "Write colour images with the results drawn in");
@@ -362,10 +366,32 @@ perception::Pipeline read_pipeline(const RunArguments& arguments,
   return perception::Pipeline::parse(config, registry);
 }
 
+/// The recording, with tracked poses when it has none of its own and its camera moves.
+std::unique_ptr<mapping::Recording> with_known_poses(std::unique_ptr<mapping::Recording> recording,
+                                                     bool fixed_camera, Session& session) {
+  if (fixed_camera || recording->info().frames_with_pose > 0 || recording->size() < 2) return recording;
+  mapping::TrackingOptions options;
+  options.threads = session.flags().threads;
+  const mapping::TrackingResult result = track(*recording, options, session.progress());
+  session.timing("track", result.seconds);
+  if (result.still) return recording;
+  const FileLocation location{recording->info().path, 0, {}};
+  require_usable(result, location.file);
+  recording = with_tracked_poses(std::move(recording), result, false, session.warnings());
+  session.warnings().add("the recording has no poses: " + result.summary() +
+                             "; if the camera stood still, say so with --fixed-camera",
+                         location);
+  if (!recording->info().levelled)
+    throw Error("which way is up is not known", location,
+                "give the direction of the first frame's camera that is up with --up, e.g. --up -y");
+  return recording;
+}
+
 /// What annotators share. Rooms that bring annotators with resources of their own put them here.
 perception::Resources make_resources(const RunArguments& arguments, Session& session) {
   perception::Resources resources;
-  resources.put(std::shared_ptr<mapping::Recording>(arguments.recording.open()));
+  resources.put(std::shared_ptr<mapping::Recording>(
+      with_known_poses(arguments.recording.open(), arguments.fixed_camera, session)));
   if (!arguments.map.empty() || !arguments.robots.empty()) {
     const std::vector<std::filesystem::path> packages(arguments.package_paths.begin(),
                                                       arguments.package_paths.end());

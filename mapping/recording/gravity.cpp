@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 
@@ -21,6 +20,8 @@ constexpr struct {
   double bin_m = 0.03;            ///< heights of one plane
   double min_share = 0.04;        ///< of all points that the largest level plane has
   double upright_preference = 2;  ///< people and robots hold cameras upright
+  double roll = 0.15;             ///< and their horizon level: standard deviation, rad
+  double turn = 0.02;             ///< of image axes that counts as none: mean square, rad²
   size_t max_seeds = 150;
 } kUp;
 
@@ -88,21 +89,53 @@ double plane_share(const std::vector<OrientedPoint>& points, const Vector3d& nor
   return static_cast<double>(most) / static_cast<double>(points.size());
 }
 
-/// `towards_up`: the mean over the frames of where the top of the image and its sides point.
-std::optional<Vector3d> up_of_points(const std::vector<OrientedPoint>& points,
-                                     const std::array<Vector3d, 4>& image_sides) {
+/// How cameras were held: directions of the image's axes in the frame of the points, one per frame.
+struct ImageAxes {
+  std::vector<Vector3d> x, y;
+
+  void add(const Isometry3d& pose) {
+    x.push_back(pose.linear().col(0));
+    y.push_back(pose.linear().col(1));
+  }
+};
+
+Vector3d mean(const std::vector<Vector3d>& directions) {
+  Vector3d sum = Vector3d::Zero();
+  for (const Vector3d& direction : directions) sum += direction;
+  return sum / static_cast<double>(directions.size());
+}
+
+/// How much better than any other way of holding a camera it is that `up` is up, `vertical` the axis of the
+/// images nearest to it and `level` the other one: the horizon is level in the images, and cameras turn about
+/// the vertical more than they nod.
+double holding(const Vector3d& up, const std::vector<Vector3d>& level,
+               const std::vector<Vector3d>& vertical) {
+  double roll = 0;
+  for (const Vector3d& axis : level) roll += std::pow(axis.dot(up), 2) / static_cast<double>(level.size());
+  const double pan = 1 - mean(level).squaredNorm() + kUp.turn,
+               nod = 1 - mean(vertical).squaredNorm() + kUp.turn;
+  return std::exp(-roll / (2 * kUp.roll * kUp.roll)) * pan / (pan + nod);
+}
+
+std::optional<Vector3d> up_of_points(const std::vector<OrientedPoint>& points, const ImageAxes& axes) {
   if (points.size() < 500) return std::nullopt;
   std::optional<Vector3d> best;
-  double best_score = kUp.min_share;
-  for (size_t side = 0; side < image_sides.size(); ++side) {
-    if (image_sides[side].norm() < 1e-6) continue;
-    const auto normal = normal_peak(points, image_sides[side].normalized());
-    if (!normal) continue;
-    const double score = plane_share(points, *normal) * (side == 0 ? kUp.upright_preference : 1);
-    if (score <= best_score) continue;
-    best_score = score;
-    best = normal;
-  }
+  double best_score = 0;
+  for (const bool is_sideways : {false, true})
+    for (const double sign : {-1.0, 1.0}) {
+      const auto& vertical = is_sideways ? axes.x : axes.y;
+      const Vector3d hint = sign * mean(vertical);
+      if (hint.norm() < 1e-6) continue;
+      const auto normal = normal_peak(points, hint.normalized());
+      if (!normal) continue;
+      const double share = plane_share(points, *normal);
+      const bool is_upright = !is_sideways && sign < 0;
+      const double score = share * holding(*normal, is_sideways ? axes.y : axes.x, vertical) *
+                           (is_upright ? kUp.upright_preference : 1);
+      if (share < kUp.min_share || score <= best_score) continue;
+      best_score = score;
+      best = normal;
+    }
   return best;
 }
 
@@ -112,23 +145,20 @@ std::optional<Vector3d> find_up(const Recording& recording) {
   const bool posed = recording.info().frames_with_pose > 0;
   const size_t stride = std::max<size_t>(1, recording.size() / kUp.frames);
   std::vector<OrientedPoint> points;
-  std::array<Vector3d, 4> sides = {Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
+  ImageAxes axes;
   for (size_t i = 0; i < recording.size(); i += posed ? stride : 1) {
     if (!posed && i >= kUp.frames) break;
     const RgbdFrame frame = recording.frame(i);
     if (posed && !frame.map_from_camera) continue;
     const Isometry3d pose = frame.map_from_camera.value_or(Isometry3d::Identity());
     add_points(frame, pose, points);
-    const Vector3d x = pose.linear().col(0), y = pose.linear().col(1);
-    sides[0] -= y;
-    sides[1] += x;
-    sides[2] -= x;
-    sides[3] += y;
+    axes.add(pose);
     if (posed) continue;
-    if (const auto up = up_of_points(points, sides)) return up;
+    if (const auto up = up_of_points(points, axes)) return up;
     points.clear();
+    axes = {};
   }
-  return posed ? up_of_points(points, sides) : std::nullopt;
+  return posed ? up_of_points(points, axes) : std::nullopt;
 }
 
 Vector3d parse_direction(const std::string& text) {

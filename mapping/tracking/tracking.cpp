@@ -9,6 +9,8 @@
 #include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/recording/gravity.h"
+#include "mapping/recording/posed_recording.h"
 #include "mapping/tracking/tracker.h"
 
 namespace loci::mapping {
@@ -106,6 +108,24 @@ void require_usable(const TrackingResult& result, const std::string& path) {
   if (10 * result.good() >= result.frames.size()) return;
   throw Error("the camera cannot be tracked: " + result.summary(), {path, 0, ""},
               "move more slowly, keep 0.5 to 4 m from surfaces with corners or texture, or give poses");
+}
+
+std::unique_ptr<Recording> with_tracked_poses(std::unique_ptr<Recording> recording,
+                                              const TrackingResult& result, bool refined,
+                                              Warnings& warnings) {
+  std::optional<Vector3d> up = recording->info().up_in_camera;
+  const bool is_levelled = refined && recording->info().levelled;
+  auto poses = result.poses(recording->size());
+  recording = with_poses(std::move(recording), std::move(poses), result.map_frame, is_levelled);
+  if (refined) return recording;
+  if (!up) up = find_up(*recording);
+  if (!up) {
+    warnings.add("which way is up is not known: the map frame is the first camera's; choose with --up",
+                 {recording->info().path, 0, {}});
+    return recording;
+  }
+  const Isometry3d level(Eigen::Quaterniond::FromTwoVectors(*up, Vector3d::UnitZ()));
+  return in_frame(std::move(recording), level, "odom");
 }
 
 std::vector<std::optional<Isometry3d>> TrackingResult::poses(size_t recording_size) const {

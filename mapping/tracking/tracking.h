@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/base/error.h"
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
@@ -56,5 +57,11 @@ TrackingResult track(const Recording& recording, const TrackingOptions& options,
 
 /// Error when fewer than a tenth of the frames are good, with the reasons.
 void require_usable(const TrackingResult& result, const std::string& path);
+
+/// The recording with the poses of its tracking. Refined poses stay in their frame; others come into the
+/// frame "odom", at the first camera and z up. With a warning, and not levelled, where neither the recording
+/// nor a plane in view says which way is up.
+std::unique_ptr<Recording> with_tracked_poses(std::unique_ptr<Recording> recording,
+                                              const TrackingResult& result, bool refined, Warnings& warnings);
 
 }  // namespace loci::mapping

@@ -2,10 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
+#include <opencv2/core.hpp>
 
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
+#include "mapping/recording/recording.h"
 #include "tests/cli/command.h"
 
 namespace loci::apps::test {
@@ -101,21 +105,55 @@ TEST(RecordAndInfo, RecordDoesNotWriteIntoAFolderOfOtherThings) {
   EXPECT_TRUE(fs::exists(folder + "/s.yaml"));
 }
 
-TEST(RecordAndInfo, AHandHeldRecordingWithoutPosesIsTrackedAndUpright) {
+/// Frames of a hand-held camera as if it had been turned by a quarter `quarters` times, without poses.
+std::string hand_held(int quarters) {
+  const auto recording = mapping::open_recording(shared("data/redkitchen_30hz/frames"));
+  const std::array<cv::RotateFlags, 3> turns = {cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180,
+                                                cv::ROTATE_90_COUNTERCLOCKWISE};
+  const auto turned = [&](mapping::PinholeCamera c) {
+    if (quarters == 2)
+      return mapping::PinholeCamera{c.width, c.height, c.fx, c.fy, c.width - 1 - c.cx, c.height - 1 - c.cy};
+    if (quarters == 0) return c;
+    const bool right = quarters == 1;
+    return mapping::PinholeCamera{
+        c.height, c.width, c.fy, c.fx, right ? c.height - 1 - c.cy : c.cy, right ? c.cx : c.width - 1 - c.cx};
+  };
+  mapping::RgbdCamera camera = recording->info().camera;
+  const Isometry3d turn(Eigen::AngleAxisd(quarters * kPi / 2, Vector3d::UnitZ()));
+  camera.depth = turned(camera.depth);
+  camera.color = turned(camera.color);
+  camera.depth_from_color = turn * camera.depth_from_color * turn.inverse();
+  const std::string folder = fresh_folder() + "/recording";
+  mapping::RecordingWriter writer(folder, camera, "");
+  for (size_t i = 0; i < 60; i += 3) {
+    mapping::RgbdFrame frame = recording->frame(i);
+    frame.map_from_camera.reset();
+    frame.camera = camera;
+    for (cv::Mat* image : {&frame.depth, &frame.color})
+      if (quarters > 0) cv::rotate(*image, *image, turns.at(static_cast<size_t>(quarters - 1)));
+    writer.add(frame);
+  }
+  writer.finish();
+  return folder;
+}
+
+TEST(RecordAndInfo, AHandHeldRecordingWithoutPosesIsTrackedAndUprightHoweverTheCameraIsHeld) {
   LOCI_NEEDS_SHARED("data/redkitchen_30hz");
-  const fs::path frames = shared("data/redkitchen_30hz/frames"), folder = fresh_folder();
-  for (int i = 0; i < 60; i += 3)
-    for (const char* image : {"color.jpg", "depth.png"}) {
-      const std::string name = fmt::format("frame-{:06}.{}", i, image);
-      fs::create_symlink(frames / name, folder / name);
-    }
-  fs::copy(frames.parent_path() / "cameras.yaml", folder / "cameras.yaml");
-  const std::string posed = (folder / "posed").string(), scans = (folder / "scans").string();
-  ASSERT_EQ(run("loci-map track " + folder.string() + " -o " + posed).exit_code, 0);
-  ASSERT_EQ(run("loci-map fuse " + posed + " -o " + scans).exit_code, 0);
-  const Outcome map = run("loci-map interpret " + scans + " -o " + (folder / "map").string());
-  EXPECT_EQ(map.exit_code, 0) << map.error;
-  EXPECT_THAT(map.out, HasSubstr("table_1")) << "horizontal surfaces are horizontal";
+  for (const int quarters : {0, 1, 2}) {
+    const std::string folder = fresh_folder(), recording = hand_held(quarters);
+    const Outcome fused = run("loci-map fuse " + recording + " -o " + folder + "/scans");
+    EXPECT_THAT(fused.error, HasSubstr("the recording has no poses: 20 of 20 frames tracked"));
+    const Outcome map = run("loci-map interpret " + folder + "/scans -o " + folder + "/map --json");
+    ASSERT_EQ(map.exit_code, 0) << map.error;
+    const Json links = read_json(folder + "/map/map.semantic.json")["links"];
+    ASSERT_TRUE(links.contains("table_1")) << quarters << ": " << links.dump();
+    EXPECT_NEAR(links["table_1"]["geometry"]["height"].get<double>(), 0.72, 0.02) << quarters;
+    if (quarters % 2 == 0) continue;
+    const Outcome seen = run("loci-perceive run " + recording + " --map " + folder + "/map/map.urdf -m " +
+                             folder + "/m.loci --every 4");
+    EXPECT_EQ(seen.exit_code, 0) << seen.error;
+    EXPECT_THAT(run("loci-memory objects -m " + folder + "/m.loci").out, HasSubstr("on table_1"));
+  }
 }
 
 }  // namespace

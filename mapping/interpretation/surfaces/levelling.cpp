@@ -121,7 +121,8 @@ std::optional<Isometry3d> level_by_floor(const Surface& surface, const Vector3d&
 std::vector<Vector3d> up_hints(const ScanSet& scans) {
   Vector3d sum = Vector3d::Zero();
   for (const Scan& scan : scans.scans) sum -= scan.map_from_scan.linear().col(1);
-  if (scans.sensor == "kinect" && sum.norm() > 1e-6) return {sum.normalized()};
+  // Recordings were turned upright as far as they show what is up, however the camera was held.
+  if (scans.sensor == "kinect" && sum.norm() > 1e-6) return {Vector3d::UnitZ(), sum.normalized()};
   return {Vector3d::UnitZ(), -Vector3d::UnitY(), Vector3d::UnitY()};
 }
 

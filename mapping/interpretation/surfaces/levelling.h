@@ -23,7 +23,7 @@ std::optional<LevelHeight> level_height(const std::map<uint16_t, std::vector<dou
 /// it. Unset when there is no such plane.
 std::optional<Isometry3d> level_by_floor(const Surface& surface, const Vector3d& up_hint);
 
-/// Directions that may be up, most likely first: a depth camera's -y; otherwise the map's z, then y down and
+/// Directions that may be up, most likely first: the map's z, then a depth camera's -y; otherwise y down and
 /// y up, as in point clouds of cameras.
 std::vector<Vector3d> up_hints(const ScanSet& scans);
 

@@ -25,10 +25,9 @@ std::optional<Vector3d> known_up(const mapping::Recording& recording) {
 
 /// The pose of a camera that stands still, from the first frame that shows a supporting plane. Error when
 /// none of the first ones does.
-Isometry3d pose_over_first_support(const mapping::Recording& recording) {
+Isometry3d pose_over_first_support(const mapping::Recording& recording, const std::optional<Vector3d>& up) {
   constexpr size_t kTries = 10;
   Tally tries;
-  const std::optional<Vector3d> up = known_up(recording);
   for (size_t i = 0; i < std::min(recording.size(), kTries); ++i) {
     const mapping::RgbdFrame frame = recording.frame(i);
     const cv::Mat depth = smooth_depth(frame.depth, frame.camera.depth, NormalOptions::for_objects());
@@ -88,7 +87,11 @@ void RecordingReader::start(Context& context) {
     }
     return;
   }
-  assumed_pose_ = pose_over_first_support(*recording_);
+  // Where up is known, each frame's supports are looked for by it; else its dominant plane that looks upwards
+  // counts.
+  const std::optional<Vector3d> up = known_up(*recording_);
+  assumed_pose_ = pose_over_first_support(*recording_, up);
+  map_frame_ = up ? "support" : kAssumedFrame;
   context.warnings.add(
       "the recording has no poses: the camera is taken as fixed, and the map frame is the first supporting "
       "plane");
@@ -125,9 +128,7 @@ void RecordingReader::read_next(cas::Cas& cas, Context& context) {
   std::optional<Isometry3d> pose = assumed_pose_;
   if (!pose && frame.map_from_camera) pose = map_from_poses_ * *frame.map_from_camera;
   if (pose) {
-    const std::string map_frame = assumed_pose_        ? kAssumedFrame
-                                  : map_frame_.empty() ? info.map_frame
-                                                       : map_frame_;
+    const std::string map_frame = map_frame_.empty() ? info.map_frame : map_frame_;
     scene.map_from_camera.set(types::to_stamped(cas, *pose, map_frame, "depth_camera", frame.time_ns));
   } else {
     facade.log("RecordingReader", "warning", "the pose of the camera is not known");
