@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <octomap/octomap.h>
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -17,11 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 /// Scans are inserted again when registration moved one of them by more than this part of a voxel.
 constexpr double kReinsertShift = 0.5;
-/// The last scans are planned by even when they are not tied to the first one yet.
-constexpr size_t kUntied = 3;
 /// Longer paths are driven in stages with a scan at each: odometry alone would lose the robot. Metres.
 constexpr double kMaxPath = 5, kStage = 3.5;
 
@@ -118,10 +117,9 @@ struct Exploration::Impl {
     step.map_from_scan_odometry = scan.map_from_scan;
     scan.name = fmt::format("scan_{:03}", set.scans.size());
     set.scans.push_back(std::move(scan));
-    const mapping::RegistrationResult& registered = registrar.add(set.scans.back());
-    for (size_t i = 0; i < set.scans.size(); ++i) set.scans[i].map_from_scan = registered.map_from_scan[i];
+    place(registrar.add(set.scans.back()));
     step.reached_overlap = 0;
-    for (const mapping::PairAlignment& pair : registered.pairs)
+    for (const mapping::PairAlignment& pair : registrar.result().pairs)
       if (pair.trusted && std::max(pair.source, pair.target) + 1 == set.scans.size())
         step.reached_overlap = std::max(step.reached_overlap, pair.overlap);
     step.register_seconds = watch.lap();
@@ -130,30 +128,59 @@ struct Exploration::Impl {
     step.known_voxels = map.tree().getNumLeafNodes();
   }
 
+  void place(const mapping::RegistrationResult& registered) {
+    for (size_t i = 0; i < set.scans.size(); ++i) set.scans[i].map_from_scan = registered.map_from_scan[i];
+  }
+
   bool connected(size_t scan) const { return registrar.result().connected[scan]; }
 
-  /// Scans at their best known poses; the latest also when they are not tied to the first one yet: where
-  /// odometry puts them is good enough to plan the view that ties them.
+  /// How many of the last scans are not connected.
+  size_t trailing_untied() const {
+    size_t count = 0;
+    while (count < set.scans.size() && !connected(set.scans.size() - 1 - count)) ++count;
+    return count;
+  }
+
+  /// Aligns the scans that are not connected with the others again, once after a scan: by what was scanned
+  /// since, the poses are known better. Whether that connected any.
+  bool register_again() {
+    const size_t before = registrar.result().connected_count();
+    if (before == set.scans.size() || (!retried.empty() && retried.back() == set.scans.size())) return false;
+    retried.push_back(set.scans.size());
+    place(registrar.retry());
+    insert();
+    if (connected(set.scans.size() - 1)) robot.localize(robot_pose());
+    if (robot_states.size() == set.scans.size()) robot_states.back() = robot.state();
+    return registrar.result().connected_count() > before;
+  }
+
+  /// Connected scans at their best known poses.
   void insert() {
     const double most = kReinsertShift * map.resolution();
-    const auto wanted = [&](size_t i) { return connected(i) || i + kUntied >= set.scans.size(); };
     bool changed = false;
-    for (size_t i = 0; i < inserted.size(); ++i) {
-      const bool is_in = inserted[i].has_value();
-      changed =
-          changed || (is_in && !wanted(i)) ||
-          (is_in && (inserted[i]->translation() - set.scans[i].map_from_scan.translation()).norm() > most);
-    }
+    for (size_t i = 0; i < inserted.size(); ++i)
+      changed = changed ||
+                (inserted[i] &&
+                 (!connected(i) ||
+                  (inserted[i]->translation() - set.scans[i].map_from_scan.translation()).norm() > most));
     if (changed) {
       map = mapping::OccupancyMap(options.occupancy);
       inserted.clear();
     }
     inserted.resize(set.scans.size());
     for (size_t i = 0; i < set.scans.size(); ++i) {
-      if (inserted[i] || !wanted(i)) continue;
+      if (inserted[i] || !connected(i)) continue;
       map.insert(set.scans[i]);
       inserted[i] = set.scans[i].map_from_scan;
     }
+  }
+
+  /// The map with the last scan, which is not connected: where odometry puts it is good enough to plan the
+  /// view that ties it to the others.
+  mapping::OccupancyMap with_untied() const {
+    mapping::OccupancyMap with = map;
+    with.insert(set.scans.back());
+    return with;
   }
 
   ScanRefs placed_scans() const {
@@ -183,7 +210,8 @@ struct Exploration::Impl {
     step.goal = goal;
     step.scan_seconds = watch.lap();
     take_in(std::move(*scan), step);
-    if (step.reached_overlap > 0) robot.localize(robot_pose());
+    // Beside scans that are not connected themselves the robot is as lost as they are.
+    if (connected(set.scans.size() - 1)) robot.localize(robot_pose());
     steps.push_back(std::move(step));
     robot_states.push_back(robot.state());
     checkpoint();
@@ -214,7 +242,7 @@ struct Exploration::Impl {
             {"stop_reason", stop_reason},
             {"steps", list},
             {"not_reached", places},
-            {"tying", tying},
+            {"registered_again_after", retried},
             {"configuration", configuration()}};
   }
 
@@ -228,6 +256,7 @@ struct Exploration::Impl {
                   "give the same options, or leave --resume away to begin anew");
     mapping::ScanSet before = mapping::read_scan_set(folder / "scans");
     const Json& list = json.at("steps");
+    const auto again = json.at("registered_again_after").get<std::vector<size_t>>();
     if (before.scans.size() < list.size())
       throw Error("there are fewer scans than steps", {file.string(), 0, "steps"},
                   "begin anew without --resume");
@@ -237,6 +266,7 @@ struct Exploration::Impl {
       mapping::Scan scan = std::move(before.scans[i]);
       scan.map_from_scan = step.map_from_scan_odometry;
       take_in(std::move(scan), step);
+      if (std::find(again.begin(), again.end(), set.scans.size()) != again.end()) register_again();
       step.register_seconds = seconds;
       step.frontier_voxels = list[i].at("frontier_voxels");
       steps.push_back(std::move(step));
@@ -245,7 +275,6 @@ struct Exploration::Impl {
     if (!robot_states.empty()) robot.restore(robot_states.back());
     for (const Json& place : json.at("not_reached"))
       avoid.emplace_back(place.at(0).get<double>(), place.at(1).get<double>());
-    tying = json.at("tying");
     stop_reason = json.at("stop_reason");
   }
 
@@ -279,29 +308,59 @@ struct Exploration::Impl {
     view.reason = closer.pose ? closer.reason : view.reason + "; " + closer.reason;
   }
 
-  /// Plans the next view and goes there, or says why it ends here. After a scan that could not be registered
-  /// (two that face each other share but parallel walls, along which they may slide) a view that sees as much
-  /// as possible of what is known comes first, once: it ties them together.
+  /// What the next view is for.
+  enum class Purpose { explore, tie, turn_back };
+
+  /// What to try, in this order. After a scan that could not be registered (two that face each other share
+  /// but parallel walls, along which they may slide) a view comes first that sees as much as possible of what
+  /// is known: it ties them together. When that fails, too, the robot looks once more at what the connected
+  /// scans show, and goes on from there.
+  std::vector<Purpose> purposes() const {
+    const size_t untied = trailing_untied();
+    if (untied == 0) return {Purpose::explore};
+    if (untied == 1) return {Purpose::tie, Purpose::explore};
+    if (untied % 2 == 0) return {Purpose::turn_back, Purpose::tie, Purpose::explore};
+    return {Purpose::explore, Purpose::tie};
+  }
+
+  ViewPlan plan_for(Purpose purpose, int attempt) {
+    PlannerOptions planner = options.planner;
+    planner.avoid = avoid;
+    // Another scan from there would not be connected either.
+    for (size_t i = 0; i < set.scans.size() && purpose != Purpose::tie; ++i)
+      if (!connected(i)) planner.avoid.emplace_back(set.scans[i].map_from_scan.translation().head<2>());
+    if (purpose != Purpose::explore) planner.gain_weight = planner.min_gain = 0;
+    std::optional<mapping::OccupancyMap> with;
+    if (purpose == Purpose::tie) with = with_untied();
+    ViewPlan plan = plan_view(with ? *with : map, robot_pose(), options.laser, planner,
+                              random.fork(steps.size()).fork(static_cast<uint64_t>(attempt)));
+    if (!plan.view.pose && purpose == Purpose::explore && options.inspection.points_per_cm2 > 0)
+      inspect(planner, plan.view);
+    if (!plan.view.pose) return plan;
+    if (purpose == Purpose::tie) plan.view.reason = "ties the scan before to the others: " + plan.view.reason;
+    if (purpose == Purpose::turn_back)
+      plan.view.reason = "turns back to what is connected: " + plan.view.reason;
+    return plan;
+  }
+
+  /// Plans the next view and goes there, or says why it ends here.
   void plan_and_scan() {
-    tying = !tying && !connected(set.scans.size() - 1);
+    if (!connected(set.scans.size() - 1)) register_again();
     for (int attempt = 0; attempt < options.max_failures; ++attempt) {
       Stopwatch watch;
-      PlannerOptions planner = options.planner;
-      planner.avoid = avoid;
-      if (tying) planner.gain_weight = planner.min_gain = 0;
-      ViewPlan plan = plan_view(map, robot_pose(), options.laser, planner,
-                                random.fork(steps.size()).fork(static_cast<uint64_t>(attempt)));
-      if (!plan.view.pose && options.inspection.points_per_cm2 > 0) inspect(planner, plan.view);
+      ViewPlan plan;
+      for (const Purpose purpose : purposes())
+        if (plan = plan_for(purpose, attempt); plan.view.pose) break;
       const NextView& view = plan.view;
       steps.back().plan_seconds += watch.lap();
       steps.back().frontier_voxels = view.frontier_voxels;
       if (watcher) watcher(steps.size() - 1, plan, robot_pose());
       if (!view.pose) {
-        stop_reason = view.reason;
+        if (!register_again()) stop_reason = view.reason;
         return;
       }
       ExplorationStep step;
-      step.reason = tying ? "ties the scan before to the others: " + view.reason : view.reason;
+      step.reason = view.reason;
       step.expected_overlap = view.expected_overlap;
       step.expected_gain = view.expected_gain;
       const std::optional<mapping::PlanarPose> stage = stage_of(view.path);
@@ -327,6 +386,7 @@ struct Exploration::Impl {
       else
         plan_and_scan();
     }
+    register_again();
     for (size_t i = 0; i < set.scans.size(); ++i)
       if (!connected(i)) warnings.add(fmt::format("scan {} could not be registered and is left out", i));
     checkpoint();
@@ -345,7 +405,7 @@ struct Exploration::Impl {
   std::vector<ExplorationStep> steps;
   std::vector<Json> robot_states;
   std::vector<Vector2d> avoid;  ///< goals that were not reached
-  bool tying = false;           ///< the last view was chosen to tie scans together
+  std::vector<size_t> retried;  ///< numbers of scans after which they were registered again
   std::string stop_reason;
   Watcher watcher;  ///< may be empty
 };

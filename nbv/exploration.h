@@ -29,7 +29,10 @@ struct ExplorationOptions {
   uint64_t seed = 1;
   int threads = 0;  ///< of all stages; 0 = all cores; not declared: the result is the same on any number
 
-  ExplorationOptions() { planner.travel_cost_per_m = 0.1; }
+  ExplorationOptions() {
+    planner.travel_cost_per_m = 0.1;
+    planner.min_view_overlap = 0.15;
+  }
 
   void declare(OptionTable& table);
   /// Gives `threads` to the options of all stages.

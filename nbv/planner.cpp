@@ -82,7 +82,8 @@ double score_of(const ViewSample& sample, double gain_weight) {
 }
 
 bool eligible(const ViewSample& sample, const PlannerOptions& options) {
-  return sample.counts.frontier >= options.min_gain && !avoided({sample.pose.x, sample.pose.y}, options);
+  return sample.counts.frontier >= options.min_gain && sample.counts.overlap() >= options.min_view_overlap &&
+         !avoided({sample.pose.x, sample.pose.y}, options);
 }
 
 /// A position that is validated: one sample per orientation of the costmaps from one panorama.
@@ -233,6 +234,9 @@ void PlannerOptions::declare(OptionTable& table) {
   table.number("opening_deg", opening_deg, "deg", "Opening angle of the visibility kernel.", 10, 360);
   table.number("robot_radius_m", robot_radius_m, "m", "Radius by which obstacles are dilated.", 0.05, 2);
   table.number("overlap_wanted", overlap_wanted, "", "Views with less overlap with known space are reported.",
+               0, 1);
+  table.number("min_view_overlap", min_view_overlap, "",
+               "Views with less overlap with known space are not chosen: their scan could not be registered.",
                0, 1);
   table.number("gain_weight", gain_weight, "",
                "0 looks for overlap only, 0.5 for as much gain as overlap, 1 for gain only.", 0, 1);

@@ -25,8 +25,9 @@ struct PlannerOptions {
   double opening_deg = 180;
   double robot_radius_m = 0.30;
   double overlap_wanted = 0.5;
-  double gain_weight = 0.75;  ///< 0.5 is the paper's score
-  int samples = 64;           ///< at most, and one per 0.1 m² where the robot can stand
+  double min_view_overlap = 0;  ///< views with less are not chosen
+  double gain_weight = 0.75;    ///< 0.5 is the paper's score
+  int samples = 64;             ///< at most, and one per 0.1 m² where the robot can stand
   double ray_step_deg = 1;
   double travel_cost_per_m = 0;
   double min_gain = 0.2;

@@ -20,6 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Of the scans: of a map that less went into, what is missing was perhaps not seen at all.
+constexpr double kMinRegistered = 2.0 / 3;
+
 /// Where the images of the plan after a step are.
 fs::path plan_folder(const fs::path& folder, size_t step) {
   return folder / "plans" / fmt::format("after_scan_{:03}", step);
@@ -96,6 +99,10 @@ void SurveyOptions::declare(OptionTable& table) {
   interaction.declare(table);
 }
 
+bool SurveyResult::usable() const {
+  return static_cast<double>(scans.scans.size()) >= kMinRegistered * static_cast<double>(steps.size());
+}
+
 std::string SurveyResult::summary() const {
   std::string text =
       fmt::format("{} scans, {} registered; it ended: {}\n", steps.size(), scans.scans.size(), stop_reason);
@@ -117,9 +124,9 @@ Json SurveyResult::report() const {
     json["held"] = pull.held;
     pulls.push_back(json);
   }
-  return {{"scans", steps.size()},      {"registered", scans.scans.size()},
-          {"stop_reason", stop_reason}, {"interactions", pulls},
-          {"map", map.report()},        {"seconds", seconds}};
+  return {{"usable", usable()},         {"scans", steps.size()}, {"registered", scans.scans.size()},
+          {"stop_reason", stop_reason}, {"interactions", pulls}, {"map", map.report()},
+          {"seconds", seconds}};
 }
 
 SurveyResult survey(mapping::Robot& robot, const mapping::PlanarPose& start,

@@ -29,6 +29,8 @@ struct SurveyResult {
   std::string stop_reason;
   double seconds = 0;
 
+  /// Whether most of the scans could be registered. Otherwise the map shows but a part of the room.
+  bool usable() const;
   std::string summary() const;
   Json report() const;
 };

@@ -43,6 +43,10 @@ void explore(ExploreArguments& arguments, Session& session) {
                                         ? robot.open_place()
                                         : mapping::planar_poses_from(arguments.start, "--start").front();
   robot.put_at(start);
+  const std::filesystem::path earlier = std::filesystem::path(arguments.out) / "explore.json";
+  if (!arguments.resume && std::filesystem::exists(earlier))
+    session.warnings().add("the earlier exploration in " + arguments.out +
+                           " is replaced; --resume would go on with it");
   const nbv::SurveyResult result = survey(robot, start, arguments.out, arguments.resume, arguments.options,
                                           session.progress(), session.warnings());
   for (const std::string& note : result.map.notes) session.warnings().add(note);
@@ -50,6 +54,11 @@ void explore(ExploreArguments& arguments, Session& session) {
   session.answer(
       result.summary() + "in " + arguments.out + "/map.urdf, see " + arguments.out + "/report.html",
       result.report());
+  if (!result.usable())
+    throw Error(fmt::format("only {} of {} scans could be registered: the map shows a part of the room",
+                            result.scans.scans.size(), result.steps.size()),
+                {arguments.out, 0, {}},
+                "give another --start, one from which much furniture is seen, or another --seed");
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ constexpr size_t kCellsMax = size_t{1} << 30;  ///< of a scan; also what the gri
 
 struct OccupancyMap::Impl {
   explicit Impl(const OccupancyOptions& o) : options(o), tree(o.resolution_m) {}
+  Impl(const OccupancyOptions& o, const occupancy::ScanTree& t) : options(o), tree(t) {}
 
   OccupancyOptions options;
   occupancy::ScanTree tree;
@@ -40,6 +41,8 @@ OccupancyMap::OccupancyMap(const OccupancyOptions& options) : impl_(std::make_un
   table_of(checked).validate();
 }
 OccupancyMap::~OccupancyMap() = default;
+OccupancyMap::OccupancyMap(const OccupancyMap& other)
+    : impl_(std::make_unique<Impl>(other.impl_->options, other.impl_->tree)) {}
 OccupancyMap::OccupancyMap(OccupancyMap&&) noexcept = default;
 OccupancyMap& OccupancyMap::operator=(OccupancyMap&&) noexcept = default;
 

@@ -60,6 +60,7 @@ class OccupancyMap {
  public:
   explicit OccupancyMap(const loci::mapping::OccupancyOptions& options);
   ~OccupancyMap();
+  OccupancyMap(const loci::mapping::OccupancyMap& other);
   OccupancyMap(loci::mapping::OccupancyMap&&) noexcept;
   loci::mapping::OccupancyMap& operator=(loci::mapping::OccupancyMap&&) noexcept;
 

@@ -144,13 +144,22 @@ void Registrar::add(PreparedScan scan, const Isometry3d& map_from_scan, const Se
 }
 
 void Registrar::retry(const SearchWindow& window) {
-  for (size_t scan = 1; scan < scans_.size(); ++scan) {
-    if (root_[scan] == 0) continue;
+  for (size_t scan = 0; scan < scans_.size(); ++scan) {
+    const size_t main = main_part();
+    if (root_[scan] == main) continue;
     std::vector<Candidate> candidates = candidates_of(scan, scans_.size(), window.position);
-    std::erase_if(candidates, [&](const Candidate& candidate) { return root_[candidate.scan] != 0; });
+    std::erase_if(candidates, [&](const Candidate& candidate) { return root_[candidate.scan] != main; });
     if (connect(scan, candidates, window)) refine(scan, candidates, window);
     update_parts();
   }
+}
+
+/// First scan of the part with most scans, of the earlier one if there are several: what the others are
+/// measured by, as the first scan may look at a corner that none of the others sees.
+size_t Registrar::main_part() const {
+  std::vector<size_t> sizes(scans_.size(), 0);
+  for (const size_t root : root_) ++sizes[root];
+  return static_cast<size_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
 }
 
 /// Scans before `end` that may share enough surface, largest overlap first.
@@ -283,7 +292,8 @@ void Registrar::solve() {
   }
   update_parts();
   result_.connected.resize(scans_.size());
-  for (size_t i = 0; i < scans_.size(); ++i) result_.connected[i] = root_[i] == 0;
+  const size_t main = main_part();
+  for (size_t i = 0; i < scans_.size(); ++i) result_.connected[i] = root_[i] == main;
 }
 
 }  // namespace loci::mapping::registration

@@ -29,7 +29,7 @@ class Registrar {
   /// scan.
   void add(PreparedScan scan, const Isometry3d& map_from_scan, const SearchWindow& window,
            const SearchWindow& expected);
-  /// Repeats the pairs between connected and unconnected scans with the improved poses.
+  /// Repeats the pairs between the largest part of the graph and the other scans with the improved poses.
   void retry(const SearchWindow& window);
   /// Poses of all scans from all trusted pairs; pairs that contradict the others are not trusted any more.
   /// Parts of the graph without a trusted pair between them are connected by odometry.
@@ -51,6 +51,7 @@ class Registrar {
   void refine(size_t scan, const std::vector<Candidate>& candidates, const SearchWindow& window);
   void record(PairAlignment pair);
   void update_parts();
+  size_t main_part() const;
 
   RegistrationOptions options_;
   std::vector<PreparedScan> scans_;

@@ -133,6 +133,14 @@ const RegistrationResult& IncrementalRegistration::add(const Scan& scan) {
   return registrar.result();
 }
 
+const RegistrationResult& IncrementalRegistration::retry() {
+  const Stopwatch watch;
+  impl_->registrar.retry(registration::window_of(impl_->options));
+  impl_->registrar.solve();
+  impl_->registrar.result().seconds += watch.seconds();
+  return impl_->registrar.result();
+}
+
 const RegistrationResult& IncrementalRegistration::result() const {
   return impl_->registrar.result();
 }

@@ -44,8 +44,9 @@ struct PairAlignment {
 struct RegistrationResult {
   std::vector<std::string> names;         ///< of the scans
   std::vector<Isometry3d> map_from_scan;  ///< one per scan
-  /// Whether a chain of trusted pairs leads to the first scan. Other scans are placed by odometry, relative
-  /// to the scan before them (and after them, if that one is connected).
+  /// Whether the scan belongs to the largest group that chains of trusted pairs connect (the earliest of
+  /// several). Other scans are placed by odometry, relative to the scan before them (and after them, if that
+  /// one is connected).
   std::vector<bool> connected;
   std::vector<PairAlignment> pairs;  ///< that were tried
   double seconds = 0;
@@ -64,8 +65,8 @@ PairAlignment align(const Scan& target, const Scan& source, const Isometry3d& ta
                     const RegistrationOptions& options);
 
 /// Aligns all overlapping pairs and solves a pose graph with robust loss; the first scan stays. Scans without
-/// a trusted connection are placed by odometry relative to their neighbours and named. Error for a set
-/// without scans.
+/// a trusted connection to the largest group are placed by odometry relative to their neighbours and named.
+/// Error for a set without scans.
 RegistrationResult register_scans(const ScanSet& scans, const RegistrationOptions& options,
                                   Progress& progress);
 
@@ -79,6 +80,9 @@ class IncrementalRegistration {
   /// search starts at the scan's pose, which stays relative to the previous scan while no pair is trusted;
   /// its covariance (if not zero) determines the search window.
   const RegistrationResult& add(const Scan& scan);
+  /// Aligns scans that are not connected with the connected ones again, from the poses known by now and
+  /// within the window of the options.
+  const RegistrationResult& retry();
   const RegistrationResult& result() const;
 
  private:

@@ -246,6 +246,18 @@ TEST(NextView, StopsInTheEndWithItsReason) {
                   mapping::Occupancy::occupied);  // The hidden end's wall, give or take noise.
 }
 
+TEST(NextView, ChoosesNoViewThatSharesTooLittleWithWhatIsKnown) {
+  const mapping::OccupancyMap map = map_of(divided_room(), {kStart});
+  PlannerOptions options;
+  options.gain_weight = 1;
+  const NextView greedy = next_view(map, kStart, mapping::LaserModel(), options, Random(2));
+  ASSERT_TRUE(greedy.pose);
+  options.min_view_overlap = greedy.expected_overlap + 0.1;
+  const NextView careful = next_view(map, kStart, mapping::LaserModel(), options, Random(2));
+  ASSERT_TRUE(careful.pose) << careful.reason;
+  EXPECT_GE(careful.expected_overlap, options.min_view_overlap);
+}
+
 TEST(NextView, WeightTurnsFromOverlapToGain) {
   const mapping::OccupancyMap map = map_of(divided_room(), {kStart});
   PlannerOptions options;

@@ -98,6 +98,15 @@ TEST_F(Survey, FrontsThatShareAJointAreEachMappedAsTheDrawersThatTheyAre) {
   for (const Interaction& pull : result.interactions) EXPECT_TRUE(pull.held) << pull.front;
 }
 
+TEST_F(Survey, IsNotUsableWhenMostScansCouldNotBeRegistered) {
+  SurveyResult result;
+  result.steps.resize(40);
+  result.scans.scans.resize(2);
+  EXPECT_FALSE(result.usable());
+  result.scans.scans.resize(30);
+  EXPECT_TRUE(result.usable());
+}
+
 TEST_F(Survey, SaysThatItCannotStartInsideFurniture) {
   try {
     explore(drawers_that_hang_together(), "map", 0, quiet_, false, {0, 1.2, 0});

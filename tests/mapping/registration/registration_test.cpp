@@ -206,6 +206,33 @@ TEST(Registration, ALaterScanPullsInWhatStoodByOdometryOnly) {
     EXPECT_LT(position_error(result.map_from_scan[i], truth.scans[i].map_from_scan), 0.005) << i;
 }
 
+TEST(Registration, TheLargestGroupWinsOverTheFirstScan) {
+  // The first scan shows another room: what it has in common with nobody does not count.
+  ScanSet set = tour(0.05, 2);
+  Scan elsewhere = sweep(testing::study(), 0.2, 0, 1.0, 9);
+  elsewhere.map_from_scan = set.scans.front().map_from_scan;
+  set.scans.insert(set.scans.begin(), elsewhere);
+  NoProgress progress;
+  IncrementalRegistration incremental{RegistrationOptions{}};
+  for (const Scan& scan : set.scans) incremental.add(scan);
+  const std::vector<bool> expected = {false, true, true, true, true, true};
+  EXPECT_EQ(register_scans(set, {}, progress).connected, expected);
+  EXPECT_EQ(incremental.result().connected, expected) << incremental.result().summary();
+}
+
+TEST(Registration, AScanThatStartedTooFarOffIsConnectedWhenItIsTriedAgain) {
+  ScanSet set = tour(0, 0);
+  // The pose of the last scan is off by more than its covariance says.
+  set.scans.back().map_from_scan = set.scans.back().map_from_scan * planar_motion(0.3, 0.2, 12);
+  set.scans.back().covariance.diagonal() << 1e-4, 1e-4, 0, 0, 0, 1e-4;
+  IncrementalRegistration incremental{RegistrationOptions{}};
+  for (const Scan& scan : set.scans) incremental.add(scan);
+  ASSERT_FALSE(incremental.result().connected.back()) << incremental.result().summary();
+  const RegistrationResult& result = incremental.retry();
+  ASSERT_TRUE(result.connected.back()) << result.summary();
+  EXPECT_LT(position_error(result.map_from_scan.back(), tour(0, 0).scans.back().map_from_scan), 0.005);
+}
+
 TEST(Registration, DuplicatesOfOneScanStandInOnePlace) {
   ScanSet set;
   set.range_max = 10;
