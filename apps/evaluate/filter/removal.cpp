@@ -38,7 +38,7 @@ Removal measure_removal(const std::filesystem::path& path, perception::KnownMap&
     for (const auto& [name, position] : frame.joints)
       if (map.world.find_joint(name)) joints[name] = position;
     const perception::KnownStructure found =
-        find_known_structure(perception::points_from_depth(frame.depth, camera), camera,
+        find_known_structure(perception::points_from_depth(frame.depth, camera), {}, camera,
                              *frame.map_from_camera, map, surfaces, joints, options, threads);
     ++removal.frames;
     removal.points += measured(frame.depth);

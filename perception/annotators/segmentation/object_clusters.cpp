@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <tuple>
@@ -35,6 +36,11 @@ namespace {
 
 using Eigen::Vector2f;
 using Eigen::Vector3f;
+
+/// How far from a surface of the map something may seem to be although it is that surface: the map's error,
+/// and the distortion of depth cameras in standard deviations of the depth.
+constexpr double kFlush = 0.02;
+constexpr double kDistortion = 7;
 
 /// Everything that stands over one support, before it is taken apart.
 struct Standing {
@@ -75,13 +81,16 @@ struct Ground {
         plane_from_camera(support.camera_from_plane.linear().transpose().cast<float>()) {}
 };
 
-/// The highest support below a point, -1 = none or the support itself, and the point in its frame.
+constexpr int kNoSupport = -1;  ///< below a point
+constexpr int kOnSupport = -2;  ///< it is the support itself
+
+/// The highest support below a point, or one of the two above, and the point in its frame.
 int support_below(const Vector3f& p, int label, const std::vector<Ground>& grounds,
                   const ClusterOptions& options, Vector3d& position) {
   // Beyond the outline by this much objects are still looked at, to tell what merely reaches over the
   // support.
   constexpr double kAround = 0.15;
-  int best = -1;
+  int best = kNoSupport;
   for (size_t s = 0; s < grounds.size(); ++s) {
     const SupportPlane& support = grounds[s].plane;
     if (support.region != label) continue;
@@ -92,7 +101,7 @@ int support_below(const Vector3f& p, int label, const std::vector<Ground>& groun
     if (at.z() < -floor || (best >= 0 && at.z() > floor && at.z() >= position.z())) continue;
     const double inside = grounds[s].outline.inside(at.head<2>());
     if (inside < -kAround) continue;
-    if (std::abs(at.z()) <= floor && inside > -options.margin_m) return -1;  // The support itself.
+    if (std::abs(at.z()) <= floor && inside > -options.margin_m) return kOnSupport;
     if (at.z() <= floor) continue;
     best = static_cast<int>(s);
     position = at;
@@ -100,25 +109,34 @@ int support_below(const Vector3f& p, int label, const std::vector<Ground>& groun
   return best;
 }
 
-/// Gives every pixel to the highest support below it.
-std::vector<Standing> stand_on_supports(const cv::Mat& points, const cv::Mat& normals, const cv::Mat& region,
-                                        const mapping::PinholeCamera& camera,
+/// What a pixel shows, as the outlines of objects are judged by it.
+enum class Shows : uint8_t { nothing, support, candidate, surroundings };
+
+/// Gives every pixel to the highest support below it. `shows`: CV_8U, of every pixel.
+std::vector<Standing> stand_on_supports(const ClusterImages& images, const mapping::PinholeCamera& camera,
                                         const std::vector<Ground>& grounds, const ClusterOptions& options,
-                                        int threads) {
+                                        int threads, cv::Mat& shows) {
+  const cv::Mat& points = images.points;
   const auto* point = points.ptr<cv::Vec3f>();
-  const auto* normal = normals.ptr<cv::Vec3f>();
-  const auto* label_of = region.empty() ? nullptr : region.ptr<uint16_t>();
+  const auto* normal = images.normals.ptr<cv::Vec3f>();
+  const auto* label_of = images.region.empty() ? nullptr : images.region.ptr<uint16_t>();
   const auto focal_squared = static_cast<float>(camera.fx * camera.fy);
+  shows = cv::Mat::zeros(points.size(), CV_8U);
   constexpr int kRows = 16;
   const auto blocks = static_cast<size_t>((points.rows + kRows - 1) / kRows);
   std::vector<std::vector<Standing>> of_block(blocks, std::vector<Standing>(grounds.size()));
   parallel_each(blocks, threads, [&](size_t block) {
     const int end = std::min(points.rows, static_cast<int>(block + 1) * kRows) * points.cols;
     for (int i = static_cast<int>(block) * kRows * points.cols; i < end; ++i) {
-      if (std::isnan(point[i][2]) || (label_of && label_of[i] == 0)) continue;
+      if (std::isnan(point[i][2])) continue;
       const Vector3f p = to_vector3f(point[i]);
       Vector3d position;
-      const int best = support_below(p, label_of ? label_of[i] : 0, grounds, options, position);
+      const int best = label_of && label_of[i] == 0
+                           ? kNoSupport
+                           : support_below(p, label_of ? label_of[i] : 0, grounds, options, position);
+      shows.ptr<uint8_t>()[i] = static_cast<uint8_t>(best >= 0            ? Shows::candidate
+                                                     : best == kOnSupport ? Shows::support
+                                                                          : Shows::surroundings);
       if (best < 0) continue;
       const auto s = static_cast<size_t>(best);
       Standing& target = of_block[block][s];
@@ -156,10 +174,12 @@ std::vector<std::vector<size_t>> members_of(const std::vector<int>& group_of, in
 
 class ClusterMaker {
  public:
-  ClusterMaker(const cv::Mat& points, const cv::Mat& region, const Ground& ground, int index,
-               const ClusterOptions& options)
-      : points_(points),
-        region_(region),
+  ClusterMaker(const ClusterImages& images, const mapping::PinholeCamera& camera, const Ground& ground,
+               int index, const ClusterOptions& options)
+      : points_(images.points),
+        normals_(images.normals),
+        map_depth_(images.map_depth),
+        camera_(camera),
         support_(ground.plane),
         outline_(ground.outline),
         index_(index),
@@ -192,7 +212,6 @@ class ClusterMaker {
       return std::nullopt;
     if (!over_support(object, cluster)) return std::nullopt;
     set_box(cluster);
-    set_hidden(cluster);
     return cluster;
   }
 
@@ -219,38 +238,146 @@ class ClusterMaker {
     if (cluster.pixels.size() > before) std::sort(cluster.pixels.begin(), cluster.pixels.end());
   }
 
-  /// Whether below the object there is something as near or nearer, or nothing was measured, so that it may
-  /// well stand on the support. Where one looks under it, what is seen is farther away.
-  bool foot_hidden(const ObjectCluster& cluster) const {
-    const int rows = points_.rows;
+  /// Whether nothing speaks against the object's reaching down to the support: where one looks through below
+  /// it, or sees the surroundings there, it hangs. `shows` as of look_around().
+  bool may_reach_support(const ObjectCluster& cluster, const cv::Mat& shows) const {
+    const double low = cluster.bottom + 0.2 * (cluster.top - cluster.bottom);
+    const size_t stride = std::max<size_t>(1, cluster.pixels.size() / 1000);
+    int judged = 0;
+    int free = 0;
+    for (size_t k = 0; k < cluster.pixels.size(); k += stride) {
+      const Vector3d p = to_vector(points_.ptr<cv::Vec3f>()[cluster.pixels[k]]);
+      const double height = support_.in_plane(p).z();
+      if (height > low) continue;
+      for (const double part : {0.35, 0.65}) {
+        const Vector3d below = p - support_.normal * part * height;
+        if (!(below.z() > 0.1)) continue;
+        const Vector2d pixel = camera_.project(below);
+        if (!camera_.contains(pixel)) continue;
+        const cv::Point at(static_cast<int>(std::lround(pixel.x())),
+                           static_cast<int>(std::lround(pixel.y())));
+        const auto behind = static_cast<double>(points_.at<cv::Vec3f>(at)[2]) - below.z();
+        const double reach = 0.01 + 3 * depth_noise(below.z());
+        if (std::isnan(behind)) continue;
+        ++judged;
+        const bool surroundings = static_cast<Shows>(shows.at<uint8_t>(at)) == Shows::surroundings;
+        free += behind > reach || (surroundings && behind > -reach) ? 1 : 0;
+      }
+    }
+    return free <= 0.5 * judged;
+  }
+
+  /// Whether a cluster protrudes so little from a surface of the map other than the supports that it cannot
+  /// be told from it: a patch of a wall, what is stuck on it.
+  bool flush_with_map(const ObjectCluster& cluster) const {
+    if (map_depth_.empty()) return false;
+    constexpr double kMinShare = 0.7;
+    int flush = 0;
+    for (const int pixel : cluster.pixels) {
+      const Vector3d p = to_vector(points_.ptr<cv::Vec3f>()[pixel]);
+      const auto behind = static_cast<double>(map_depth_.ptr<float>()[pixel]);
+      if (!(behind - p.z() < kFlush + kDistortion * depth_noise(p.z()))) continue;
+      flush += support_.in_plane(p * (behind / p.z())).z() > kFlush ? 1 : 0;
+    }
+    return flush > kMinShare * static_cast<double>(cluster.pixels.size());
+  }
+
+  /// Whether the surfaces of two clusters meet somewhere in the image.
+  bool touch(const ObjectCluster& a, const ObjectCluster& b) const {
+    constexpr int kFar = 6;
+    const cv::Rect around(b.box.x - kFar, b.box.y - kFar, b.box.width + 2 * kFar, b.box.height + 2 * kFar);
+    if ((around & a.box).empty()) return false;
+    cv::Mat depth(around.size(), CV_32F, cv::Scalar(std::numeric_limits<float>::quiet_NaN()));
+    const auto* point = points_.ptr<cv::Vec3f>();
+    for (const int pixel : b.pixels)
+      depth.at<float>(pixel / points_.cols - around.y, pixel % points_.cols - around.x) = point[pixel][2];
+    constexpr double kGap = 0.05;  // sides that are seen at a flat angle are hardly measured
+    constexpr int kMinPixels = 3;
+    int meeting = 0;
+    for (const int pixel : a.pixels) {
+      const cv::Point at(pixel % points_.cols, pixel / points_.cols);
+      if (!around.contains(at)) continue;
+      const float z = point[pixel][2];
+      const auto reach = static_cast<float>(kGap + 2.5 * depth_noise(static_cast<double>(z)));
+      for (const cv::Point& step : {cv::Point(-1, 0), cv::Point(1, 0), cv::Point(0, -1), cv::Point(0, 1)})
+        for (int far = 1; far <= kFar; ++far) {
+          const cv::Point other = at + far * step;
+          if (!around.contains(other)) break;
+          if (!(std::abs(depth.at<float>(other - around.tl()) - z) < reach)) continue;
+          if (++meeting == kMinPixels) return true;
+          break;
+        }
+    }
+    return false;
+  }
+
+  /// Looks along the outline of a cluster: whether something nearer begins along a good part of it, and
+  /// across which share of it the same surface goes on in what is no object.
+  void look_around(ObjectCluster& cluster, const cv::Mat& shows) const {
     const int cols = points_.cols;
     const auto* point = points_.ptr<cv::Vec3f>();
-    std::vector<int> lowest(static_cast<size_t>(cluster.box.width), -1);
+    const auto* shown = shows.ptr<uint8_t>();
+    // Edges are ragged and measured with gaps: a few pixels further are looked at.
+    constexpr int kFar = 6;
+    constexpr int kAside = 4;
+    cv::Mat own = cv::Mat::zeros(cluster.box.height + 2 * kFar, cluster.box.width + 2 * kFar, CV_8U);
+    const auto in_own = [&](int pixel) {
+      return (pixel / cols - cluster.box.y + kFar) * own.cols + pixel % cols - cluster.box.x + kFar;
+    };
+    const auto own_at = [&](int pixel) { return own.ptr<unsigned char>()[in_own(pixel)] != 0; };
+    for (const int pixel : cluster.pixels) own.ptr<unsigned char>()[in_own(pixel)] = 1;
+    int border = 0;
+    int nearer = 0;
+    int measured = 0;
+    int open = 0;
     for (const int pixel : cluster.pixels) {
-      int& row = lowest[static_cast<size_t>(pixel % cols - cluster.box.x)];
-      row = std::max(row, pixel / cols);
-    }
-    int hidden = 0;
-    int seen = 0;
-    for (size_t i = 0; i < lowest.size(); ++i) {
-      if (lowest[i] < 0) continue;
-      const int col = cluster.box.x + static_cast<int>(i);
-      const float z = point[lowest[i] * cols + col][2];
-      int row = lowest[i] + 1;
-      while (row < rows && row < lowest[i] + 12 && std::isnan(point[row * cols + col][2])) ++row;
-      ++seen;
-      if (row >= rows || std::isnan(point[row * cols + col][2])) {
-        ++hidden;
-        continue;
+      const unsigned char* here = own.ptr<unsigned char>() + in_own(pixel);
+      const int row = pixel / cols;
+      const int col = pixel % cols;
+      for (const auto& [du, dv] : {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
+        if (here[dv * own.cols + du]) continue;
+        const int room = du < 0 ? col : du > 0 ? cols - 1 - col : dv < 0 ? row : points_.rows - 1 - row;
+        if (room == 0) continue;
+        ++border;
+        for (int far = 1; far <= std::min(kFar, room); ++far) {
+          const int other = pixel + far * (dv * cols + du);
+          const float z = point[other][2];
+          if (std::isnan(z)) continue;
+          if (here[far * (dv * own.cols + du)]) break;
+          if (z < point[pixel][2] - 0.03f) {
+            ++nearer;
+            break;
+          }
+          ++measured;
+          if (static_cast<Shows>(shown[other]) != Shows::surroundings) break;
+          // Smoothing rounds the edge: the surfaces on either side of it are compared.
+          int inner = pixel;
+          int outer = other;
+          for (int step = 0; step < kAside && own_at(inner - dv * cols - du); ++step) inner -= dv * cols + du;
+          for (int step = 0; step < std::min(kAside, room - far); ++step)
+            if (!std::isnan(point[outer + dv * cols + du][2])) outer += dv * cols + du;
+          open += goes_on(inner, outer) ? 1 : 0;
+          break;
+        }
       }
-      // A known wall right behind the object hides nothing: the object hangs there.
-      const bool known = !region_.empty() && region_.ptr<uint16_t>()[row * cols + col] == 0;
-      hidden += point[row * cols + col][2] < z + (known ? -0.03f : 0.01f) ? 1 : 0;
     }
-    return hidden > 0.5 * seen;
+    cluster.partly_hidden = nearer > 0.1 * border;
+    cluster.open = measured == 0 ? 0 : static_cast<double>(open) / measured;
   }
 
  private:
+  /// Whether two pixels near each other, on either side of an edge, show one surface: each lies on the
+  /// other's tangent plane.
+  bool goes_on(int from, int to) const {
+    const cv::Vec3f apart = points_.ptr<cv::Vec3f>()[to] - points_.ptr<cv::Vec3f>()[from];
+    const cv::Vec3f& a = normals_.ptr<cv::Vec3f>()[from];
+    const cv::Vec3f& b = normals_.ptr<cv::Vec3f>()[to];
+    const auto z = static_cast<double>(points_.ptr<cv::Vec3f>()[from][2]);
+    const auto reach = static_cast<float>(0.002 + 2.5 * depth_noise(z));
+    constexpr float kMinCosine = 0.8f;
+    return a.dot(b) > kMinCosine && std::abs(a.dot(apart)) < reach && std::abs(b.dot(apart)) < reach;
+  }
+
   /// Most of an object is over the support; a chair or a wall behind it is not. Notes whether it reaches
   /// over.
   bool over_support(const Standing& object, ObjectCluster& cluster) const {
@@ -271,41 +398,10 @@ class ClusterMaker {
     cluster.at_image_border = is_at_image_border(cluster.box, points_.size());
   }
 
-  /// Whether along a good part of its outline something nearer begins.
-  void set_hidden(ObjectCluster& cluster) const {
-    const int cols = points_.cols;
-    const auto* point = points_.ptr<cv::Vec3f>();
-    // Edges are ragged and measured with gaps: a few pixels further are looked at.
-    constexpr int kFar = 6;
-    cv::Mat own = cv::Mat::zeros(cluster.box.height + 2 * kFar, cluster.box.width + 2 * kFar, CV_8U);
-    const auto in_own = [&](int pixel) {
-      return (pixel / cols - cluster.box.y + kFar) * own.cols + pixel % cols - cluster.box.x + kFar;
-    };
-    for (const int pixel : cluster.pixels) own.ptr<unsigned char>()[in_own(pixel)] = 1;
-    int border = 0;
-    int nearer = 0;
-    for (const int pixel : cluster.pixels) {
-      const unsigned char* here = own.ptr<unsigned char>() + in_own(pixel);
-      const int row = pixel / cols;
-      const int col = pixel % cols;
-      for (const auto& [du, dv] : {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
-        if (here[dv * own.cols + du]) continue;
-        const int room = du < 0 ? col : du > 0 ? cols - 1 - col : dv < 0 ? row : points_.rows - 1 - row;
-        if (room == 0) continue;
-        ++border;
-        for (int far = 1; far <= std::min(kFar, room); ++far) {
-          const float z = point[pixel + far * (dv * cols + du)][2];
-          if (std::isnan(z)) continue;
-          nearer += z < point[pixel][2] - 0.03f && !here[far * (dv * own.cols + du)] ? 1 : 0;
-          break;
-        }
-      }
-    }
-    cluster.partly_hidden = nearer > 0.1 * border;
-  }
-
   const cv::Mat& points_;
-  const cv::Mat& region_;
+  const cv::Mat& normals_;
+  const cv::Mat& map_depth_;
+  const mapping::PinholeCamera& camera_;
   const SupportPlane& support_;
   const ConvexOutline& outline_;
   int index_;
@@ -349,17 +445,49 @@ ConvexParts parts_of(const Standing& all, const ClusterOptions& options, int thr
   return parts;
 }
 
+/// Leaves out pieces of the surroundings: what goes on beyond their outline goes on in them. What is left out
+/// belongs to the surroundings of the others.
+void drop_surroundings(std::vector<ObjectCluster>& clusters, const ClusterMaker& maker, cv::Mat& shows) {
+  constexpr double kMaxOpen = 0.25;
+  constexpr double kSurelyOpen = 0.4;  // a mere neighbour of something dropped by mistake has to stay
+  for (bool changed = true; changed;) {
+    for (ObjectCluster& cluster : clusters) maker.look_around(cluster, shows);
+    changed = std::erase_if(clusters, [&](const ObjectCluster& cluster) {
+                const bool flush = maker.flush_with_map(cluster);
+                if (cluster.open <= kMaxOpen && !flush) return false;
+                if (cluster.open <= kSurelyOpen && !flush) return true;
+                for (const int pixel : cluster.pixels)
+                  shows.ptr<uint8_t>()[pixel] = static_cast<uint8_t>(Shows::surroundings);
+                return true;
+              }) > 0;
+  }
+}
+
+/// The common part of the boxes around two footprints, as a share of the smaller one.
+double overlap(const ObjectCluster& a, const ObjectCluster& b) {
+  const Vector2d common = (a.high.cwiseMin(b.high) - a.low.cwiseMax(b.low)).cwiseMax(0.0);
+  return common.prod() / std::max(1e-6, std::min((a.high - a.low).prod(), (b.high - b.low).prod()));
+}
+
 /// Finds what stands on what, and leaves out what neither stands on anything nor has a foot that may be
 /// hidden: people who lean over, lamps that hang down.
-void keep_what_rests(std::vector<ObjectCluster>& clusters, const ClusterMaker& maker,
+void keep_what_rests(std::vector<ObjectCluster>& clusters, const ClusterMaker& maker, const cv::Mat& shows,
                      const ClusterOptions& options) {
+  constexpr double kMinOverlap = 0.3;
+  constexpr double kFooting = 0.03;  // and a quarter of the width: only the sides towards the camera are seen
   const auto below = [&](const ObjectCluster& upper) {
     for (size_t i = 0; i < clusters.size(); ++i) {
       const ObjectCluster& lower = clusters[i];
       if (&lower == &upper || lower.bottom > upper.bottom - 0.01) continue;
-      if (std::abs(upper.bottom - lower.top) > options.resting_m) continue;
-      if ((upper.low.array() < lower.high.array() + 0.01).all() &&
-          (upper.high.array() > lower.low.array() - 0.01).all())
+      // Round objects sink in between others, and lie in bowls.
+      const double sunk = lower.top - upper.bottom;
+      if (sunk < -options.resting_m || sunk > std::max(options.resting_m, 0.5 * (upper.top - upper.bottom)))
+        continue;
+      if (overlap(upper, lower) < kMinOverlap && !maker.touch(upper, lower)) continue;
+      // What overhangs by more than half falls.
+      const Eigen::Array2d centre = 0.5 * (upper.low + upper.high);
+      const double footing = kFooting + 0.25 * (lower.high - lower.low).maxCoeff();
+      if ((centre < lower.high.array() + footing).all() && (centre > lower.low.array() - footing).all())
         return static_cast<int>(i);
     }
     return -1;
@@ -368,7 +496,7 @@ void keep_what_rests(std::vector<ObjectCluster>& clusters, const ClusterMaker& m
   for (size_t i = 0; i < clusters.size(); ++i) {
     if (clusters[i].bottom <= options.resting_m) continue;
     clusters[i].stands_on = below(clusters[i]);
-    keep[i] = clusters[i].stands_on >= 0 || clusters[i].at_image_border || maker.foot_hidden(clusters[i]);
+    keep[i] = clusters[i].stands_on >= 0 || maker.may_reach_support(clusters[i], shows);
   }
   std::vector<int> number(clusters.size(), -1);
   std::vector<ObjectCluster> kept;
@@ -404,17 +532,17 @@ void ClusterOptions::declare(OptionTable& table) {
   assembly.declare(table);
 }
 
-std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat& normals,
-                                            const cv::Mat& region, const mapping::PinholeCamera& camera,
+std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const mapping::PinholeCamera& camera,
                                             const std::vector<SupportPlane>& supports,
                                             const ClusterOptions& options, int threads) {
+  const cv::Mat& points = images.points;
   std::vector<ObjectCluster> clusters;
   const std::vector<Ground> grounds(supports.begin(), supports.end());
-  const std::vector<Standing> standing =
-      stand_on_supports(points, normals, region, camera, grounds, options, threads);
+  cv::Mat shows;
+  const std::vector<Standing> standing = stand_on_supports(images, camera, grounds, options, threads, shows);
   for (size_t s = 0; s < supports.size(); ++s) {
     const Standing& all = standing[s];
-    const ClusterMaker maker(points, region, grounds[s], static_cast<int>(s), options);
+    const ClusterMaker maker(images, camera, grounds[s], static_cast<int>(s), options);
     const Vector2f viewpoint = supports[s].in_plane(Vector3d::Zero()).head<2>().cast<float>();
     const ConvexParts parts = parts_of(all, options, threads);
     int count = 0;
@@ -431,9 +559,15 @@ std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat
     parallel_each(objects.size(), threads,
                   [&](size_t object) { made[object] = maker.make(subset(all, objects[object])); });
     std::vector<ObjectCluster> own;
-    for (std::optional<ObjectCluster>& cluster : made)
-      if (cluster) own.push_back(std::move(*cluster));
-    keep_what_rests(own, maker, options);
+    for (size_t object = 0; object < made.size(); ++object) {
+      if (made[object])
+        own.push_back(std::move(*made[object]));
+      else if (static_cast<int>(objects[object].size()) >= options.min_points)
+        for (const size_t i : objects[object])
+          shows.ptr<uint8_t>()[all.pixels[i]] = static_cast<uint8_t>(Shows::surroundings);
+    }
+    drop_surroundings(own, maker, shows);
+    keep_what_rests(own, maker, shows, options);
     cv::Mat taken = cv::Mat::zeros(points.size(), CV_8U);
     for (const ObjectCluster& cluster : own)
       for (const int pixel : cluster.pixels) taken.ptr<unsigned char>()[pixel] = 255;

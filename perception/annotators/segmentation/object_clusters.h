@@ -43,18 +43,26 @@ struct ObjectCluster {
   bool at_image_border = false;      ///< cut off by the edge of the image
   bool at_region_border = false;     ///< reaches over the edge of the support
   bool partly_hidden = false;        ///< something nearer covers a part of it
+  double open = 0;                   ///< share of its outline across which its surface goes on in no object
   int stands_on = -1;                ///< index of the cluster below it; -1 = the support itself
   Vector2d low = Vector2d::Zero();   ///< corners of its footprint's box in the support's plane (2nd and
   Vector2d high = Vector2d::Zero();  ///< 98th percentile), metres
 };
 
+/// What clusters are found in. All of one size.
+struct ClusterImages {
+  cv::Mat points;   ///< CV_32FC3, camera frame, metres, NaN = none
+  cv::Mat normals;  ///< CV_32FC3, unit, camera frame
+  cv::Mat region;   ///< CV_16U: which support's region of interest a pixel belongs to (SupportPlane::region);
+                    ///< 0 = none, the pixel is left out. May be empty
+  cv::Mat map_depth;  ///< CV_32F: what the map alone would measure, metres, NaN = nothing. May be empty
+};
+
 /// Objects on supports: connected points above a plane, split where they are concave, put together again
-/// where one object only looks like several. `points` and `normals` are CV_32FC3 in the camera frame.
-/// `region` (CV_16U, may be empty) says which support's region of interest a pixel belongs to
-/// (SupportPlane::region); 0 = none, the pixel is left out. The same on any number of threads (0 = all
-/// cores).
-std::vector<ObjectCluster> extract_clusters(const cv::Mat& points, const cv::Mat& normals,
-                                            const cv::Mat& region, const mapping::PinholeCamera& camera,
+/// where one object only looks like several. Left out is what is no object: surfaces that go on beyond their
+/// outline in the surroundings, that protrude from a surface of the map by no more than noise, or that
+/// nothing holds up. The same on any number of threads (0 = all cores).
+std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const mapping::PinholeCamera& camera,
                                             const std::vector<SupportPlane>& supports,
                                             const ClusterOptions& options, int threads = 1);
 

@@ -207,7 +207,7 @@ AnnotatorDescriptor PlaneClusterExtractor::descriptor() const {
           "Finds supporting planes and one cluster per object that stands on them.",
           {"Scene", "CameraInfo", "view:cloud", "view:normals"},
           {"PlanarSupport", "Cluster", "ReferenceClusterPoints", "StandaloneImageROI"},
-          {"view:color", "view:regions", "RegionOfInterest"},
+          {"view:color", "view:regions", "view:map_depth", "RegionOfInterest"},
           {"PlanarSupport"}};
 }
 
@@ -228,6 +228,7 @@ void PlaneClusterExtractor::process(cas::Cas& cas, Context& context) {
   const cv::Mat points = cloud_points(facade);
   const cv::Mat normals = cloud_normals(facade);
   cv::Mat region;
+  const cv::Mat map_depth = facade.has(kMapDepthView) ? types::view_image(facade, kMapDepthView) : cv::Mat();
   std::vector<SupportPlane> planes;
   if (facade.has(kRegionsView)) {
     region = types::view_image(facade, kRegionsView);
@@ -247,8 +248,8 @@ void PlaneClusterExtractor::process(cas::Cas& cas, Context& context) {
   const std::vector<types::PlanarSupport> supports = facade.supports();
   for (size_t i = 0; i < planes.size(); ++i)
     describe_support(planes[i], pose, covered_fraction(planes[i], points, camera), supports[i]);
-  const std::vector<ObjectCluster> found =
-      extract_clusters(points, normals, region, camera, planes, cluster_options_, context.threads);
+  const std::vector<ObjectCluster> found = extract_clusters({points, normals, region, map_depth}, camera,
+                                                            planes, cluster_options_, context.threads);
   std::vector<types::Cluster> clusters;
   for (const ObjectCluster& each : found) {
     clusters.push_back(make_cluster(each, facade, points, pose));

@@ -65,6 +65,56 @@ int region_of(const Vector3d& point, const std::vector<Prism>& prisms, const Kno
   return best;
 }
 
+/// Takes more pixels for known structure where they continue it: within kDistortion standard deviations of a
+/// surface of the map, facing as it does, and linked to what is explained already through such pixels. Depth
+/// cameras distort and maps drift by more than single pixels scatter, so one threshold either leaves patches
+/// of a wall or takes what stands before it; two with a link (as in Canny's edge detector) do neither.
+void grow_known_structure(const cv::Mat& points, const cv::Mat& normals, const mapping::RenderedView& view,
+                          const std::vector<char>& is_surface, const KnownStructureOptions& options,
+                          KnownStructure& known) {
+  constexpr double kDistortion = 7;
+  constexpr float kMinCosine = 0.94f;  // 20 degrees: what leans against a wall is turned from it
+  constexpr auto kExplained = static_cast<uint8_t>(mapping::PixelKind::map_explained);
+  const auto* point = points.ptr<cv::Vec3f>();
+  const auto* normal = normals.ptr<cv::Vec3f>();
+  const auto* depth = view.depth.ptr<float>();
+  const auto* facing = view.normal.ptr<cv::Vec3f>();
+  const auto* link = view.link.ptr<int>();
+  auto* kind = known.kind.ptr<uint8_t>();
+  auto* label = known.region.ptr<uint16_t>();
+  const auto continues = [&](int i) {
+    const float z = point[i][2];
+    if (std::isnan(z) || kind[i] == kExplained || link[i] < 0 || is_surface[static_cast<size_t>(link[i])])
+      return false;
+    const double reach = options.epsilon_m + kDistortion * depth_noise(static_cast<double>(z));
+    return static_cast<double>(depth[i] - z) <= reach && normal[i].dot(facing[i]) > kMinCosine;
+  };
+  std::vector<int> front;
+  const auto take_neighbours = [&](int i) {
+    const int col = i % points.cols;
+    const int row = i / points.cols;
+    for (const auto& [du, dv] : {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
+      if (col + du < 0 || col + du >= points.cols || row + dv < 0 || row + dv >= points.rows) continue;
+      const int next = i + dv * points.cols + du;
+      if (!continues(next)) continue;
+      if (label[next] > 0) --known.regions[label[next] - 1u].pixels;
+      known.outside -= label[next] == 0 ? 1 : 0;
+      ++known.known;
+      kind[next] = kExplained;
+      label[next] = 0;
+      front.push_back(next);
+    }
+  };
+  for (int i = 0; i < static_cast<int>(points.total()); ++i)
+    if (kind[i] == kExplained && link[i] >= 0 && !is_surface[static_cast<size_t>(link[i])])
+      take_neighbours(i);
+  while (!front.empty()) {
+    const int i = front.back();
+    front.pop_back();
+    take_neighbours(i);
+  }
+}
+
 /// Of a part of the image.
 struct Counts {
   explicit Counts(size_t regions) : pixels(regions, 0) {}
@@ -172,13 +222,16 @@ void KnownStructureOptions::declare(OptionTable& table) {
                "Distance by which a region of interest extends beyond the edge of its support.", 0, 0.5);
 }
 
-KnownStructure find_known_structure(const cv::Mat& points, const mapping::PinholeCamera& camera,
-                                    const Isometry3d& map_from_camera, KnownMap& map,
-                                    const std::vector<SupportSurface>& surfaces, const JointState& joints,
-                                    const KnownStructureOptions& options, int threads) {
+KnownStructure find_known_structure(const cv::Mat& points, const cv::Mat& normals,
+                                    const mapping::PinholeCamera& camera, const Isometry3d& map_from_camera,
+                                    KnownMap& map, const std::vector<SupportSurface>& surfaces,
+                                    const JointState& joints, const KnownStructureOptions& options,
+                                    int threads) {
   KnownStructure result;
   map.scene.set_joints(map.part, joints);
-  const mapping::RenderedView view = map.scene.render(camera, map_from_camera, {}, threads);
+  mapping::RenderOptions rendering;
+  rendering.normals = !normals.empty();
+  const mapping::RenderedView view = map.scene.render(camera, map_from_camera, rendering, threads);
   result.map_depth = view.depth;
   for (const SupportSurface& surface : surfaces)
     result.regions.push_back({&surface, map.scene.map_from_link(surface.link_id) * surface.link_from_top, 0});
@@ -231,6 +284,7 @@ KnownStructure find_known_structure(const cv::Mat& points, const mapping::Pinhol
     for (size_t r = 0; r < counts.pixels.size(); ++r) result.regions[r].pixels += counts.pixels[r];
   };
   parallel_for(static_cast<size_t>(points.rows), threads, classify);
+  if (!normals.empty()) grow_known_structure(points, normals, view, is_surface, options, result);
   return result;
 }
 
@@ -318,7 +372,7 @@ void KnownStructureFilter::remove_robots(const types::SceneCas& facade, const ma
   map_->place_robots(scene.timestamp.get(), joints_of(scene, *map_, context.warnings), camera_link_, pose);
   cv::Mat points = cloud_points(facade).clone();
   const KnownStructure known =
-      find_known_structure(points, camera, pose, *map_, {}, {}, options_, context.threads);
+      find_known_structure(points, {}, camera, pose, *map_, {}, {}, options_, context.threads);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   points.setTo(cv::Scalar::all(static_cast<double>(nan)),
                known.kind == static_cast<int>(mapping::PixelKind::map_explained));
@@ -374,8 +428,8 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
   const Isometry3d pose = refined_pose(facade, points, camera, context);
   fit_joints(facade, points, camera, pose, context.threads, joints);
   map_->place_robots(scene.timestamp.get(), all_joints, camera_link_, pose);
-  KnownStructure known =
-      find_known_structure(points, camera, pose, *map_, surfaces_, joints, options_, context.threads);
+  KnownStructure known = find_known_structure(points, cloud_normals(facade), camera, pose, *map_, surfaces_,
+                                              joints, options_, context.threads);
   annotate_obstacles(facade, points, camera, pose, joints, known.map_depth);
   // Regions out of view are left out, the others numbered from 1 in the order of the scene's supports.
   std::vector<uint16_t> number(known.regions.size() + 1, 0);

@@ -50,11 +50,14 @@ struct KnownStructure {
 /// `map_from_camera`. A point is known structure when d_model − z ≤ ε (one-sided: what lies behind a known
 /// surface goes too; ε grows with the noise of the depth). The tops of the surfaces themselves stay: within
 /// the tolerance around a surface's height a point belongs to its region, so that neither flat objects nor a
-/// map that is some centimetres off cost anything. `points`: CV_32FC3, camera frame.
-KnownStructure find_known_structure(const cv::Mat& points, const mapping::PinholeCamera& camera,
-                                    const Isometry3d& map_from_camera, KnownMap& map,
-                                    const std::vector<SupportSurface>& surfaces, const JointState& joints,
-                                    const KnownStructureOptions& options, int threads);
+/// map that is some centimetres off cost anything. `points` and `normals`: CV_32FC3, camera frame. With
+/// normals, what continues a known surface and faces as it does is known structure up to a larger distance,
+/// which covers the distortion of depth cameras; an empty Mat = single pixels only.
+KnownStructure find_known_structure(const cv::Mat& points, const cv::Mat& normals,
+                                    const mapping::PinholeCamera& camera, const Isometry3d& map_from_camera,
+                                    KnownMap& map, const std::vector<SupportSurface>& surfaces,
+                                    const JointState& joints, const KnownStructureOptions& options,
+                                    int threads);
 
 /// Takes what the map and the robots explain out of the cloud and names the regions of interest
 /// (URDFRegionFilter, §4.2.2): fits the pose of the camera to the map, then the fronts of drawers and doors

@@ -22,14 +22,15 @@ struct Found {
   std::vector<ObjectCluster> clusters;
 };
 
-Found find(const SyntheticTable& table, double sigma, const std::optional<Vector3d>& up) {
+Found find(const SyntheticTable& table, double sigma, const std::optional<Vector3d>& up,
+           const ClusterOptions& options = ClusterOptions()) {
   Found found;
   const cv::Mat depth =
       smooth_depth(table.render(sigma, found.labels), table.camera, NormalOptions::for_objects());
   const cv::Mat points = points_from_depth(depth, table.camera);
   const cv::Mat normals = normals_from_depth(depth, table.camera, NormalOptions::for_objects());
   found.supports = find_supports(points, normals, up, SupportOptions());
-  found.clusters = extract_clusters(points, normals, {}, table.camera, found.supports, ClusterOptions());
+  found.clusters = extract_clusters({points, normals, {}, {}}, table.camera, found.supports, options);
   return found;
 }
 
@@ -82,7 +83,7 @@ TEST(Clusters, AreTheSameOnAnyNumberOfThreads) {
   const auto pixels_with = [&](int threads) {
     std::vector<std::vector<int>> pixels;
     for (const ObjectCluster& cluster :
-         extract_clusters(points, normals, {}, table.camera, supports, ClusterOptions(), threads))
+         extract_clusters({points, normals, {}, {}}, table.camera, supports, ClusterOptions(), threads))
       pixels.push_back(cluster.pixels);
     return pixels;
   };
@@ -214,6 +215,53 @@ TEST(Clusters, AreTheSameEveryTime) {
   for (size_t i = 0; i < one.clusters.size(); ++i) EXPECT_EQ(one.clusters[i].pixels, two.clusters[i].pixels);
 }
 
+TEST(Clusters, WhatHangsInTheAirIsNoObject) {
+  SyntheticTable table;
+  table.boxes = {{{0.15, 0.1, 0.25}, {0.12, 0.02, 0.12}}, {{-0.15, 0.0, 0.05}, {0.10, 0.08, 0.10}}};
+  const Found found = find(table, 0.05, table.up());
+  ASSERT_EQ(found.clusters.size(), 1U);
+  EXPECT_GT(overlap(found, found.clusters[0], 2), 0.8);
+}
+
+TEST(Clusters, WhatHangsBehindAnObjectIsNotHeldByIt) {
+  SyntheticTable table;
+  table.boxes = {{{0.0, 0.1, 0.22}, {0.3, 0.02, 0.1}}, {{0.0, -0.1, 0.07}, {0.12, 0.02, 0.14}}};
+  const Found found = find(table, 0.05, table.up());
+  ASSERT_EQ(found.clusters.size(), 1U);
+  EXPECT_GT(overlap(found, found.clusters[0], 2), 0.7);
+}
+
+/// Of a pillar that is higher than objects may be, only the lower part is a candidate.
+TEST(Clusters, APieceOfWhatGoesOnIsNoObject) {
+  SyntheticTable table;
+  table.boxes = {{{0.15, 0.2, 0.2}, {0.15, 0.04, 0.4}}, {{-0.15, 0.0, 0.05}, {0.10, 0.08, 0.10}}};
+  ClusterOptions options;
+  options.max_height_m = 0.15;
+  const Found found = find(table, 0.05, table.up(), options);
+  ASSERT_EQ(found.clusters.size(), 1U);
+  EXPECT_GT(overlap(found, found.clusters[0], 2), 0.8);
+}
+
+/// A poster on a wall of the map is a part of the wall; a board that stands before it is an object.
+TEST(Clusters, WhatIsFlushWithTheMapIsNoObject) {
+  SyntheticTable table;
+  table.boxes = {{{0.2, 0.268, 0.1}, {0.2, 0.02, 0.2}}, {{-0.2, 0.2, 0.1}, {0.2, 0.02, 0.2}}};
+  SyntheticTable map = table;
+  map.boxes = {{{0, 0.30, 0.5}, {2, 0.02, 1}}};
+  Found found;
+  const cv::Mat depth =
+      smooth_depth(table.render(0.05, found.labels), table.camera, NormalOptions::for_objects());
+  cv::Mat ignored;
+  const ClusterImages images{points_from_depth(depth, table.camera),
+                             normals_from_depth(depth, table.camera, NormalOptions::for_objects()),
+                             {},
+                             map.render(0, ignored)};
+  found.supports = find_supports(images.points, images.normals, table.up(), SupportOptions());
+  found.clusters = extract_clusters(images, table.camera, found.supports, ClusterOptions());
+  ASSERT_EQ(found.clusters.size(), 1U);
+  EXPECT_GT(overlap(found, found.clusters[0], 2), 0.8);
+}
+
 /// The labelled scenes of the Object Segmentation Database: label / 10 is the object, from 2 on.
 TEST(Clusters, MatchTheLabelledTableScenes) {
   const std::filesystem::path root = std::filesystem::path(LOCI_SHARED_DIR) / "data";
@@ -232,8 +280,8 @@ TEST(Clusters, MatchTheLabelledTableScenes) {
     const cv::Mat smooth = smooth_depth(depth, camera, NormalOptions::for_objects());
     const cv::Mat points = points_from_depth(smooth, camera);
     const cv::Mat normals = normals_from_depth(smooth, camera, NormalOptions::for_objects());
-    const auto clusters =
-        extract_clusters(points, normals, {}, camera, find_supports(points, normals, std::nullopt, {}), {});
+    const auto clusters = extract_clusters({points, normals, {}, {}}, camera,
+                                           find_supports(points, normals, std::nullopt, {}), {});
     std::map<int, int> sizes;
     for (size_t i = 0; i < labels.total(); ++i) ++sizes[labels.ptr<unsigned char>()[i] / 10];
     for (const auto& [object, size] : sizes) {
@@ -290,7 +338,7 @@ TEST(KnownStructure, TheSupportStaysAndTheWallGoesWhateverTheMapsSmallErrors) {
     const auto surfaces = map->support_surfaces({"table*"});
     ASSERT_EQ(surfaces.size(), 1U);
     EXPECT_EQ(surfaces[0].class_name, "table");
-    const KnownStructure known = find_known_structure(points, table.camera, table.map_from_camera, *map,
+    const KnownStructure known = find_known_structure(points, {}, table.camera, table.map_from_camera, *map,
                                                       surfaces, {}, KnownStructureOptions(), 1);
     int wall_left = 0;
     int boxes_lost = 0;
@@ -311,6 +359,32 @@ TEST(KnownStructure, TheSupportStaysAndTheWallGoesWhateverTheMapsSmallErrors) {
     // At the foot of the wall a line of the table may go with it.
     EXPECT_LT(table_lost, 0.03 * cv::countNonZero(labels == 0)) << error;
   }
+}
+
+/// A wall that the camera measures a little before where the map has it, in a part of the image.
+TEST(KnownStructure, WhatContinuesAKnownWallGoesWithIt) {
+  SyntheticTable table = table_with_boxes();
+  table.boxes.push_back({{-0.5, 0.25, 0.5}, {1, 0.02, 1}});
+  table.boxes.push_back({{0.5, 0.223, 0.5}, {1, 0.02, 1}});
+  table.boxes.push_back({{-0.1, 0.16, 0.1}, {0.1, 0.02, 0.2}});  // Stands before it.
+  cv::Mat labels;
+  const cv::Mat depth = table.render(0, labels);
+  const cv::Mat points = points_from_depth(depth, table.camera);
+  const cv::Mat normals = normals_from_depth(depth, table.camera, NormalOptions::for_objects());
+  Warnings warnings;
+  const auto map = table_map(0, warnings);
+  const auto surfaces = map->support_surfaces({"table*"});
+  const auto kept = [&](const cv::Mat& used_normals, int label) {
+    const KnownStructure known =
+        find_known_structure(points, used_normals, table.camera, table.map_from_camera, *map, surfaces, {},
+                             KnownStructureOptions(), 1);
+    return cv::countNonZero((labels == label) & (known.region > 0)) /
+           static_cast<double>(cv::countNonZero(labels == label));
+  };
+  EXPECT_GT(kept({}, 5), 0.5);
+  EXPECT_LT(kept(normals, 5), 0.1);
+  EXPECT_GT(kept(normals, 6), 0.9);
+  for (int box = 1; box <= 3; ++box) EXPECT_GT(kept(normals, box), 0.99);
 }
 
 TEST(KnownMap, ClassesComeFromNamesWithoutASidecar) {

@@ -215,8 +215,8 @@ TEST(KnownRobot, ItsBodyIsKnownWhereverItsJointsAndTheCameraAre) {
     const size_t body = seen.add("hand", cube(0.1), camera * hand * at({0, 0, 0.6}));
     const mapping::RenderedView view = seen.render(kCamera, camera);
     map->place_robots(time, {}, "camera", camera);
-    const KnownStructure known = find_known_structure(points_from_depth(view.depth, kCamera), kCamera, camera,
-                                                      *map, surfaces, {}, {}, 1);
+    const KnownStructure known = find_known_structure(points_from_depth(view.depth, kCamera), {}, kCamera,
+                                                      camera, *map, surfaces, {}, {}, 1);
     int wall_left = 0, hand_left = 0, hand_seen = 0, cup_kept = 0, cup_seen = 0;
     for (int i = 0; i < view.link.rows * view.link.cols; ++i) {
       const std::string name =
