@@ -64,6 +64,7 @@ struct Piece {
   float bottom = 0;
   float top = 0;
   std::vector<cv::Point2f> footprint;  ///< convex, completed by reflection
+  Eigen::AlignedBox2f extent;          ///< of the footprint
   float distance = 0;                  ///< of the mean from the viewpoint, in the plane
   float bearing = 0;                   ///< of the mean as seen from there, radians
   float left = 0, right = 0;           ///< angles between which it is seen, from the bearing
@@ -113,6 +114,8 @@ void set_footprint(Piece& piece, const PlaneCloud& cloud) {
     both.emplace_back(q.x(), q.y());
   }
   cv::convexHull(both, piece.footprint);
+  piece.extent.setEmpty();
+  for (const cv::Point2f& p : piece.footprint) piece.extent.extend(Vector2f(p.x, p.y));
   piece.left = seen[tail].first;
   piece.right = seen[seen.size() - 1 - tail].first;
   piece.bearing = std::atan2(ahead.y(), ahead.x());
@@ -165,15 +168,16 @@ class Assembly {
  private:
   bool alive(size_t i) { return sets_.find(i) == i; }
 
-  /// Which share of a piece's points lies within an outline.
-  double share_within(const Piece& inner, const std::vector<cv::Point2f>& outline, double slack) const {
-    if (outline.size() < 3) return 0;
+  /// Which share of a piece's points lies within the footprint of another.
+  double share_within(const Piece& inner, const Piece& outer, double slack) const {
+    if (outer.footprint.size() < 3) return 0;
     const size_t stride = std::max<size_t>(1, inner.points.size() / 300);
     int within = 0;
     int count = 0;
     for (size_t k = 0; k < inner.points.size(); k += stride, ++count) {
       const Vector3f& p = cloud_.points[static_cast<size_t>(inner.points[k])];
-      within += cv::pointPolygonTest(outline, {p.x(), p.y()}, true) > -slack ? 1 : 0;
+      if (outer.extent.exteriorDistance(Vector2f(p.head<2>())) > static_cast<float>(slack)) continue;
+      within += cv::pointPolygonTest(outer.footprint, {p.x(), p.y()}, true) > -slack ? 1 : 0;
     }
     return static_cast<double>(within) / count;
   }
@@ -241,7 +245,7 @@ class Assembly {
         const Piece& b = pieces_[outer];
         const auto slack = static_cast<float>(options_.slack_m);
         if (a.top > b.top + slack || a.bottom < b.bottom - 0.03f) continue;
-        if (share_within(a, b.footprint, options_.slack_m) < options_.within) continue;
+        if (share_within(a, b, options_.slack_m) < options_.within) continue;
         join(inner, outer);
         return true;
       }
@@ -338,8 +342,7 @@ class Assembly {
 
   /// Whether `a` stands on top of `b`.
   bool on_top(const Piece& a, const Piece& b) const {
-    return a.bottom > b.bottom + 0.02f && a.top > b.top + 0.02f &&
-           share_within(a, b.footprint, options_.slack_m) > 0.6;
+    return a.bottom > b.bottom + 0.02f && a.top > b.top + 0.02f && share_within(a, b, options_.slack_m) > 0.6;
   }
 
   /// The nearest piece that is larger than `a`; pieces_.size() = none within `reach`.
@@ -347,7 +350,7 @@ class Assembly {
     size_t best = pieces_.size();
     for (size_t i = 0; i < pieces_.size(); ++i) {
       if (i == a || !alive(i) || pieces_[a].area > options_.appendage * pieces_[i].area) continue;
-      const double distance = gap(pieces_[a], pieces_[i]);
+      const double distance = gap(pieces_[a], pieces_[i], reach);
       if (distance > reach) continue;
       reach = distance;
       best = i;
@@ -440,7 +443,7 @@ class Assembly {
         const Piece& b = pieces_[lid];
         if (body == lid || !alive(body) || contact(body, lid) == 0) continue;
         if (a.area > 0.35 * b.area || a.top > b.bottom + 0.03f || a.bottom > b.bottom) continue;
-        if (share_within(a, b.footprint, options_.slack_m) < options_.within) continue;
+        if (share_within(a, b, options_.slack_m) < options_.within) continue;
         if (share_between(b, a) < 0.6) continue;
         join(body, lid);
         return true;
@@ -496,8 +499,10 @@ class Assembly {
     return hidden > 0.3 * known && free < 0.2 * known;
   }
 
-  double gap(const Piece& a, const Piece& b) const {
+  /// Distance of two footprints; anything above `most` when it is larger.
+  double gap(const Piece& a, const Piece& b, double most) const {
     double least = 1e9;
+    if (static_cast<double>(a.extent.exteriorDistance(b.extent)) > most) return least;
     for (const cv::Point2f& p : a.footprint)
       least = std::min(least, -cv::pointPolygonTest(b.footprint, p, true));
     for (const cv::Point2f& p : b.footprint)
@@ -511,7 +516,7 @@ class Assembly {
       for (size_t k = i + 1; k < pieces_.size(); ++k) {
         if (!alive(k) || pieces_[k].area < options_.splinter_m2 || contact(i, k) > 0) continue;
         if (std::abs(pieces_[i].top - pieces_[k].top) > static_cast<float>(options_.slack_m)) continue;
-        if (gap(pieces_[i], pieces_[k]) > options_.hidden_gap_m) continue;
+        if (gap(pieces_[i], pieces_[k], options_.hidden_gap_m) > options_.hidden_gap_m) continue;
         if (!one_behind_something(pieces_[i], pieces_[k])) continue;
         join(i, k);
         return true;
