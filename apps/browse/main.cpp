@@ -33,6 +33,8 @@ std::function<void(loci::apps::Session&)> declare(loci::apps::ArgumentTable& tab
   table.option("--beside TIME", &options->beside,
                "Show the map of another time or another memory (FILE.loci) beside the map, with the "
                "differences marked");
+  table.option("--room FILE", &options->room,
+               "Draw the room as a depth camera saw it: the room.ply that loci-map fuse or interpret wrote");
   table.option("--run ACTION", &options->run,
                "Run an action of the menus first, by name: \"Depth image\"; may be repeated");
   table.option("--theme THEME", theme.get(), "Colours", {.choices = {"system", "light", "dark"}});
@@ -41,7 +43,7 @@ std::function<void(loci::apps::Session&)> declare(loci::apps::ArgumentTable& tab
                "Write an image of the window as PNG and exit; works without a screen");
   table.option("--view VIEW", &options->view, "What the image shows", {.choices = {"window", "map"}});
   table.option("--hide LAYER", &options->hide, "Leave out a layer of the map; may be repeated",
-               {.choices = {"map", "objects", "labels", "cloud", "camera", "trace", "cameras"}});
+               {.choices = {"map", "room", "objects", "labels", "cloud", "camera", "trace", "cameras"}});
   table.option("--size SIZE", &options->size, "Size of the image in pixels");
   table.option("--measure", &options->measure_s, "Measure the window for so many seconds and exit",
                {.hidden = true});

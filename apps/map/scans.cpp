@@ -9,8 +9,11 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
+#include "mapping/exchange/gltf.h"
 #include "mapping/exchange/map_report.h"
+#include "mapping/exchange/ply.h"
 #include "mapping/fusion/fusion.h"
+#include "mapping/fusion/room_mesh.h"
 #include "mapping/interpretation/furniture/names.h"
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/registration/registration.h"
@@ -34,36 +37,70 @@ std::unique_ptr<mapping::Recording> with_known_poses(std::unique_ptr<mapping::Re
   return with_tracked_poses(std::move(recording), result, false, session.warnings());
 }
 
+struct FuseArguments {
+  std::string recording, out;
+  mapping::RecordingOptions reading;
+  mapping::FusionOptions options;
+  mapping::MeshOptions mesh;
+};
+
+void write_room(const mapping::ColoredMesh& mesh, const std::filesystem::path& folder) {
+  write_file_atomically(folder / "room.ply", ply_text(mesh));
+  write_file_atomically(folder / "room.glb", glb_bytes(mesh));
+}
+
+/// room.ply and room.glb beside the scans.
+Json write_mesh(const mapping::Recording& recording, mapping::MeshOptions options,
+                const mapping::FusionOptions& fusion, const std::string& folder, Session& session) {
+  options.every = fusion.every;
+  options.range_max_m = fusion.range_max_m;
+  options.edge_filter = fusion.edge_filter;
+  options.threads = fusion.threads;
+  const mapping::RoomMesh room = mesh_room(recording, options, session.progress());
+  session.timing("mesh", room.seconds);
+  if (room.mesh.triangles.empty()) {
+    session.warnings().add("no surface was seen often enough to be meshed", {recording.info().path, 0, {}});
+    return nullptr;
+  }
+  write_room(room.mesh, folder);
+  return {{"triangles", room.mesh.triangles.size()}, {"voxel_m", room.voxel_m}, {"seconds", room.seconds}};
+}
+
+void run(FuseArguments& arguments, Session& session) {
+  arguments.options.threads = session.flags().threads;
+  const auto recording =
+      with_known_poses(mapping::open_recording(arguments.recording, arguments.reading), session);
+  for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
+  const mapping::FusionResult result = fuse(*recording, arguments.options, session.progress());
+  write_scan_set(result.scans, arguments.out);
+  session.timing("fuse", result.seconds);
+  Json json = result.report();
+  json["out"] = arguments.out;
+  std::string text = result.summary() + " in " + arguments.out;
+  if (arguments.mesh.mesh_voxel_m > 0) {
+    json["mesh"] = write_mesh(*recording, arguments.mesh, arguments.options, arguments.out, session);
+    if (!json["mesh"].is_null())
+      text += fmt::format(", and a mesh of {} triangles in room.ply and room.glb",
+                          json["mesh"]["triangles"].get<size_t>());
+  }
+  session.answer(text, json);
+}
+
 }  // namespace
 
 Command fuse_command() {
   return {"fuse",
-          "Fuse depth images into a scan set; a recording without poses is tracked",
+          "Fuse depth images into a scan set and a coloured mesh; a recording without poses is tracked",
           {"loci-map fuse demo-output/tour -o demo-output/scans",
            "loci-map fuse demo-output/tour -o demo-output/coarse --every 2 --voxel-m 0.02 --json"},
           [](ArgumentTable& table) {
-            struct Arguments {
-              std::string recording, out;
-              mapping::RecordingOptions reading;
-              mapping::FusionOptions options;
-            };
-            auto arguments = std::make_shared<Arguments>();
+            auto arguments = std::make_shared<FuseArguments>();
             table.positional("RECORDING", &arguments->recording, "Folder of the recording");
             table.output("FOLDER", &arguments->out, "Folder of the scan set");
             table.options(table_of(arguments->reading), "Recording");
             table.options(table_of(arguments->options), "Fusion");
-            return [arguments](Session& session) {
-              arguments->options.threads = session.flags().threads;
-              const auto recording = with_known_poses(
-                  mapping::open_recording(arguments->recording, arguments->reading), session);
-              for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
-              const mapping::FusionResult result = fuse(*recording, arguments->options, session.progress());
-              write_scan_set(result.scans, arguments->out);
-              session.timing("fuse", result.seconds);
-              Json json = result.report();
-              json["out"] = arguments->out;
-              session.answer(result.summary() + " in " + arguments->out, json);
-            };
+            table.options(table_of(arguments->mesh), "Mesh");
+            return [arguments](Session& session) { run(*arguments, session); };
           }};
 }
 
@@ -214,6 +251,22 @@ std::string answer_text(const mapping::InterpretedMap& map, const std::string& f
 
 }  // namespace
 
+namespace {
+
+/// The mesh beside the scans, moved as they were to level them, beside the map.
+void move_room(const std::filesystem::path& scans, const mapping::SemanticMap& map,
+               const std::filesystem::path& folder) {
+  const std::filesystem::path file = scans / "room.ply";
+  if (!std::filesystem::exists(file)) return;
+  mapping::ColoredMesh mesh = mapping::read_ply_mesh(file);
+  if (map.map_from_input)
+    for (Eigen::Vector3f& position : mesh.positions)
+      position = (*map.map_from_input * position.cast<double>()).cast<float>();
+  write_room(mesh, folder);
+}
+
+}  // namespace
+
 Command interpret_command() {
   return {"interpret",
           "Interpret a scan set as a semantic map",
@@ -250,6 +303,7 @@ Command interpret_command() {
               const std::filesystem::path urdf = std::filesystem::path(arguments->out) / "map.urdf";
               write_urdf(map.world, urdf);
               write_semantic_map(map.semantics, mapping::sidecar_path(urdf));
+              move_room(arguments->scans, map.semantics, arguments->out);
               write_file_atomically(std::filesystem::path(arguments->out) / "report.html",
                                     map_report(map, scans, arguments->scans));
               session.answer(answer_text(map, arguments->out), map.report());

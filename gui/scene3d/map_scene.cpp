@@ -74,6 +74,7 @@ void add_light(vtkRenderer& renderer, double x, double y, double strength) {
 struct MapScene::Impl {
   vtkNew<vtkRenderer> renderer;
   WorldActors world{renderer.Get()};
+  RoomActor mesh{renderer.Get()};  ///< of the room
   vtkNew<vtkRenderer> overlay;  ///< labels: before everything, and not blurred by anti-aliasing
   ObjectActors objects{renderer.Get(), overlay.Get()};
   FrameActors frame{renderer.Get()};
@@ -85,9 +86,10 @@ struct MapScene::Impl {
   std::optional<int64_t> object;
   std::string link;
   Vector3d side = Vector3d(-0.5, -1, 0);
-  std::map<MapLayer, bool> layers = {
-      {MapLayer::map, true},    {MapLayer::objects, true}, {MapLayer::labels, true},  {MapLayer::cloud, true},
-      {MapLayer::camera, true}, {MapLayer::trace, true},   {MapLayer::cameras, false}};
+  std::map<MapLayer, bool> layers = {{MapLayer::map, true},     {MapLayer::room, true},
+                                     {MapLayer::objects, true}, {MapLayer::labels, true},
+                                     {MapLayer::cloud, true},   {MapLayer::camera, true},
+                                     {MapLayer::trace, true},   {MapLayer::cameras, false}};
 
   static void before_render(vtkObject*, unsigned long, void* client, void*) {
     auto* self = static_cast<Impl*>(client);
@@ -108,7 +110,7 @@ struct MapScene::Impl {
   }
 
   Eigen::AlignedBox3d bounds() const {
-    Eigen::AlignedBox3d all = frame.bounds().merged(chosen.bounds());
+    Eigen::AlignedBox3d all = frame.bounds().merged(chosen.bounds()).merged(mesh.bounds());
     if (const auto room = world.bounds()) all.extend(*room);
     if (const auto things = objects.bounds()) all.extend(*things);
     return all;
@@ -187,6 +189,12 @@ void MapScene::set_world(const mapping::World& world, const PreparedWorld& prepa
 
 void MapScene::clear_world() {
   impl_->world.clear();
+}
+
+void MapScene::set_room(const mapping::ColoredMesh& mesh) {
+  impl_->mesh.set_mesh(mesh);
+  impl_->mesh.set_visible(layer(MapLayer::room));
+  impl_->objects.draw_last();
 }
 
 void MapScene::add_place(const std::string& name, const std::vector<Vector2d>& outline, double height) {
@@ -275,6 +283,7 @@ void MapScene::set_section(const std::optional<MapSection>& section) {
     plane->SetNormal(normal.data());
   }
   impl_->world.set_section(plane);
+  impl_->mesh.set_section(plane);
   for (FrameActors* points : {&impl_->frame, &impl_->chosen}) points->set_section(plane);
 }
 
@@ -293,6 +302,8 @@ void MapScene::set_layer(MapLayer layer, bool visible) {
   switch (layer) {
     case MapLayer::map:
       return impl_->world.set_visible(visible);
+    case MapLayer::room:
+      return impl_->mesh.set_visible(visible);
     case MapLayer::objects:
       impl_->objects.set_visible(visible);
       return impl_->objects.set_labels_visible(impl_->layers[MapLayer::labels]);

@@ -9,6 +9,7 @@
 #include "gui/scene3d/scene_colors.h"
 #include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
+#include "mapping/sensor/colored_mesh.h"
 #include "mapping/world/mesh.h"
 #include "mapping/world/world.h"
 
@@ -22,7 +23,7 @@ struct ColoredCloud;
 struct PreparedWorld;
 
 /// What can be shown and hidden.
-enum class MapLayer { map, objects, labels, cloud, camera, trace, cameras };
+enum class MapLayer { map, room, objects, labels, cloud, camera, trace, cameras };
 
 /// Where to look from.
 enum class MapViewpoint { overview, top, front, left };
@@ -51,6 +52,8 @@ class MapScene {
 
   void set_world(const mapping::World& world, const PreparedWorld& prepared);
   void clear_world();
+  /// The room as it was seen, map frame.
+  void set_room(const mapping::ColoredMesh& mesh);
   /// A place that is no link of a map: a flat outline (map frame) at a height.
   void add_place(const std::string& name, const std::vector<Vector2d>& outline, double height);
   /// A joint that the map does not have is left out and added to the warnings.

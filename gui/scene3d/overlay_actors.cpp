@@ -209,6 +209,42 @@ void FrameActors::set_pixels(double pixels) {
 
 // ---- Guides.
 
+RoomActor::RoomActor(vtkRenderer* renderer) : actor_(vtkSmartPointer<vtkActor>::New()) {
+  actor_->SetMapper(vtkNew<vtkPolyDataMapper>());
+  actor_->PickableOff();
+  actor_->GetProperty()->SetLighting(false);
+  actor_->SetVisibility(false);
+  renderer->AddActor(actor_);
+}
+
+void RoomActor::set_mesh(const mapping::ColoredMesh& mesh) {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkUnsignedCharArray> colors;
+  colors->SetNumberOfComponents(3);
+  for (const Eigen::Vector3f& position : mesh.positions) {
+    points->InsertNextPoint(position.data());
+    box_.extend(position.cast<double>());
+  }
+  for (const auto& color : mesh.colors) colors->InsertNextTypedTuple(color.data());
+  vtkNew<vtkCellArray> cells;
+  for (const auto& triangle : mesh.triangles) cells->InsertNextCell({triangle[0], triangle[1], triangle[2]});
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetPolys(cells);
+  data->GetPointData()->SetScalars(colors);
+  show(*actor_, data);
+  actor_->SetVisibility(!mesh.triangles.empty());
+}
+
+void RoomActor::set_visible(bool visible) {
+  actor_->SetVisibility(visible && !box_.isEmpty());
+}
+
+void RoomActor::set_section(vtkPlane* plane) {
+  actor_->GetMapper()->RemoveAllClippingPlanes();
+  if (plane != nullptr) actor_->GetMapper()->AddClippingPlane(plane);
+}
+
 GuideActors::GuideActors(vtkRenderer* renderer) {
   trace_.actor = line_actor(renderer);
   cameras_.actor = line_actor(renderer);

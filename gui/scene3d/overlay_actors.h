@@ -11,6 +11,7 @@
 #include "gui/scene3d/scene_colors.h"
 #include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
+#include "mapping/sensor/colored_mesh.h"
 
 namespace loci::gui {
 
@@ -47,6 +48,21 @@ class FrameActors {
   size_t point_count_ = 0;
   Eigen::AlignedBox3d cloud_box_, camera_box_;
   bool cloud_visible_ = true, camera_visible_ = true, has_camera_ = false;
+};
+
+/// The room as a depth camera saw it.
+class RoomActor {
+ public:
+  explicit RoomActor(vtkRenderer* renderer);
+
+  void set_mesh(const mapping::ColoredMesh& mesh);
+  void set_visible(bool visible);
+  void set_section(vtkPlane* plane);
+  Eigen::AlignedBox3d bounds() const { return box_; }
+
+ private:
+  vtkSmartPointer<vtkActor> actor_;
+  Eigen::AlignedBox3d box_;
 };
 
 /// Lines that explain what is seen: the trajectory of the selected object, the cameras of all scenes, and the

@@ -24,6 +24,7 @@
 #include "gui/window/main_window.h"
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
+#include "mapping/exchange/ply.h"
 
 namespace loci::gui {
 namespace {
@@ -126,13 +127,13 @@ void go_to(MainWindow& window, const Target& target, const BrowseOptions& option
 
 MapLayer layer_of(const std::string& name) {
   static const std::map<std::string, MapLayer> kLayers = {
-      {"map", MapLayer::map},        {"objects", MapLayer::objects}, {"labels", MapLayer::labels},
-      {"cloud", MapLayer::cloud},    {"camera", MapLayer::camera},   {"trace", MapLayer::trace},
-      {"cameras", MapLayer::cameras}};
+      {"map", MapLayer::map},       {"room", MapLayer::room},      {"objects", MapLayer::objects},
+      {"labels", MapLayer::labels}, {"cloud", MapLayer::cloud},    {"camera", MapLayer::camera},
+      {"trace", MapLayer::trace},   {"cameras", MapLayer::cameras}};
   const auto found = kLayers.find(name);
   if (found == kLayers.end())
     throw Error("--hide '" + name + "' is no layer", {},
-                "layers are map, objects, labels, cloud, camera, trace, cameras");
+                "layers are map, room, objects, labels, cloud, camera, trace, cameras");
   return found->second;
 }
 
@@ -154,6 +155,10 @@ void write_image(MainWindow& window, const BrowseOptions& options) {
   write_file_atomically(path, {bytes.constData(), static_cast<size_t>(bytes.size())});
 }
 
+void show_room(MainWindow& window, const BrowseOptions& options) {
+  if (!options.room.empty()) window.map().set_room(mapping::read_ply_mesh(options.room));
+}
+
 int take_image(const BrowseOptions& options, std::shared_ptr<const OpenMemory> data, MapBackend backend) {
   WindowOptions window_options;
   window_options.remember = false;
@@ -161,6 +166,7 @@ int take_image(const BrowseOptions& options, std::shared_ptr<const OpenMemory> d
   const Target target = find_target(*data, options);
   MainWindow window(opener(), window_options);
   window.show_data(std::move(data));
+  show_room(window, options);
   go_to(window, target, options);
   write_image(window, options);
   return 0;
@@ -180,6 +186,7 @@ int show_window(const BrowseOptions& options, MapBackend backend) {
   WindowOptions window_options;
   window_options.backend = backend;
   MainWindow window(opener(), window_options);
+  show_room(window, options);
   window.show();
   if (!options.file.empty())
     window.open(QString::fromStdString(options.file), [&window, &options] {

@@ -16,6 +16,7 @@ struct BrowseOptions {
   std::string select;                 ///< object or place to select; empty = none
   std::string ask;                    ///< question to ask in the question bar; empty = none
   std::string beside = {};            ///< time, or memory, whose map stands beside the map; empty = none
+  std::string room = {};              ///< coloured mesh of the room (PLY) to draw; empty = none
   std::vector<std::string> run = {};  ///< actions of the menus, by name
   std::string show;                   ///< dock to bring to the front; empty = as it was
   double measure_s = 0;  ///< seconds for which the window is measured instead of staying; 0 = not

@@ -265,6 +265,7 @@ void Menus::add_layers(QMenu* menu) {
                      [this, layer](bool on) { window_.maps().set_layer(layer, on); }, place});
   };
   add_layer("Map", "M", "Walls, furniture and their joints", MapLayer::map);
+  add_layer("Room", "Shift+M", "The room as a depth camera saw it (--room)", MapLayer::room, in_menu);
   add_layer("Objects", "O", "Boxes at the believed poses of objects", MapLayer::objects);
   add_layer("Labels", "L", "Names of objects", MapLayer::labels);
   add_layer("Cloud", "C", "The points measured in the selected scene", MapLayer::cloud);

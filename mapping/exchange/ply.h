@@ -1,15 +1,21 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "mapping/exchange/world_triangles.h"
+#include "mapping/sensor/colored_mesh.h"
 #include "mapping/sensor/scan.h"
 
 namespace loci::mapping {
 
 /// Triangles as binary PLY (little endian): vertices with colour, three to a face so that faces keep theirs.
 std::string ply_text(const std::vector<WorldTriangle>& triangles);
+
+std::string ply_text(const ColoredMesh& mesh);
+/// What ply_text made of a mesh. Error for any other file.
+ColoredMesh read_ply_mesh(const std::filesystem::path& path);
 
 /// The returns of all scans as binary PLY: x y z in the map frame, intensity, colour.
 std::string ply_text(const ScanSet& scans);

@@ -62,6 +62,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"EGL/", "VTK"},
                                                                      {"GL/", "VTK"},
                                                                      {"embree3/", "Embree"},
+                                                                     {"tiny_gltf.h", "tinygltf"},
                                                                      {"simde/", "simde"},
                                                                      {"octomap/", "OctoMap"},
                                                                      {"ceres/", "Ceres"},

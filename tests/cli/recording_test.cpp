@@ -145,6 +145,7 @@ TEST(RecordAndInfo, AHandHeldRecordingWithoutPosesIsTrackedAndUprightHoweverTheC
     EXPECT_THAT(fused.error, HasSubstr("the recording has no poses: 20 of 20 frames tracked"));
     const Outcome map = run("loci-map interpret " + folder + "/scans -o " + folder + "/map --json");
     ASSERT_EQ(map.exit_code, 0) << map.error;
+    EXPECT_GT(fs::file_size(folder + "/map/room.glb"), 100000U);
     const Json links = read_json(folder + "/map/map.semantic.json")["links"];
     ASSERT_TRUE(links.contains("table_1")) << quarters << ": " << links.dump();
     EXPECT_NEAR(links["table_1"]["geometry"]["height"].get<double>(), 0.72, 0.02) << quarters;

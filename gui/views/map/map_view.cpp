@@ -345,6 +345,11 @@ void MapView::set_layer(MapLayer layer, bool visible) {
   redraw();
 }
 
+void MapView::set_room(const mapping::ColoredMesh& mesh) {
+  scene_->set_room(mesh);
+  redraw();
+}
+
 void MapView::change_point_size(int steps) {
   scene_->set_point_size(scene_->point_size() + steps);
   redraw();

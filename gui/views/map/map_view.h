@@ -31,6 +31,7 @@ class MapView : public QWidget {
   void frame_selection();
   void look_from(MapViewpoint viewpoint);
   void set_layer(MapLayer layer, bool visible);
+  void set_room(const mapping::ColoredMesh& mesh);
   /// Shares the camera of another view from now on.
   void share_eye_of(MapView& other);
   /// The eye of the last image.

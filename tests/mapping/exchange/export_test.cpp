@@ -8,6 +8,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/exchange/gltf.h"
 #include "mapping/exchange/link_graph.h"
 #include "mapping/exchange/occupancy_grid.h"
 #include "mapping/exchange/owl.h"
@@ -277,6 +278,52 @@ TEST(LinkGraph, BeginsWhereItIsTold) {
   EXPECT_THAT(svg, HasSubstr("drawer_1_handle"));
   EXPECT_THAT(svg, testing::Not(HasSubstr("counter_1")));
   EXPECT_THROW(link_graph_svg(map.world, map.semantics, "drawer_9_front"), Error);
+}
+
+ColoredMesh small_mesh() {
+  return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+          {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {9, 8, 7}},
+          {{0, 1, 2}, {1, 2, 3}}};
+}
+
+TEST(ColoredMeshFiles, PlyComesBackAsItWasWritten) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "room.ply";
+  const ColoredMesh mesh = small_mesh();
+  write_file_atomically(file, ply_text(mesh));
+  const ColoredMesh read = read_ply_mesh(file);
+  EXPECT_EQ(read.positions, mesh.positions);
+  EXPECT_EQ(read.colors, mesh.colors);
+  EXPECT_EQ(read.triangles, mesh.triangles);
+}
+
+TEST(ColoredMeshFiles, DamagedPlyIsRefused) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "room.ply";
+  const std::string whole = ply_text(small_mesh());
+  std::string out_of_range = whole, other_count = whole;
+  out_of_range[out_of_range.size() - 2] = 1;  // a corner beyond the vertices
+  other_count.replace(other_count.find("vertex 4"), 8, "vertex 9");
+  for (const std::string& bytes :
+       {std::string(), std::string("ply\nelement vertex"), whole.substr(0, whole.size() - 1), whole + "x",
+        out_of_range, other_count}) {
+    write_file_atomically(file, bytes);
+    EXPECT_THROW(read_ply_mesh(file), Error) << bytes.size();
+  }
+}
+
+TEST(ColoredMeshFiles, GlbHoldsOneMeshThatStandsUpright) {
+  const std::string bytes = glb_bytes(small_mesh());
+  ASSERT_EQ(bytes.substr(0, 4), "glTF");
+  uint32_t length = 0, json_length = 0;
+  std::memcpy(&length, bytes.data() + 8, 4);
+  std::memcpy(&json_length, bytes.data() + 12, 4);
+  EXPECT_EQ(length, bytes.size());
+  const Json json = parse_json(bytes.substr(20, json_length), "glb");
+  EXPECT_EQ(json["accessors"][0]["count"], 4);
+  EXPECT_EQ(json["accessors"][2]["count"], 6);
+  EXPECT_EQ(json["accessors"][0]["max"], Json({1.0, 1.0, 1.0}));
+  const auto turn = json["nodes"][0]["rotation"].get<std::vector<double>>();
+  const Eigen::Quaterniond rotation(turn[3], turn[0], turn[1], turn[2]);
+  EXPECT_TRUE((rotation * Vector3d::UnitZ()).isApprox(Vector3d::UnitY(), 1e-6)) << "z up becomes y up";
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "mapping/base/random.h"
+#include "mapping/fusion/room_mesh.h"
 
 namespace loci::mapping {
 namespace {
@@ -35,7 +36,8 @@ class SmallRecording : public Recording {
     RgbdFrame frame;
     frame.camera = info_.camera;
     frame.depth = cv::Mat(120, 160, CV_32F, cv::Scalar(kNoDepth));
-    frame.color = cv::Mat(120, 160, CV_8UC3, cv::Scalar(0, 0, 200));
+    const double bright = i % 2 == 1 ? brightness_of_odd_frames_ : 1;
+    frame.color = cv::Mat(120, 160, CV_8UC3, cv::Scalar(20 * bright, 40 * bright, 120 * bright));
     Isometry3d pose = Isometry3d::Identity();
     pose.linear() = Eigen::AngleAxisd(kPi, Vector3d::UnitX()).toRotationMatrix();
     pose.translation() = Vector3d(0.01 * static_cast<double>(i), 0, 1.5);
@@ -43,7 +45,7 @@ class SmallRecording : public Recording {
     for (int v = 0; v < 120; ++v)
       for (int u = 0; u < 160; ++u) {
         const Vector3d top = pose * frame.camera.depth.unproject(u, v, 1.3);
-        const bool box = std::abs(top.x()) < 0.2 && std::abs(top.y()) < 0.2;
+        const bool box = i < box_until_ && std::abs(top.x()) < 0.2 && std::abs(top.y()) < 0.2;
         frame.depth.at<float>(v, u) = static_cast<float>((box ? 1.3 : 1.5) + random.normal(0.002));
       }
     if (i < without_pose_) return frame;
@@ -53,6 +55,8 @@ class SmallRecording : public Recording {
 
   RecordingInfo info_;
   size_t without_pose_ = 0;
+  size_t box_until_ = 1000;  ///< then it is taken away
+  double brightness_of_odd_frames_ = 1;
 };
 
 FusionResult fused(const Recording& recording, FusionOptions options = {}) {
@@ -170,6 +174,76 @@ TEST(Fusion, FlyingPixelsAreDropped) {
   EXPECT_FALSE(std::isnan(depth.at<float>(10, 11)));
   drop_flying_pixels(lone);
   EXPECT_TRUE(std::isnan(lone.at<float>(5, 5)));
+}
+
+RoomMesh meshed(const Recording& recording, MeshOptions options = {}) {
+  NoProgress progress;
+  return mesh_room(recording, options, progress);
+}
+
+/// At the border the colour camera does not see what the depth camera does.
+constexpr std::array<uint8_t, 3> kUnseenColor = {160, 160, 160};
+
+TEST(RoomMesh, SurfacesLieWhereTheyAreLookAtTheCameraAndHaveTheirColor) {
+  const ColoredMesh mesh = meshed(SmallRecording(10)).mesh;
+  double top_area = 0;
+  for (const auto& triangle : mesh.triangles) {
+    const Eigen::Vector3f a = mesh.positions[triangle[0]], b = mesh.positions[triangle[1]],
+                          c = mesh.positions[triangle[2]];
+    const Eigen::Vector3f across = (b - a).cross(c - a) / 2;
+    if (std::min({a.z(), b.z(), c.z()}) < 0.19F) continue;
+    EXPECT_GT(across.z(), 0) << "seen from above";
+    top_area += static_cast<double>(across.z());
+  }
+  EXPECT_NEAR(top_area, 0.16, 0.016) << "the box's top";
+  size_t floor = 0;
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Eigen::Vector3f& at = mesh.positions[i];
+    if (std::abs(at.x()) < 0.25F && std::abs(at.y()) < 0.25F) continue;
+    EXPECT_NEAR(at.z(), 0, 0.004);
+    if (mesh.colors[i] == kUnseenColor) continue;
+    EXPECT_NEAR(mesh.colors[i][0], 120, 1);
+    EXPECT_NEAR(mesh.colors[i][2], 20, 1);
+    ++floor;
+  }
+  EXPECT_GT(floor, 3000U);
+}
+
+TEST(RoomMesh, ExposureOfFramesIsMatched) {
+  SmallRecording recording(10);
+  recording.brightness_of_odd_frames_ = 1.5;
+  const ColoredMesh mesh = meshed(recording).mesh;
+  ASSERT_FALSE(mesh.colors.empty());
+  for (const auto& color : mesh.colors) EXPECT_NEAR(color == kUnseenColor ? 120 : color[0], 120, 3);
+}
+
+TEST(RoomMesh, WhatWasTakenAwayIsCleared) {
+  SmallRecording recording(40);
+  recording.box_until_ = 10;
+  for (const Eigen::Vector3f& at : meshed(recording).mesh.positions) EXPECT_LT(at.z(), 0.1F);
+}
+
+TEST(RoomMesh, LittleMemoryGivesLargerVoxels) {
+  MeshOptions options;
+  options.mesh_voxel_m = 0.005;
+  options.mesh_memory_mb = 4;
+  const RoomMesh room = meshed(SmallRecording(10), options);
+  EXPECT_GT(room.voxel_m, 0.009);
+  ASSERT_FALSE(room.mesh.positions.empty());
+  for (const Eigen::Vector3f& at : room.mesh.positions) {
+    const bool is_near_box = std::abs(at.x()) < 0.3F && std::abs(at.y()) < 0.3F;
+    EXPECT_NEAR(is_near_box ? 0 : at.z(), 0, 0.006);
+  }
+}
+
+TEST(RoomMesh, SameMeshOnAnyNumberOfThreads) {
+  MeshOptions one, three;
+  one.threads = 1;
+  three.threads = 3;
+  const ColoredMesh a = meshed(SmallRecording(10), one).mesh, b = meshed(SmallRecording(10), three).mesh;
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_EQ(a.colors, b.colors);
+  EXPECT_EQ(a.triangles, b.triangles);
 }
 
 }  // namespace
