@@ -48,17 +48,19 @@ memory::Id object_of(const memory::Store& store, const std::string& words) {
               "name one, as object_3");
 }
 
-memory::Edit make_edit(memory::Store& store, const EditArguments& arguments) {
+memory::Edit make_edit(memory::Store& store, const EditArguments& arguments, Progress& progress) {
   const auto& [memory, action, words] = arguments;
-  if (action == "merge") return merge_objects(store, object_of(store, words[0]), object_of(store, words[1]));
+  if (action == "merge")
+    return merge_objects(store, object_of(store, words[0]), object_of(store, words[1]), progress);
   if (action == "split")
-    return split_object(store, object_of(store, words[0]), memory::TimeReader(store).read(words[1]).first);
+    return split_object(store, object_of(store, words[0]), memory::TimeReader(store).read(words[1]).first,
+                        progress);
   if (action == "label")
     return label_observation(store, number_of(words[0], "a scene"), number_of(words[1], "an observation"),
                              words[2]);
   if (action == "joint") return set_joint_type(store, words[0], words[1]);
   if (action == "part") return name_part(store, words[0], words.size() > 1 ? words[1] : "");
-  return action == "undo" ? undo(store) : redo(store);
+  return action == "undo" ? undo(store, progress) : redo(store, progress);
 }
 
 Json json_of(const std::vector<memory::Edit>& list) {
@@ -99,9 +101,11 @@ Command edit_command() {
           if (arguments->action == "list")
             return answer_list(session, edits(memory::Store::open_read(arguments->memory)));
           memory::Store store = open_to_change(arguments->memory, session);
-          const memory::Edit edit = make_edit(store, *arguments);
+          const memory::Edit edit = make_edit(store, *arguments, session.progress());
           const std::string done = arguments->action == "undo" ? "Undone: " : "Done: ";
-          session.answer(done + edit.text + "\n", json_of({edit}).front());
+          Json json = json_of({edit}).front();
+          if (!edit.note.empty()) json["note"] = edit.note;
+          session.answer(done + edit.text + (edit.note.empty() ? "" : "; " + edit.note) + "\n", json);
         };
       }};
 }

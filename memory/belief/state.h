@@ -78,6 +78,7 @@ struct ProtoObject {
   /// Probability of being clutter, of an object that appeared where nothing new was expected. 0 = not so, or
   /// resolved by a later view.
   double clutter_probability = 0;
+  int64_t former_id = 0;  ///< while tentative: number that it gets if that is free; not stored
 
   double probability_itself() const;
 };

@@ -1,8 +1,11 @@
 #include "memory/edits/edits.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <set>
 
 #include "mapping/base/json.h"
@@ -11,21 +14,23 @@
 #include "memory/questions/facts.h"
 #include "memory/questions/map_names.h"
 #include "memory/questions/snapshot.h"
+#include "memory/reasoning/revise.h"
+#include "memory/recorder/checkpoint.h"
 #include "memory/store/scene_transaction.h"
 
 namespace loci::memory {
 namespace {
 
-/// A run of an edit, finished when it goes out of scope. Its configuration has the "text" of the edit, and
-/// what is needed to reverse it.
+/// A run of an edit. Its configuration has the "text" of the edit, and what is needed to reverse it. One that
+/// is not finished is no edit.
 class EditRun {
  public:
   EditRun(Store& store, const Json& configuration)
       : store_(store), id_(store.begin_run(kEditProgram, configuration.dump())) {}
-  ~EditRun() { store_.finish_run(id_); }
   EditRun(const EditRun&) = delete;
   EditRun& operator=(const EditRun&) = delete;
   Id id() const { return id_; }
+  void finish() { store_.finish_run(id_); }
 
  private:
   Store& store_;
@@ -37,7 +42,7 @@ Edit edit_of(const Store& store, Id run) {
   for (const RunRow& row : store.runs())
     if (row.id == run) {
       const Json configuration = parse_json(row.configuration, "run.configuration");
-      return {run, row.started, configuration.value("text", row.program)};
+      return {run, row.started, configuration.value("text", row.program), {}};
     }
   throw store.error(fmt::format("no run {}", run));
 }
@@ -52,35 +57,32 @@ Row correction_of(const Row& row) {
   return corrected;
 }
 
-/// The retraction of a row that superseded nothing.
-AssociationRow retracted(AssociationRow row) {
-  row.probability = 0;
-  row.chosen = false;
-  return row;
-}
-EventRow retracted(EventRow row) {
-  row.probability = 0;
-  return row;
-}
-BeliefRow retracted(BeliefRow row) {
-  return row;  // it belongs to another object by now
-}
-FactRow retracted(FactRow row) {
-  row.value.reset();
-  return row;
-}
-
 /// For each row a new one that supersedes what is known instead of it by now: the row that it superseded
-/// itself, or its retraction.
+/// itself, or its retraction. As a whole it says what was said before, in the words of who said it.
 template <class Row>
-std::vector<Row> reversed_rows(const Store& store, const std::vector<Row>& rows) {
+std::vector<Row> reversed_rows(const Store& store, const std::vector<Row>& rows, TimeNs known) {
   std::vector<Row> reversed;
   for (const Row& row : rows) {
-    Row& one =
-        reversed.emplace_back(row.clock.supersedes ? store.row<Row>(*row.clock.supersedes) : retracted(row));
+    const bool restores = row.clock.supersedes.has_value();
+    Row& one = reversed.emplace_back(restores ? store.row<Row>(*row.clock.supersedes) : row);
+    if (!restores || one.clock.known_to) one.clock.known_to = known;  // a retraction is never known
     one.clock.supersedes = store.current_row<Row>(row.id);
-    one.clock.source = "user";
-    one.clock.known_to.reset();
+  }
+  return reversed;
+}
+
+/// For each object and scene the row of visibility from before a run; one with out_of_view where there was
+/// none.
+std::vector<VisibilityRow> reversed_visibility(const Store& store, Id run) {
+  std::vector<VisibilityRow> reversed = store.rows_of_run<VisibilityRow>(run);
+  for (VisibilityRow& row : reversed) {
+    if (const auto before = store.visibility_before(row)) {
+      row.status = before->status;
+      row.probability = before->probability;
+    } else {
+      row.status = ObjectStatus::out_of_view;
+      row.probability.reset();
+    }
   }
   return reversed;
 }
@@ -101,9 +103,44 @@ Id add_corrected_map(Store& store, const MapRow& like, const std::string& urdf) 
                        sidecar);
 }
 
+/// The scene after another in order of time; 0 = none.
+Id scene_after(const Store& store, Id scene) {
+  const std::vector<SceneRow> scenes = store.scenes();
+  const auto found = std::ranges::find(scenes, scene, &SceneRow::id);
+  return found == scenes.end() || found + 1 == scenes.end() ? 0 : (found + 1)->id;
+}
+
+/// What the edits say of identities, later ones over earlier ones.
+KnownIdentities known_identities(const Store& store, const std::vector<Edit>& list) {
+  KnownIdentities known;
+  std::map<Id, std::string> configurations;
+  for (RunRow& run : store.runs()) configurations[run.id] = std::move(run.configuration);
+  for (const Edit& edit : list) {
+    const Json configuration = parse_json(configurations[edit.run], "run.configuration");
+    if (!configuration.contains("identity")) continue;
+    for (const Json& one : configuration["identity"])
+      for (const Json& observation : one.at("observations"))
+        known[observation.get<Id>()] = one.at("object").get<Id>();
+  }
+  return known;
+}
+
+/// Makes the belief what it was before a correction of identities; scenes that were added since are reasoned
+/// about anew with the identities that are `known` now.
+void return_to_belief_before(Store& store, SceneTransaction& rows, const RunRow& row, Id reversal,
+                             const Json& configuration, KnownIdentities known, Progress& progress) {
+  keep_belief(rows, store, reversal);
+  const std::optional<Id> kept = restore_belief(rows, store, row.id);
+  const Id last = kept.value_or(configuration["last_scene"].get<Id>());
+  const Revision revision{scene_after(store, last), kept.value_or(0), std::move(known)};
+  if (kept && revision.from == 0) return;
+  if (store.scenes_without_reasoning() == 0) revise(store, rows, revision, progress);
+}
+
 /// Reverses what a run did, as a new run: rows that superseded others are superseded by them, others are
-/// retracted.
-Id reverse_run(Store& store, const RunRow& row, const std::string& text, const Json& more) {
+/// retracted. `known`: what is known of identities without it.
+Id reverse_run(Store& store, const RunRow& row, const std::string& text, const Json& more,
+               const KnownIdentities& known, Progress& progress) {
   Json configuration = parse_json(row.configuration, "run.configuration");
   for (const char* key : {"undoes", "redoes"}) configuration.erase(key);
   configuration.update(more);
@@ -113,22 +150,21 @@ Id reverse_run(Store& store, const RunRow& row, const std::string& text, const J
       Json& change = configuration[kind];
       std::swap(change["before"], change["after"]);
     }
-  std::vector<BeliefRow> beliefs = store.rows_of_run<BeliefRow>(row.id);
-  // What a split added continues as the belief of the object that was split.
-  const Id split = configuration.contains("split") ? configuration["split"]["object"].get<Id>() : 0;
-  for (BeliefRow& belief : beliefs)
-    if (!belief.clock.supersedes) belief.object = split;
-  const auto associations = reversed_rows(store, store.rows_of_run<AssociationRow>(row.id));
-  const auto events = reversed_rows(store, store.rows_of_run<EventRow>(row.id));
-  const auto facts = reversed_rows(store, store.rows_of_run<FactRow>(row.id));
-  beliefs = reversed_rows(store, beliefs);
-  const EditRun run(store, configuration);
+  EditRun run(store, configuration);
   {
     SceneTransaction added(store, run.id());
-    for (const AssociationRow& one : associations) added.add_association(one);
-    for (const EventRow& one : events) added.add_event(one);
-    for (const FactRow& one : facts) added.add_fact(one);
-    for (const BeliefRow& one : beliefs) added.add_belief(one);
+    added.postpone_derived();
+    const TimeNs now = added.known();
+    for (const auto& one : reversed_rows(store, store.rows_of_run<AssociationRow>(row.id), now))
+      added.add_association(one);
+    for (const auto& one : reversed_rows(store, store.rows_of_run<EventRow>(row.id), now))
+      added.add_event(one);
+    for (const auto& one : reversed_rows(store, store.rows_of_run<FactRow>(row.id), now)) added.add_fact(one);
+    for (const auto& one : reversed_rows(store, store.rows_of_run<BeliefRow>(row.id), now))
+      added.add_belief(one);
+    for (const VisibilityRow& one : reversed_visibility(store, row.id)) added.add_visibility(one);
+    if (configuration.contains("last_scene"))
+      return_to_belief_before(store, added, row, run.id(), configuration, known, progress);
     added.commit();
   }
   if (configuration.contains("label")) {
@@ -144,6 +180,8 @@ Id reverse_run(Store& store, const RunRow& row, const std::string& text, const J
         break;
       }
   }
+  store.derive();
+  run.finish();
   return run.id();
 }
 
@@ -175,13 +213,15 @@ void require_object(const Store& store, Id object) {
     refuse(store, fmt::format("there is no {}", object_name(object)), "loci-memory objects lists them");
 }
 
-Edit toggle(Store& store, const Edit& edit, const char* what) {
+/// Reverses an edit; `others` are those that hold then.
+Edit toggle(Store& store, const Edit& edit, const char* what, const std::vector<Edit>& others,
+            Progress& progress) {
   RunRow row;
   for (const RunRow& run : store.runs())
     if (run.id == edit.run) row = run;
-  const Id run = reverse_run(store, row, edit.text, {{what, edit.run}});
-  store.derive();
-  return {run, edit_of(store, run).known, edit.text};
+  const Id run =
+      reverse_run(store, row, edit.text, {{what, edit.run}}, known_identities(store, others), progress);
+  return edit_of(store, run);
 }
 
 /// Something that has a name: what the map (or who found it) calls it, and what it is called now.
@@ -210,12 +250,13 @@ std::vector<Named> all_named(const Store& store) {
 }
 
 /// Error when the merged object was never seen, or the two were seen in one scene.
-void require_separate(const Store& store, Id remaining, Id merged,
+void require_separate(const Store& store, const std::vector<ObjectObservation>& kept, Id remaining, Id merged,
                       const std::vector<ObjectObservation>& moved) {
-  if (moved.empty()) refuse(store, object_name(merged) + " was never seen", "loci-memory objects lists them");
+  if (moved.empty() || kept.empty())
+    refuse(store, object_name(moved.empty() ? merged : remaining) + " was never seen",
+           "loci-memory objects lists them");
   std::set<Id> scenes;
-  for (const ObjectObservation& observed : store.observations_of(remaining))
-    scenes.insert(observed.association.scene);
+  for (const ObjectObservation& observed : kept) scenes.insert(observed.association.scene);
   for (const ObjectObservation& observed : moved)
     if (scenes.contains(observed.association.scene))
       refuse(store,
@@ -265,7 +306,197 @@ void add_split_events(SceneTransaction& rows, const std::vector<EventRow>& event
   rows.add_event(event);
 }
 
+// ---- Without evidence the rows are given to the other object as they are.
+
+/// Which of two objects, taken for one, was seen last at a time.
+class LastSeen {
+ public:
+  LastSeen(Id one, const std::vector<ObjectObservation>& of_one, Id other,
+           const std::vector<ObjectObservation>& of_other) {
+    for (const ObjectObservation& seen : of_one) by_time_[seen.time] = one;
+    for (const ObjectObservation& seen : of_other) by_time_[seen.time] = other;
+  }
+  /// 0 = neither yet.
+  Id at(TimeNs time) const {
+    const auto next = by_time_.upper_bound(time);
+    return next == by_time_.begin() ? 0 : std::prev(next)->second;
+  }
+  /// Times at which another one is seen than before.
+  std::vector<std::pair<TimeNs, Id>> changes() const {
+    std::vector<std::pair<TimeNs, Id>> changes;
+    for (const auto& [time, object] : by_time_)
+      if (changes.empty() || changes.back().second != object) changes.emplace_back(time, object);
+    return changes;
+  }
+
+ private:
+  std::map<TimeNs, Id> by_time_;
+};
+
+/// Two objects are one: at each time what is believed of the one that was seen last holds.
+void merge_beliefs(const Store& store, SceneTransaction& rows, Id remaining, Id merged,
+                   const LastSeen& last_seen) {
+  std::set<std::pair<TimeNs, Id>> begun;
+  for (const Id object : {remaining, merged})
+    for (const BeliefRow& belief : store.belief_history(object)) {
+      const TimeNs time = belief.clock.valid_from;
+      begun.emplace(time, object);
+      if (last_seen.at(time) != object)
+        rows.add_belief(retraction_of(belief, rows.known()));
+      else if (object == merged)
+        rows.add_belief(belief_of(belief, remaining));
+    }
+  for (const auto& [time, object] : last_seen.changes()) {
+    if (begun.contains({time, object})) continue;
+    std::optional<BeliefRow> belief = store.belief(object, {time, std::nullopt});
+    if (!belief) continue;
+    belief->object = remaining;
+    belief->scene = belief->last_scene;
+    belief->clock = {.valid_from = time, .source = "user"};
+    rows.add_belief(*belief);
+  }
+}
+
+void merge_rows(const Store& store, SceneTransaction& rows, Id remaining,
+                const std::vector<ObjectObservation>& kept, Id merged,
+                const std::vector<ObjectObservation>& moved) {
+  const LastSeen last_seen(remaining, kept, merged, moved);
+  const std::optional<ObjectObservation> before =
+      store.last_observation_before(remaining, moved.front().time, {});
+  for (const ObjectObservation& observed : moved) {
+    AssociationRow row = correction_of(observed.association);
+    row.object = remaining;
+    rows.add_association(row);
+  }
+  merge_beliefs(store, rows, remaining, merged, last_seen);
+  for (const EventRow& event : events_of(store, remaining))
+    if (last_seen.at(event.clock.valid_from) == merged) rows.add_event(retraction_of(event, rows.known()));
+  for (const EventRow& event : events_of(store, merged)) {
+    if (last_seen.at(event.clock.valid_from) == remaining) {
+      rows.add_event(retraction_of(event, rows.known()));
+      continue;
+    }
+    EventRow row = correction_of(event);
+    row.object = remaining;
+    if (event.kind == EventKind::appeared && before) {  // it was known: it moved
+      row.kind = EventKind::moved;
+      row.from_place = before->observation.place;
+      row.from_position = before->observation.position;
+      row.since = before->time;
+    }
+    rows.add_event(row);
+  }
+}
+
+void split_rows(const Store& store, SceneTransaction& rows, Id object,
+                const std::vector<ObjectObservation>& later, Id made) {
+  const TimeNs first = later.front().time;
+  std::vector<BeliefRow> beliefs = store.belief_history(object);
+  std::erase_if(beliefs, [&](const BeliefRow& row) { return row.clock.valid_from < first; });
+  const std::optional<BeliefRow> held = store.belief(object, {first, std::nullopt});
+  const std::vector<EventRow> events = events_of(store, object, first);
+  ObjectRow row;
+  row.clock.valid_from = first;
+  row.clock.source = "user";
+  if (rows.add_object(row) != made) throw store.error("another object was added meanwhile", "try again");
+  for (const ObjectObservation& observed : later) {
+    AssociationRow association = correction_of(observed.association);
+    association.object = made;
+    if (observed.time == first) association.explanation = Explanation::appear;
+    rows.add_association(association);
+  }
+  // Rows of belief are only added for significant changes: the belief at the split continues as that of the
+  // new object.
+  if (held && (beliefs.empty() || beliefs.front().clock.valid_from > first)) {
+    BeliefRow belief = *held;
+    belief.object = made;
+    belief.scene = later.front().association.scene;
+    belief.clock = {.valid_from = first, .source = "user"};
+    rows.add_belief(belief);
+  }
+  for (const BeliefRow& belief : beliefs) rows.add_belief(belief_of(belief, made));
+  add_split_events(rows, events, made, later.front());
+}
+
+// ---- With evidence they are reasoned about anew.
+
+/// What people say of the identity of observations.
+struct IdentityEdit {
+  std::string text = {};
+  std::map<Id, std::vector<Id>> groups = {};  ///< observations by the object that they are of
+  TimeNs from = 0;                            ///< of the first observation that changes
+  std::vector<FactRow> facts = {};            ///< that go with it
+};
+
+std::vector<Id> ids_of(const std::vector<ObjectObservation>& list) {
+  std::vector<Id> ids;
+  for (const ObjectObservation& observed : list) ids.push_back(observed.observation.id);
+  return ids;
+}
+
+/// Objects of which something is said.
+std::map<Id, std::string> named_objects(const Store& store) {
+  std::map<Id, std::string> named;
+  for (const FactRow& fact : store.facts())
+    if (fact.object) {
+      std::string& text = named[*fact.object];
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", fact.key, *fact.value);
+    }
+  return named;
+}
+
+/// What is said of objects of which nothing is left.
+std::vector<std::string> unplaced_facts(const Store& store) {
+  std::vector<std::string> notes;
+  for (const auto& [object, facts] : named_objects(store))
+    if (!store.belief(object))
+      notes.push_back(fmt::format("{} ({}) has no observation left", object_name(object), facts));
+  return notes;
+}
+
+/// Corrects identities. `relabel` adds the rows where there is no evidence to reason with.
+Edit correct_identity(Store& store, const IdentityEdit& edit,
+                      const std::function<void(SceneTransaction&)>& relabel, Progress& progress) {
+  const bool with_evidence = store.scenes_without_reasoning() == 0;
+  const EditList before = edits(store);
+  Revision revision{store.scenes({}, edit.from, edit.from).front().id, 0,
+                    known_identities(store, before.done)};
+  Json configuration = {{"text", edit.text}, {"identity", Json::array()}};
+  if (with_evidence) configuration["last_scene"] = store.last_scene()->id;
+  for (const auto& [object, observations] : edit.groups) {
+    configuration["identity"].push_back({{"object", object}, {"observations", observations}});
+    for (const Id observation : observations) revision.known[observation] = object;
+  }
+  EditRun run(store, configuration);
+  {
+    SceneTransaction rows(store, run.id());
+    rows.postpone_derived();
+    for (const FactRow& fact : edit.facts) rows.add_fact(fact);
+    if (with_evidence) {
+      for (const Edit& undone : before.undone) drop_kept_belief(rows, undone.run);  // it cannot be redone
+      keep_belief(rows, store, run.id());
+      revise(store, rows, revision, progress);
+    } else {
+      relabel(rows);
+    }
+    rows.commit();
+  }
+  store.derive();
+  run.finish();
+  Edit made = edit_of(store, run.id());
+  std::vector<std::string> notes = unplaced_facts(store);
+  if (!with_evidence)
+    notes.emplace_back("without the evidence of all scenes nothing else was reasoned about anew");
+  made.note = fmt::format("{}", fmt::join(notes, "; "));
+  return made;
+}
+
 }  // namespace
+
+Progress& no_progress() {
+  static NoProgress silent;
+  return silent;
+}
 
 EditList edits(const Store& store) {
   EditList list;
@@ -276,10 +507,10 @@ EditList edits(const Store& store) {
     to.push_back(now);
   };
   for (const RunRow& run : store.runs()) {
-    if (!is_edit(run)) continue;
+    if (!is_edit(run) || !run.finished) continue;
     const Json configuration = parse_json(run.configuration, "run.configuration");
     if (configuration.contains("forgotten")) continue;  // it was about something that was forgotten
-    const Edit edit = {run.id, run.started, text_of(store, run, configuration)};
+    const Edit edit = {run.id, run.started, text_of(store, run, configuration), {}};
     if (configuration.contains("undoes")) {
       move_to(list.done, list.undone, edit, configuration["undoes"].get<Id>());
     } else if (configuration.contains("redoes")) {
@@ -292,52 +523,30 @@ EditList edits(const Store& store) {
   return list;
 }
 
-Edit merge_objects(Store& store, Id one, Id other) {
+Edit merge_objects(Store& store, Id one, Id other, Progress& progress) {
   if (one == other) refuse(store, object_name(one) + " is itself", "name two objects");
   require_object(store, one);
   require_object(store, other);
   const Id remaining = std::min(one, other), merged = std::max(one, other);
-  const std::vector<ObjectObservation> moved = store.observations_of(merged);
-  require_separate(store, remaining, merged, moved);
-  const std::vector<BeliefRow> beliefs = store.belief_history(merged);
-  const std::optional<ObjectObservation> before =
-      store.last_observation_before(remaining, moved.front().time, {});
-  const std::vector<EventRow> events = events_of(store, merged);
+  const std::vector<ObjectObservation> kept = store.observations_of(remaining),
+                                       moved = store.observations_of(merged);
+  require_separate(store, kept, remaining, merged, moved);
   std::vector<FactRow> facts = store.facts();
   std::erase_if(facts, [&](const FactRow& fact) { return fact.object != merged; });
-
-  const EditRun run(store, {{"text", fmt::format("{} is {}", object_name(merged), object_name(remaining))}});
-  {
-    SceneTransaction rows(store, run.id());
-    for (const ObjectObservation& observed : moved) {
-      AssociationRow row = correction_of(observed.association);
-      row.object = remaining;
-      rows.add_association(row);
-    }
-    for (const BeliefRow& belief : beliefs) rows.add_belief(belief_of(belief, remaining));
-    for (const EventRow& event : events) {
-      EventRow row = correction_of(event);
-      row.object = remaining;
-      if (event.kind == EventKind::appeared && before) {  // it was known: it moved
-        row.kind = EventKind::moved;
-        row.from_place = before->observation.place;
-        row.from_position = before->observation.position;
-        row.since = before->time;
-      }
-      rows.add_event(row);
-    }
-    for (const FactRow& fact : facts) {
-      FactRow row = correction_of(fact);
-      row.object = remaining;
-      rows.add_fact(row);
-    }
-    rows.commit();
+  IdentityEdit edit{.text = fmt::format("{} is {}", object_name(merged), object_name(remaining)),
+                    .groups = {{remaining, ids_of(kept)}},
+                    .from = moved.front().time};
+  for (const Id observation : ids_of(moved)) edit.groups[remaining].push_back(observation);
+  for (const FactRow& fact : facts) {
+    edit.facts.push_back(correction_of(fact));
+    edit.facts.back().object = remaining;
   }
-  store.derive();
-  return edit_of(store, run.id());
+  return correct_identity(
+      store, edit, [&](SceneTransaction& rows) { merge_rows(store, rows, remaining, kept, merged, moved); },
+      progress);
 }
 
-Edit split_object(Store& store, Id object, TimeNs from) {
+Edit split_object(Store& store, Id object, TimeNs from, Progress& progress) {
   require_object(store, object);
   const std::vector<ObjectObservation> later = store.observations_of(object, {}, from);
   if (later.empty() || !store.last_observation_before(object, from, {}))
@@ -346,43 +555,14 @@ Edit split_object(Store& store, Id object, TimeNs from) {
                        later.empty() ? "not seen from" : "first seen not before", format_time(from)),
            "loci-memory history shows when it was seen");
   const TimeNs first = later.front().time;
-  std::vector<BeliefRow> beliefs = store.belief_history(object);
-  std::erase_if(beliefs, [&](const BeliefRow& row) { return row.clock.valid_from < first; });
-  const std::optional<BeliefRow> held = store.belief(object, {first, std::nullopt});
-  const std::vector<EventRow> events = events_of(store, object, first);
-
   const Id made = store.max_object_id() + 1;
-  const EditRun run(store,
-                    {{"text", fmt::format("{} is {} from {} on", object_name(object), object_name(made),
-                                          format_time(first, store.time_zone_minutes()))},
-                     {"split", {{"object", object}, {"new", made}}}});
-  {
-    SceneTransaction rows(store, run.id());
-    ObjectRow row;
-    row.clock.valid_from = first;
-    row.clock.source = "user";
-    if (rows.add_object(row) != made) throw store.error("another object was added meanwhile", "try again");
-    for (const ObjectObservation& observed : later) {
-      AssociationRow association = correction_of(observed.association);
-      association.object = made;
-      if (observed.time == first) association.explanation = Explanation::appear;
-      rows.add_association(association);
-    }
-    // Rows of belief are only added for significant changes: the belief at the split continues as that of the
-    // new object.
-    if (held && (beliefs.empty() || beliefs.front().clock.valid_from > first)) {
-      BeliefRow belief = *held;
-      belief.object = made;
-      belief.scene = later.front().association.scene;
-      belief.clock = {.valid_from = first, .source = "user"};
-      rows.add_belief(belief);
-    }
-    for (const BeliefRow& belief : beliefs) rows.add_belief(belief_of(belief, made));
-    add_split_events(rows, events, made, later.front());
-    rows.commit();
-  }
-  store.derive();
-  return edit_of(store, run.id());
+  const IdentityEdit edit{
+      .text = fmt::format("{} is {} from {} on", object_name(object), object_name(made),
+                          format_time(first, store.time_zone_minutes())),
+      .groups = {{object, ids_of(store.observations_of(object, {}, {}, first - 1))}, {made, ids_of(later)}},
+      .from = first};
+  return correct_identity(
+      store, edit, [&](SceneTransaction& rows) { split_rows(store, rows, object, later, made); }, progress);
 }
 
 std::string label_of(const Store& store, Id scene, Id observation) {
@@ -398,12 +578,13 @@ Edit label_observation(Store& store, Id scene, int64_t number, const std::string
     if (row.number != number) continue;
     const std::string before = label_of(store, scene, row.id);
     const std::string what = fmt::format("observation {} of scene {}", number, scene);
-    const EditRun run(
+    EditRun run(
         store,
         {{"text",
           class_name.empty() ? what + " has no label any more" : fmt::format("{} is a {}", what, class_name)},
          {"label", {{"scene", scene}, {"observation", row.id}, {"before", before}, {"after", class_name}}}});
     add_label(store, run.id(), scene, row.id, class_name);
+    run.finish();
     return edit_of(store, run.id());
   }
   refuse(store, fmt::format("scene {} has no observation {}", scene, number), "they are counted from 0");
@@ -466,7 +647,8 @@ Edit set_joint_type(Store& store, const std::string& joint, const std::string& t
       *wanted == mapping::JointType::revolute || *wanted == mapping::JointType::prismatic;
   if (needs_limits && !found->limits) found->limits = mapping::JointLimits{};
   const Id corrected = add_corrected_map(store, newest, urdf_text(world));
-  const EditRun run(store, {{"text", text}, {"map", {{"before", newest.id}, {"after", corrected}}}});
+  EditRun run(store, {{"text", text}, {"map", {{"before", newest.id}, {"after", corrected}}}});
+  run.finish();
   return edit_of(store, run.id());
 }
 
@@ -491,24 +673,28 @@ Edit name_part(Store& store, const std::string& part, const std::string& name) {
     refuse(store, fmt::format("the {} is called {} already", meant->of, meant->now), "give it another name");
   const std::string text = after.empty() ? fmt::format("{} is called so again", meant->in_map)
                                          : fmt::format("{} is called {}", meant->in_map, after);
-  const EditRun run(
-      store, {{"text", text},
-              {"part", {{"of", meant->of}, {"name", meant->in_map}, {"before", before}, {"after", after}}}});
+  EditRun run(store,
+              {{"text", text},
+               {"part", {{"of", meant->of}, {"name", meant->in_map}, {"before", before}, {"after", after}}}});
+  run.finish();
   return edit_of(store, run.id());
 }
 
-Edit undo(Store& store) {
-  const EditList list = edits(store);
+Edit undo(Store& store, Progress& progress) {
+  EditList list = edits(store);
   if (list.done.empty())
     refuse(store, "there is nothing to undo", "loci-memory edit list shows what was done");
-  return toggle(store, list.done.back(), "undoes");
+  const Edit last = list.done.back();
+  list.done.pop_back();
+  return toggle(store, last, "undoes", list.done, progress);
 }
 
-Edit redo(Store& store) {
-  const EditList list = edits(store);
+Edit redo(Store& store, Progress& progress) {
+  EditList list = edits(store);
   if (list.undone.empty())
     refuse(store, "there is nothing to redo", "loci-memory edit list shows what was undone");
-  return toggle(store, list.undone.back(), "redoes");
+  list.done.push_back(list.undone.back());
+  return toggle(store, list.undone.back(), "redoes", list.done, progress);
 }
 
 }  // namespace loci::memory

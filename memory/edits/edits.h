@@ -7,14 +7,23 @@
 
 namespace loci::memory {
 
+/// For callers who do not show progress.
+Progress& no_progress();
+
 // Corrections by people. Each edit is a run of its own whose rows, with source "user", supersede what they
 // correct: nothing is overwritten, and questions as of an earlier transaction time have the earlier answers.
+//
+// What people say of identities is evidence: the observations of one object are one, those of two are not.
+// The belief is computed again from the first scene that this concerns, in one transaction, so that a stopped
+// edit changes nothing. Undo brings back every row, and the belief from before. A memory without the evidence
+// of all scenes gets the rows of the objects concerned changed, and nothing else.
 
 /// One edit.
 struct Edit {
   Id run = 0;             ///< of its present rows: of the edit itself, or of its last undo or redo
   TimeNs known = 0;       ///< of that run
   std::string text = {};  ///< for people: "object_7 is object_3"
+  std::string note = {};  ///< what came of it beyond that: "object_9 (alias mug) has no observation left"
 };
 
 /// Edits in the order in which they were made or redone.
@@ -26,10 +35,10 @@ EditList edits(const Store& store);
 
 /// Two objects are one: all observations of the younger become those of the elder, whose id remains. Error
 /// when they were seen in one scene, or are the same.
-Edit merge_objects(Store& store, Id one, Id other);
+Edit merge_objects(Store& store, Id one, Id other, Progress& progress = no_progress());
 /// The observations of an object from a time on are of another, new object. Error without observations before
 /// or since.
-Edit split_object(Store& store, Id object, TimeNs from);
+Edit split_object(Store& store, Id object, TimeNs from, Progress& progress = no_progress());
 /// The class of observation `number` of a scene, for training (empty = retracted): an annotation of type
 /// kLabelType, of which the newest holds.
 Edit label_observation(Store& store, Id scene, int64_t number, const std::string& class_name);
@@ -50,7 +59,7 @@ Edit name_place(Store& store, const std::string& place, const std::string& name)
 Edit name_part(Store& store, const std::string& part, const std::string& name);
 
 /// Reverses the last edit that holds, or the last undo, by further rows. Error when there is none.
-Edit undo(Store& store);
-Edit redo(Store& store);
+Edit undo(Store& store, Progress& progress = no_progress());
+Edit redo(Store& store, Progress& progress = no_progress());
 
 }  // namespace loci::memory

@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "mapping/base/json.h"
-#include "mapping/image/image_io.h"
+#include "memory/reasoning/stored_scene.h"
 #include "memory/recorder/recorder.h"
-#include "memory/recorder/scene_reasoning.h"
 #include "memory/store/memory_file.h"
 #include "memory/store/scene_images.h"
 
@@ -19,51 +17,6 @@ BlobRecord blob_of(const Store& store, const std::optional<Id>& id) {
   if (!id) return {};
   BlobRow row = store.blob(*id);
   return {std::move(row.bytes), std::move(row.media)};
-}
-
-/// How many pixels of the camera one of its thumbnail stands for.
-int step_of(const SceneRow& row) {
-  return std::max(1, row.camera->width / std::max(1, row.depth_width));
-}
-
-void read_view(const Store& store, const SceneRow& row, belief::SceneView& view) {
-  if (row.map_from_camera) view.map_from_camera = *row.map_from_camera;
-  if (!row.camera) return;
-  view.camera = {row.camera->width, row.camera->height, row.camera->fx,
-                 row.camera->fy,    row.camera->cx,     row.camera->cy};
-  if (!row.depth) return;
-  const int step = step_of(row);
-  const double first = step / 2;  // the pixel that stands for the first block
-  view.camera = {row.depth_width,
-                 row.depth_height,
-                 row.camera->fx / step,
-                 row.camera->fy / step,
-                 (row.camera->cx - first) / step,
-                 (row.camera->cy - first) / step};
-  const std::vector<float> depth = depth_thumbnail(store, row);
-  view.depth = cv::Mat(row.depth_height, row.depth_width, CV_32F);
-  view.labels = cv::Mat(row.depth_height, row.depth_width, CV_32S, cv::Scalar(-1));
-  for (int v = 0; v < row.depth_height; ++v)
-    for (int u = 0; u < row.depth_width; ++u) {
-      const float z =
-          depth[static_cast<size_t>(v) * static_cast<size_t>(row.depth_width) + static_cast<size_t>(u)];
-      view.depth.at<float>(v, u) = z > 0 ? z : std::numeric_limits<float>::quiet_NaN();
-    }
-}
-
-/// Marks the thumbnail's pixels that a mask of the whole image covers.
-void draw_label(const ObservationRow& row, const BlobRecord& mask_blob, int step, int label,
-                cv::Mat& labels) {
-  if (!row.roi || mask_blob.bytes.empty() || labels.empty()) return;
-  const cv::Mat mask = mapping::decode_image({mask_blob.bytes.begin(), mask_blob.bytes.end()}, "mask");
-  if (mask.type() != CV_8U) throw Error(fmt::format("the mask of observation {} is no mask", row.id));
-  const auto [x, y, width, height] = *row.roi;
-  for (int v = 0; v < labels.rows; ++v)
-    for (int u = 0; u < labels.cols; ++u) {
-      const int mask_u = u * step + step / 2 - x, mask_v = v * step + step / 2 - y;
-      if (mask_u < 0 || mask_v < 0 || mask_u >= mask.cols || mask_v >= mask.rows) continue;
-      if (mask.at<uint8_t>(mask_v, mask_u) != 0) labels.at<int>(v, u) = label;
-    }
 }
 
 /// Numbers of the first memory in terms of the second.
@@ -98,13 +51,10 @@ void copy_place_facts(const Store& from, const std::vector<PlaceRow>& places, St
 
 SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoning& reasoning,
                       const std::vector<PlaceRow>& places, const Numbers& numbers) {
-  SceneRecord record;
+  SceneRecord record = stored_scene(from, row, reasoning, places);
   record.source = "reason";
-  record.row = row;
   record.row.recording = translated(numbers.recordings, row.recording);
   record.row.map = translated(numbers.maps, row.map);
-  record.view = reasoning.evidence.view;
-  read_view(from, row, record.view);
   record.row.depth.reset();
   record.row.image.reset();
   record.row.pixel_kinds.reset();
@@ -114,31 +64,18 @@ SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoni
                        .clone();  // only read
   record.log = from.log(row.id);
   record.image = blob_of(from, row.image);
-  record.seconds_to_next = reasoning.evidence.seconds_to_next;
-  record.place_poses = reasoning.evidence.places;
-  record.places = places;
-  const std::vector<ObservationRow> observations = from.observations(row.id);
-  if (reasoning.evidence.observations.size() < observations.size())
-    throw from.error(fmt::format("the evidence of scene {} is of other observations", row.id),
-                     "loci-memory verify lists what is damaged");
-  for (const ObservationRow& observation : observations) {
-    ObservationRecord copy;
-    copy.evidence = reasoning.evidence.observations[record.observations.size()];
-    copy.row = observation;
+  std::map<Id, size_t> number_of;
+  for (ObservationRecord& copy : record.observations) {
+    const size_t number = number_of.size();
+    number_of[copy.row.id] = number;
+    copy.crop = blob_of(from, copy.row.crop);
+    copy.mask = blob_of(from, copy.row.mask);
+    copy.cloud = blob_of(from, copy.row.cloud);
     copy.row.place.reset();
-    copy.crop = blob_of(from, observation.crop);
-    copy.mask = blob_of(from, observation.mask);
-    copy.cloud = blob_of(from, observation.cloud);
     copy.row.crop.reset();
     copy.row.mask.reset();
     copy.row.cloud.reset();
-    if (row.camera && row.depth)
-      draw_label(observation, copy.mask, step_of(row), static_cast<int>(record.observations.size()),
-                 record.view.labels);
-    record.observations.push_back(std::move(copy));
   }
-  std::map<Id, size_t> number_of;
-  for (size_t i = 0; i < observations.size(); ++i) number_of[observations[i].id] = i;
   for (const AnnotationRow& annotation : from.annotations(row.id)) {
     auto& list = annotation.observation
                      ? record.observations[number_of.at(*annotation.observation)].annotations

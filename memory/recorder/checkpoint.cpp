@@ -4,22 +4,40 @@
 
 #include <set>
 
+#include "mapping/base/config.h"
+#include "mapping/base/json.h"
 #include "memory/belief/serialization.h"
 
 namespace loci::memory {
 namespace {
 
 constexpr const char* kCheckpoint = "belief";
+constexpr const char* kOptions = "options";
 constexpr const char* kObjects = "belief/";  ///< and the object's key, so that names sort like the objects
 
 std::string object_checkpoint(int64_t key) {
   return fmt::format("{}{:019}", kObjects, key);
 }
 
+/// Of what is kept for the undo of a run.
+std::string kept_before(Id run) {
+  return fmt::format("{}{}/", kKeptBeliefs, run);
+}
+
+std::string text_of(belief::BeliefOptions options) {
+  return table_of(options).to_json().dump();
+}
+
 }  // namespace
+
+void BeliefCheckpoint::set_options(const belief::BeliefOptions& options) {
+  options_saved_ = options_saved_ && text_of(options) == text_of(options_);
+  options_ = options;
+}
 
 void BeliefCheckpoint::save(SceneTransaction& transaction, Id scene, const belief::BeliefState& state) {
   transaction.set_checkpoint(kCheckpoint, to_bytes(state), scene);
+  if (!options_saved_) transaction.set_checkpoint(kOptions, text_of(options_), std::nullopt);
   if (all_) transaction.drop_checkpoints(kObjects);
   fresh_.clear();
   removed_.clear();
@@ -43,17 +61,21 @@ void BeliefCheckpoint::committed() {
   fresh_.clear();
   removed_.clear();
   all_ = false;
+  options_saved_ = true;
 }
 
 void BeliefCheckpoint::reset() {
-  *this = {};
+  *this = BeliefCheckpoint(options_);
 }
 
 belief::BeliefState load_belief(const Store& store) {
   const std::optional<SceneRow> last = store.last_scene();
-  if (!last) return {};
+  return last ? load_belief(store, last->id) : belief::BeliefState();
+}
+
+belief::BeliefState load_belief(const Store& store, Id scene) {
   const auto checkpoint = store.checkpoint(kCheckpoint);
-  if (!checkpoint || checkpoint->scene != last->id) return {};
+  if (!checkpoint || checkpoint->scene != scene) return {};
   try {
     belief::BeliefState state = belief::state_from_bytes(checkpoint->bytes);
     for (const auto& [name, object] : store.checkpoints(kObjects))
@@ -62,6 +84,32 @@ belief::BeliefState load_belief(const Store& store) {
   } catch (const Error& error) {
     throw Error(error.message(), {store.path().string(), 0, {}});
   }
+}
+
+belief::BeliefOptions load_options(const Store& store) {
+  const auto checkpoint = store.checkpoint(kOptions);
+  if (!checkpoint) return {};
+  return read_options<belief::BeliefOptions>(Config::parse(checkpoint->bytes, store.path().string()));
+}
+
+void keep_belief(SceneTransaction& transaction, const Store& store, Id run) {
+  for (const auto& [name, checkpoint] : store.checkpoints(kCheckpoint))
+    transaction.set_checkpoint(kept_before(run) + name, checkpoint.bytes, checkpoint.scene);
+}
+
+std::optional<Id> restore_belief(SceneTransaction& transaction, const Store& store, Id run) {
+  const std::string prefix = kept_before(run);
+  const auto kept = store.checkpoints(prefix);
+  const auto common = kept.find(prefix + kCheckpoint);
+  if (common == kept.end()) return std::nullopt;
+  transaction.drop_checkpoints(kCheckpoint);
+  for (const auto& [name, checkpoint] : kept)
+    transaction.set_checkpoint(name.substr(prefix.size()), checkpoint.bytes, checkpoint.scene);
+  return common->second.scene;
+}
+
+void drop_kept_belief(SceneTransaction& transaction, Id run) {
+  transaction.drop_checkpoints(kept_before(run));
 }
 
 }  // namespace loci::memory

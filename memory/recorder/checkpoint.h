@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "memory/belief/options.h"
 #include "memory/belief/state.h"
 #include "memory/store/scene_transaction.h"
 
@@ -11,10 +12,24 @@ namespace loci::memory {
 /// scene.
 belief::BeliefState load_belief(const Store& store);
 
+/// The options with which the belief of a memory was computed last; the defaults where they were not stored.
+belief::BeliefOptions load_options(const Store& store);
+
+inline constexpr const char* kKeptBeliefs = "before/";  ///< prefix of the names of their checkpoints
+/// Keeps the belief as it is before a correction, by the correction's run, so that undo brings it back.
+void keep_belief(SceneTransaction& transaction, const Store& store, Id run);
+/// Makes the belief what it was before that run. The last scene that it knew; unset = it was not kept.
+std::optional<Id> restore_belief(SceneTransaction& transaction, const Store& store, Id run);
+void drop_kept_belief(SceneTransaction& transaction, Id run);
+/// The belief after a scene, where the checkpoint is of that.
+belief::BeliefState load_belief(const Store& store, Id scene);
+
 /// Stores the belief with each scene: one checkpoint for the common part, and one per object, of which only
 /// those that changed are written.
 class BeliefCheckpoint {
  public:
+  explicit BeliefCheckpoint(const belief::BeliefOptions& options = {}) : options_(options) {}
+  void set_options(const belief::BeliefOptions& options);
   /// Unchanged objects are recognised by the bytes written last, which are those of the last committed()
   /// scene.
   void save(SceneTransaction& transaction, Id scene, const belief::BeliefState& state);
@@ -25,7 +40,8 @@ class BeliefCheckpoint {
  private:
   std::map<int64_t, std::string> stored_, fresh_;  ///< bytes by key of the object
   std::vector<int64_t> removed_;
-  bool all_ = true;
+  bool all_ = true, options_saved_ = false;
+  belief::BeliefOptions options_;
 };
 
 /// Erases what a request names from a memory, its belief and its reasoning, by rewrite_memory(): in its

@@ -181,7 +181,8 @@ ForgetResult forget(const std::filesystem::path& memory, const ForgetRequest& re
     if (const std::optional<SceneRow> last = store.last_scene()) {
       forget_in(state, store, request, result);
       SceneTransaction transaction(store, run);
-      BeliefCheckpoint().save(transaction, last->id, state);
+      BeliefCheckpoint(load_options(store)).save(transaction, last->id, state);
+      transaction.drop_checkpoints(kKeptBeliefs);
       transaction.commit();
     }
     store.finish_run(run);

@@ -5,7 +5,7 @@
 namespace loci::memory {
 
 Recorder::Recorder(Store& store, Id run, const belief::BeliefOptions& options)
-    : store_(store), run_(run), options_(options) {
+    : store_(store), run_(run), options_(options), checkpoint_(options) {
   load();
 }
 

@@ -32,7 +32,10 @@ class Recorder {
   Recorder(Store& store, Id run, const belief::BeliefOptions& options = {});
 
   /// Options from the next scene on.
-  void set_options(const belief::BeliefOptions& options) { options_ = options; }
+  void set_options(const belief::BeliefOptions& options) {
+    options_ = options;
+    checkpoint_.set_options(options);
+  }
 
   /// The effect of a scene. Error when it lies before the last one.
   ResolvedScene resolve(const SceneRecord& scene) const;

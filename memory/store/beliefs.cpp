@@ -83,7 +83,8 @@ class Extrapolation {
   ObjectStatus unseen_status(Id object) {
     return db_
         .value<ObjectStatus>(
-            "SELECT status FROM visibility WHERE scene = ? AND object = ? AND status <> 'seen'",
+            "SELECT status FROM visibility WHERE scene = ? AND object = ? AND status <> 'seen' "
+            "ORDER BY id DESC LIMIT 1",
             {sql(latest_->id), sql(object)})
         .value_or(ObjectStatus::out_of_view);
   }

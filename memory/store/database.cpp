@@ -92,6 +92,15 @@ Where& Where::added(const char* column, const AsOf& as_of) {
   return between(column, {}, as_of.at).between("known_from", {}, as_of.known_at);
 }
 
+Where& Where::newest_visibility(const AsOf& as_of) {
+  const std::string known =
+      as_of.known_at ? fmt::format(" AND later.known_from <= {}", bind(sql(*as_of.known_at))) : "";
+  return and_also(
+      fmt::format("(object IS NULL OR NOT EXISTS (SELECT 1 FROM visibility later WHERE later.scene = "
+                  "visibility.scene AND later.object = visibility.object AND later.id > visibility.id{}))",
+                  known));
+}
+
 Where& Where::between(const char* column, std::optional<TimeNs> from, std::optional<TimeNs> to) {
   if (from) and_also(fmt::format("{} >= {}", column, bind(sql(*from))));
   if (to) and_also(fmt::format("{} <= {}", column, bind(sql(*to))));

@@ -120,6 +120,8 @@ class Where {
   Where& holds(const AsOf& as_of);
   /// `column` up to `at`, and added by `known_at`: of rows that are never superseded.
   Where& added(const char* column, const AsOf& as_of);
+  /// Corrections add rows of visibility: the newest of an object in a scene holds.
+  Where& newest_visibility(const AsOf& as_of);
   Where& between(const char* column, std::optional<TimeNs> from, std::optional<TimeNs> to);
   Where& and_also(const std::string& condition);
   /// A value for use in conditions: "?3".

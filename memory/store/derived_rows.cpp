@@ -12,7 +12,7 @@ namespace {
 constexpr int64_t kRankStep = 64;
 
 /// A table and the query that its rows follow from. {observed} = kObserved, {step} = kRankStep, {filter} =
-/// empty, or " AND object = ?1" where it is derived for one object.
+/// empty, or " AND object = ?1" where it is derived for one object; {known} = kKnownBelief.
 struct DerivedTable {
   const char* name;
   const char* columns;
@@ -58,8 +58,8 @@ constexpr DerivedTable kStay = {
     "0) "
     "AS place, round(min(max(1000 * x, -2e9), 2e9)) AS x, round(min(max(1000 * y, -2e9), 2e9)) AS y, "
     "round(min(max(1000 * z, -2e9), 2e9)) AS z, coalesce(min(max(lead(valid_from) OVER (PARTITION BY object "
-    "ORDER BY valid_from, id) / 1000000000, -2147483647), 2147483646), 2147483647) AS until FROM belief) "
-    "WHERE "
+    "ORDER BY valid_from, id) / 1000000000, -2147483647), 2147483646), 2147483647) AS until FROM belief "
+    "WHERE {known}) WHERE "
     "x IS NOT NULL AND y IS NOT NULL AND z IS NOT NULL",
     "belief"};
 constexpr std::array kDerivedTables = {kSceneRank, kObservationRank, kVisit, kObjectTerm, kStay};
@@ -71,7 +71,7 @@ constexpr std::array kCountedTables = {
 
 std::string select_text(const DerivedTable& table, const char* filter = "") {
   return fmt::format(fmt::runtime(table.select), fmt::arg("observed", kObserved), fmt::arg("step", kRankStep),
-                     fmt::arg("filter", filter));
+                     fmt::arg("filter", filter), fmt::arg("known", kKnownBelief));
 }
 
 /// Derives the rows of one object.
@@ -130,16 +130,17 @@ std::vector<std::string> derived_problems(Store::Connection& db) {
 void Store::Connection::add_stay(Id belief, const BeliefRow& row, TimeNs from) {
   const int64_t since = stay_seconds(from);
   const auto before = value<Id>(
-      "SELECT id FROM belief WHERE object = ?1 AND valid_from <= ?2 AND id <> ?3 ORDER BY valid_from DESC, "
-      "id DESC "
-      "LIMIT 1",
+      fmt::format("SELECT id FROM belief WHERE object = ?1 AND valid_from <= ?2 AND id <> ?3 AND {} ORDER BY "
+                  "valid_from DESC, id DESC LIMIT 1",
+                  kKnownBelief),
       {sql(row.object), sql(from), sql(belief)});
   if (before) run("UPDATE stay SET until = ?1 WHERE belief = ?2 AND until > ?1", {sql(since), sql(*before)});
   if (!row.position) return;
   const auto next = value<TimeNs>(
-      "SELECT valid_from FROM belief WHERE object = ?1 AND valid_from >= ?2 AND (valid_from, id) > (?2, ?3) "
-      "ORDER BY "
-      "valid_from, id LIMIT 1",
+      fmt::format(
+          "SELECT valid_from FROM belief WHERE object = ?1 AND valid_from >= ?2 AND (valid_from, id) > "
+          "(?2, ?3) AND {} ORDER BY valid_from, id LIMIT 1",
+          kKnownBelief),
       {sql(row.object), sql(from), sql(belief)});
   const int64_t until = next ? stay_seconds(*next) : kOpenStay;
   const auto millimetres = [&](int axis) {  // rounded as SQLite does

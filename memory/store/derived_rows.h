@@ -11,6 +11,10 @@ namespace loci::memory {
 /// Which rows of association are observations of an object: the MAP hypothesis, unless it was taken back.
 inline constexpr const char* kObserved = "chosen = 1 AND observation IS NOT NULL AND probability > 0";
 
+/// Which rows of belief are known now.
+inline constexpr const char* kKnownBelief =
+    "known_to IS NULL AND NOT EXISTS (SELECT 1 FROM belief later WHERE later.supersedes = belief.id)";
+
 /// `until` of a stay that has not ended.
 inline constexpr int64_t kOpenStay = 2147483647;
 /// The time of a stay, seconds since 1970 as far as 32 bits hold them (1901 to 2038), else the nearest that

@@ -252,6 +252,7 @@ Store::VisibilityCounts Store::visibility_since(Id object, TimeNs after, std::op
     Where where("object = ?1 AND status IN ('hidden', 'missed') AND valid_from > ?2",
                 {sql(object), sql(after)});
     where.between("valid_from", {}, until).between("known_from", {}, as_of.known_at);
+    if (db.needs_known({})) where.newest_visibility(as_of);
     db.query(
         fmt::format(
             "SELECT status, count(*) AS number, scene, max(valid_from) FROM visibility WHERE {} GROUP BY "

@@ -130,7 +130,7 @@ Id SceneTransaction::add_association(const AssociationRow& row) {
   const AssociationRow association = stamped(row, true);
   const TimeNs time = association.clock.valid_from;
   return db_.guarded([&] {
-    if (!row.chosen || !row.object || !row.observation || row.probability <= 0)
+    if (postponed_ || !row.chosen || !row.object || !row.observation || row.probability <= 0)
       return insert_row(db_, association);
     const auto added = db_.new_observations.find(*row.observation);
     if (added != db_.new_observations.end()) {
@@ -155,14 +155,14 @@ Id SceneTransaction::add_belief(const BeliefRow& row) {
   const BeliefRow belief = stamped(row);
   return db_.guarded([&] {
     const Id id = insert_row(db_, belief);
-    db_.add_stay(id, belief, belief.clock.valid_from);
+    if (!postponed_) db_.add_stay(id, belief, belief.clock.valid_from);
     return id;
   });
 }
 
 Id SceneTransaction::add_visibility(const VisibilityRow& row) {
   VisibilityRow visibility = row;
-  visibility.time = scene_time_;
+  if (visibility.time == 0) visibility.time = scene_time_;
   return db_.guarded([&] {
     return insert_row(db_, visibility, {{"known_from", sql(known_)}, {"run", sql(run_)}});
   });

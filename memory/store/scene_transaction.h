@@ -29,6 +29,9 @@ class SceneTransaction {
   /// The type system with this text, added when it is new.
   Id add_type_system(std::string_view text);
   Id add_feature_structure(const FeatureStructureRow& row);
+  /// From here on the tables that follow from others are not kept up to date: call Store::derive() after
+  /// commit(). For many rows about the past, each of which would change what follows from all later ones.
+  void postpone_derived() { postponed_ = true; }
   Id add_object(const ObjectRow& row);
   Id add_association(const AssociationRow& row);
   Id add_event(const EventRow& row);
@@ -54,7 +57,7 @@ class SceneTransaction {
   Id run_;
   TimeNs known_;
   TimeNs scene_time_ = 0;  ///< of the scene added last
-  bool open_ = true;
+  bool open_ = true, postponed_ = false;
 };
 
 }  // namespace loci::memory

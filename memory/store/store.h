@@ -190,11 +190,14 @@ class Store {
   /// All associations that were considered in a scene.
   std::vector<AssociationRow> associations(Id scene, const AsOf& as_of = {}) const;
   std::vector<VisibilityRow> visibility(Id scene) const;
-  /// Of an object or a place, with from <= time <= to, in order of time.
+  /// Of an object or a place, with from <= time <= to, in order of time. Of an object a row with out_of_view
+  /// means as much as none.
   std::vector<VisibilityRow> visibility_of_object(Id object, std::optional<TimeNs> from = {},
                                                   std::optional<TimeNs> to = {}) const;
   std::vector<VisibilityRow> visibility_of_place(Id place, std::optional<TimeNs> from = {},
                                                  std::optional<TimeNs> to = {}) const;
+  /// The row of the same object and scene that held before one was added.
+  std::optional<VisibilityRow> visibility_before(const VisibilityRow& row) const;
   /// The last scene that saw any of a place.
   std::optional<VisibilityRow> last_visibility(Id place, const AsOf& as_of = {}) const;
 
@@ -258,7 +261,7 @@ class Store {
                                     const AsOf& as_of = {}) const;
 
   // ---- Events and facts.
-  /// Events with from <= valid_from <= to, in order of time, without those that were taken back.
+  /// Events with from <= valid_from <= to, in order of time and object, without those that were taken back.
   std::vector<EventRow> events(const AsOf& as_of = {}, std::optional<TimeNs> from = {},
                                std::optional<TimeNs> to = {}) const;
   /// Facts that hold at `at`, without those that were taken back.
@@ -270,6 +273,9 @@ class Store {
   std::vector<Row> rows_of_run(Id run) const;
   template <class Row>
   Row row(Id id) const;
+  /// Of a scene, as known now. Row: also VisibilityRow.
+  template <class Row>
+  std::vector<Row> known_rows(Id scene) const;
   /// The row that superseded a row, the one that superseded that, and so on to the one that is known.
   template <class Row>
   Id current_row(Id id) const;
@@ -279,6 +285,8 @@ class Store {
   std::optional<std::string> reasoning(Id scene) const;
   /// Whether a rule of retention discarded it.
   bool reasoning_discarded(Id scene) const;
+  /// How many scenes have none.
+  size_t scenes_without_reasoning() const;
   /// What SceneTransaction::set_checkpoint stored, and after which scene.
   struct Checkpoint {
     std::optional<Id> scene = {};

@@ -12,6 +12,7 @@ namespace {
 std::vector<VisibilityRow> visibility_of(Store::Connection& db, const char* column, Id id,
                                          std::optional<TimeNs> from, std::optional<TimeNs> to) {
   Where where(fmt::format("{} = ?1", column), {sql(id)});
+  if (db.needs_known({})) where.newest_visibility({});
   return select<VisibilityRow>(db, where.between("valid_from", from, to), "valid_from, id");
 }
 
@@ -121,7 +122,8 @@ std::vector<AssociationRow> Store::associations(Id scene, const AsOf& as_of) con
 }
 
 std::vector<VisibilityRow> Store::visibility(Id scene) const {
-  return select<VisibilityRow>(*connection_, Where("scene = ?1", {sql(scene)}));
+  Where where("scene = ?1", {sql(scene)});
+  return select<VisibilityRow>(*connection_, where.newest_visibility({}));
 }
 
 std::vector<VisibilityRow> Store::visibility_of_object(Id object, std::optional<TimeNs> from,
@@ -134,6 +136,13 @@ std::vector<VisibilityRow> Store::visibility_of_place(Id place, std::optional<Ti
   return visibility_of(*connection_, "place", place, from, to);
 }
 
+std::optional<VisibilityRow> Store::visibility_before(const VisibilityRow& row) const {
+  return select_first<VisibilityRow>(
+      *connection_,
+      Where("scene = ?1 AND object = ?2 AND id < ?3", {sql(row.scene), sql(row.object), sql(row.id)}),
+      "id DESC");
+}
+
 std::optional<VisibilityRow> Store::last_visibility(Id place, const AsOf& as_of) const {
   return select_first<VisibilityRow>(
       *connection_, Where("place = ?1 AND fraction > 0", {sql(place)}).added("valid_from", as_of),
@@ -144,7 +153,7 @@ std::vector<EventRow> Store::events(const AsOf& as_of, std::optional<TimeNs> fro
                                     std::optional<TimeNs> to) const {
   return select<EventRow>(*connection_, "event_known",
                           Where("probability > 0").known(as_of).begun(as_of).between("valid_from", from, to),
-                          "valid_from, id");
+                          "valid_from, object IS NULL, object, kind, id");
 }
 
 std::vector<FactRow> Store::facts(const AsOf& as_of) const {
@@ -169,6 +178,21 @@ Id Store::current_row(Id id) const {
   return id;
 }
 
+template <class Row>
+std::vector<Row> Store::known_rows(Id scene) const {
+  return select<Row>(*connection_, fmt::format("{}_known", Row::kTable),
+                     Where("scene = ?1", {sql(scene)}).known({}));
+}
+
+template <>
+std::vector<VisibilityRow> Store::known_rows(Id scene) const {
+  return visibility(scene);
+}
+
+template std::vector<AssociationRow> Store::known_rows(Id) const;
+template std::vector<EventRow> Store::known_rows(Id) const;
+template std::vector<BeliefRow> Store::known_rows(Id) const;
+template std::vector<VisibilityRow> Store::rows_of_run(Id) const;
 template std::vector<AssociationRow> Store::rows_of_run(Id) const;
 template std::vector<EventRow> Store::rows_of_run(Id) const;
 template std::vector<BeliefRow> Store::rows_of_run(Id) const;
@@ -196,6 +220,12 @@ bool Store::reasoning_discarded(Id scene) const {
   return connection_
       ->value<int64_t>("SELECT 1 FROM reasoning WHERE scene = ? AND length(content) = 0", {sql(scene)})
       .has_value();
+}
+
+size_t Store::scenes_without_reasoning() const {
+  return *connection_->value<size_t>(
+      "SELECT count(*) FROM scene WHERE NOT EXISTS (SELECT 1 FROM reasoning WHERE reasoning.scene = scene.id "
+      "AND length(content) > 0)");
 }
 
 std::optional<Store::Checkpoint> Store::checkpoint(const std::string& name) const {

@@ -43,27 +43,48 @@ class ProblemBuilder {
     const size_t m = state_.objects.size(), n = scene_.observations.size();
     problem_.log_similar = evidence_.log_similar;
     problem_.log_proximity = evidence_.log_proximity;
-    keep_settled_pairs();
+    keep_known_partners();
     for (PairTable* table : {&problem_.stay_prior, &problem_.move_prior, &problem_.newview_prior})
       table->setZero(index(m), index(n));
     for (size_t o = 0; o < m; ++o) add_object(o);
-    for (const Observation& observation : scene_.observations) add_observation(observation);
+    for (size_t k = 0; k < n; ++k) add_observation(k);
     return std::move(problem_);
   }
 
  private:
-  /// Excludes all other partners of a settled pair. Whether the two are the same, against one being gone and
-  /// the other new, is left to the model.
-  void keep_settled_pairs() {
-    for (size_t k = 0; k < evidence_.settled.size(); ++k) {
-      if (!evidence_.settled[k]) continue;
-      const Eigen::Index row = index(*evidence_.settled[k]), column = index(k);
-      for (PairTable* table : {&problem_.log_similar, &problem_.log_proximity}) {
-        const double kept = (*table)(row, column);
-        table->row(row).setConstant(kNever);
-        table->col(column).setConstant(kNever);
-        (*table)(row, column) = kept;
-      }
+  /// Excludes all other partners of observations whose object is known, and of pairs that the trackers
+  /// settle. Whether a settled pair is the same, against one being gone and the other new, is left to the
+  /// model.
+  void keep_known_partners() {
+    std::vector<bool> known(state_.objects.size(), false);
+    for (size_t k = 0; k < scene_.observations.size(); ++k) {
+      if (!scene_.observations[k].known_object) continue;
+      const std::optional<size_t> object = known_partner(k);
+      if (object) known[*object] = true;
+      keep_partner(object, k);
+    }
+    for (size_t k = 0; k < evidence_.settled.size(); ++k)
+      if (evidence_.settled[k] && !scene_.observations[k].known_object && !known[*evidence_.settled[k]])
+        keep_partner(evidence_.settled[k], k);
+  }
+
+  /// The believed object that an observation is known to be of; unset = none is believed yet, or it is
+  /// clutter.
+  std::optional<size_t> known_partner(size_t k) const {
+    const int64_t id = scene_.observations[k].known_object.value_or(0);
+    if (id == 0) return std::nullopt;
+    const auto found = std::ranges::find(state_.objects, id, &ProtoObject::id);
+    if (found == state_.objects.end()) return std::nullopt;
+    return static_cast<size_t>(found - state_.objects.begin());
+  }
+
+  void keep_partner(std::optional<size_t> o, size_t k) {
+    for (const auto& [table, evidence] : {std::pair{&problem_.log_similar, &evidence_.log_similar},
+                                          std::pair{&problem_.log_proximity, &evidence_.log_proximity}}) {
+      table->col(index(k)).setConstant(kNever);
+      if (!o) continue;
+      table->row(index(*o)).setConstant(kNever);
+      (*table)(index(*o), index(k)) = (*evidence)(index(*o), index(k));
     }
   }
 
@@ -136,7 +157,8 @@ class ProblemBuilder {
     }
   }
 
-  void add_observation(const Observation& observation) {
+  void add_observation(size_t k) {
+    const Observation& observation = scene_.observations[k];
     // Pieces of believed objects are clutter: objects fall into parts more often than a new one is put
     // inside.
     double piece = 0;
@@ -151,6 +173,10 @@ class ProblemBuilder {
     problem_.appear_prior.push_back(std::log(arrivals * (1 - clutter)));
     problem_.clutter_prior.push_back(
         std::log(arrivals * clutter + (timing_.snapshot ? kParameters.piece_in_snapshot : 1.0) * piece));
+    if (!observation.known_object) return;
+    const bool is_object = *observation.known_object != 0;
+    if (!is_object || known_partner(k)) problem_.appear_prior.back() = kParameters.excluded;
+    if (is_object) problem_.clutter_prior.back() = kParameters.excluded;
   }
 
   const BeliefState& state_;

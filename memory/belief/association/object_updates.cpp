@@ -94,7 +94,8 @@ void SceneUpdate::create_object(size_t k) {
   const double clutter = 1 / (1 + std::exp(weights_.appear[k] - weights_.clutter[k]));
   // Where clutter is usual, another view decides, unless this one is stronger evidence than that.
   const double usual = timing_.snapshot ? state_.interaction.clutter_share(observation.place, options_) : 0.0;
-  if (clutter > (1 + usual) / 2) {
+  const bool known = observation.known_object.value_or(0) != 0;
+  if (!known && clutter > (1 + usual) / 2) {
     outcome.explanation = Explanation::clutter;
     outcome.probability = outcome.clutter;
     return;
@@ -115,14 +116,17 @@ void SceneUpdate::create_object(size_t k) {
   object.class_name = most_probable_class(object);
   mark_observed(object, observation);
   object.pending.push_back({observation.id, scene_.time, true, outcome.appear});
+  object.former_id = known ? *observation.known_object : observation.former_object;
   outcome.key = object.key;
   state_.objects.push_back(std::move(object));
-  if (timing_.snapshot && !wait) confirm(state_.objects.back(), k);
+  if (known || (timing_.snapshot && !wait)) confirm(state_.objects.back(), k);
 }
 
 void SceneUpdate::confirm(ProtoObject& object, std::optional<size_t> k) {
   object.status = Status::present;
-  object.id = state_.next_id++;
+  const bool keeps_number = object.former_id != 0 && state_.find(object.former_id) == nullptr;
+  object.id = keeps_number ? object.former_id : state_.next_id++;
+  state_.next_id = std::max(state_.next_id, object.id + 1);
   std::vector<PendingObservation> earlier = std::move(object.pending);
   object.pending.clear();
   if (k) earlier.pop_back();  // the present one is reported with its scene

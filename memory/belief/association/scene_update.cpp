@@ -92,6 +92,7 @@ void SceneUpdate::choose_partners() {
 }
 
 void SceneUpdate::prefer_known_object(size_t k) {
+  if (scene_.observations[k].known_object) return;
   const std::optional<size_t> now = partner_of_observation_[k];
   if (now && (state_.objects[*now].status != Status::tentative || state_.objects[*now].alternative_of != 0))
     return;

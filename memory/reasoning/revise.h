@@ -1,0 +1,35 @@
+#pragma once
+
+#include "memory/store/scene_transaction.h"
+
+namespace loci::memory {
+
+/// What people's corrections say: the object that an observation is of.
+using KnownIdentities = std::map<Id, Id>;
+
+/// How the belief is revised.
+struct Revision {
+  /// Scenes from this one on are reasoned about anew, earlier ones are followed as they were decided; 0 = all
+  /// are followed.
+  Id from = 0;
+  /// The stored belief is that after this scene: earlier ones need not be followed. 0 = from the beginning.
+  Id resume_after = 0;
+  KnownIdentities known;
+};
+
+/// Computes the belief again with what is known of identities, and adds the rows that differ from those known
+/// now, each in place of one that it supersedes or retracts. The belief after the last scene becomes the new
+/// checkpoint. Objects keep their numbers as long as they keep the observation that they were founded on. The
+/// derived tables are left to Store::derive(). Error when a scene has no evidence
+/// (Store::scenes_without_reasoning()).
+void revise(const Store& store, SceneTransaction& transaction, const Revision& revision, Progress& progress);
+
+/// A row that supersedes another and is never known: it retracts that one.
+template <class Row>
+Row retraction_of(Row row, TimeNs known) {
+  row.clock.supersedes = row.id;
+  row.clock.known_to = known;
+  return row;
+}
+
+}  // namespace loci::memory

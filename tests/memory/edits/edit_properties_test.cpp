@@ -1,0 +1,290 @@
+// Corrections of identities are evidence: whatever people say, and take back in whatever order, every answer
+// at every time is what it was; and what was said holds in what is computed from it.
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <random>
+#include <set>
+
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "memory/belief/serialization.h"
+#include "memory/edits/edits.h"
+#include "memory/ingest/ingest.h"
+#include "memory/questions/contents.h"
+#include "memory/questions/events.h"
+#include "memory/questions/facts.h"
+#include "memory/questions/location.h"
+#include "memory/questions/objects.h"
+#include "memory/reasoning/reason.h"
+#include "memory/recorder/checkpoint.h"
+
+namespace loci::memory {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr int kPlaces = 3;
+
+/// A home in which cups and boxes of few colours are moved between looks at one place or two.
+class RandomHome {
+ public:
+  explicit RandomHome(unsigned seed) : random_(seed) {
+    for (int i = 0; i < 6; ++i) objects_.push_back({i % 3, random_place(), random_spot()});
+  }
+
+  /// The next scene, as a line of detections.
+  std::string look() {
+    minute_ += 5 + static_cast<int>(random_() % 90);
+    for (Object& object : objects_)
+      if (random_() % 5 == 0) object.place = random_place(), object.spot = random_spot();
+    const int place = static_cast<int>(random_() % kPlaces);
+    Json detections = Json::array();
+    for (const Object& object : objects_) {
+      if (object.place != place || random_() % 12 == 0) continue;
+      const bool box = object.look == 2;
+      std::normal_distribution<double> noise(0, 0.01);
+      detections.push_back(
+          {{"position", {3 * place + object.spot.x() + noise(random_), object.spot.y(), 0.9}},
+           {"size", {0.1, 0.1, box ? 0.3 : 0.1}},
+           {"color", {object.look * 110, 0.9, 0.8}},
+           {"class", {{box ? "box" : "cup", 0.9}}},
+           {"place", fmt::format("table_{}", place)}});
+    }
+    return Json{{"time", format_time(parse_time("2026-05-01T06:00:00Z") + minute_ * 60 * kSecond)},
+                {"observed", {{{"place", fmt::format("table_{}", place)}, {"fraction", 1}}}},
+                {"detections", detections}}
+               .dump() +
+           "\n";
+  }
+
+ private:
+  struct Object {
+    int look, place;
+    Vector2d spot;
+  };
+  int random_place() { return static_cast<int>(random_() % (kPlaces + 1)); }  // one of them is never seen
+  Vector2d random_spot() {
+    return {0.25 * static_cast<double>(random_() % 5), 0.25 * static_cast<double>(random_() % 4)};
+  }
+
+  std::mt19937 random_;
+  std::vector<Object> objects_;
+  int64_t minute_ = 0;
+};
+
+class EditProperties : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / fmt::format("loci_edit_properties_{}", getpid());
+    std::filesystem::remove_all(folder_);
+    make_folder(folder_);
+    file_ = folder_ / "memory.loci";
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  void add_scenes(RandomHome& home, int count, const std::filesystem::path& memory) {
+    const std::filesystem::path lines = folder_ / fmt::format("{}.jsonl", ++files_);
+    std::ofstream out(lines);
+    for (int i = 0; i < count; ++i) out << home.look();
+    out.close();
+    IngestOptions options;
+    options.noise_m = 0.01;
+    ingest(lines, memory, options, {.now = ++known_ * kSecond}, silent_, warnings_);
+  }
+
+  template <class Change>
+  auto edit(Change change) {
+    Store store = Store::open_write(file_, {.now = ++known_ * kSecond});
+    return change(store);
+  }
+
+  /// All answers at the time of every scene, and now.
+  static std::string answers(const std::filesystem::path& memory) {
+    const Store store = Store::open_read(memory);
+    const Store::ReadTransaction reading(store);
+    const TimeWriter times(store);
+    std::vector<AsOf> moments = {{}};
+    for (const SceneRow& scene : store.scenes()) moments.push_back({scene.time, {}});
+    std::string all;
+    for (const AsOf& moment : moments) {
+      all += to_text(ask(store, ObjectsQuestion{{}, moment}), times);
+      all += to_text(ask(store, ChangesQuestion{.as_of = moment}), times);
+      for (const PlaceRow& place : store.places())
+        all += to_json(ask(store, ContentsQuestion{place.name, moment, {}})).dump() + "\n";
+      for (const BeliefRow& belief : store.beliefs(moment)) {
+        all += to_json(ask(store, HistoryQuestion{.subject = object_name(belief.object), .as_of = moment}))
+                   .dump();
+        all += to_json(ask(store, WhereQuestion{object_name(belief.object), moment})).dump() + "\n";
+      }
+    }
+    for (const FactRow& fact : store.facts())
+      all += fmt::format("{} {} {}\n", *fact.object, fact.key, *fact.value);
+    return all;
+  }
+  void expect_sound() { EXPECT_THAT(Store::open_read(file_).verify(silent_).problems, IsEmpty()); }
+  static std::string belief_bytes(const std::filesystem::path& memory) {
+    const Store store = Store::open_read(memory);
+    std::string bytes;
+    for (const auto& [name, checkpoint] : store.checkpoints("belief")) bytes += name + checkpoint.bytes;
+    return bytes;
+  }
+
+  /// A random edit; whether there was one to make.
+  bool random_edit(std::mt19937& random) {
+    return edit([&](Store& store) {
+      std::vector<Id> objects;
+      for (const BeliefRow& belief : store.beliefs()) objects.push_back(belief.object);
+      const Id one = objects[random() % objects.size()], other = objects[random() % objects.size()];
+      try {
+        switch (random() % 3) {
+          case 0:
+            merge_objects(store, one, other);
+            break;
+          case 1: {
+            const std::vector<ObjectObservation> seen = store.observations_of(one);
+            split_object(store, one, seen[random() % seen.size()].time);
+            break;
+          }
+          default:
+            say(store, object_name(one), random() % 2 ? "alias" : "owner",
+                fmt::format("name{}", random() % 100));
+        }
+        return true;
+      } catch (const Error&) {  // seen together, first seen then, itself
+        return false;
+      }
+    });
+  }
+
+  std::filesystem::path folder_, file_;
+  int files_ = 0;
+  int64_t known_ = 1'800'000'000;
+  NoProgress silent_;
+  Warnings warnings_;
+};
+
+TEST_F(EditProperties, WhateverIsUndoneLeavesEveryAnswerAsItWas) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    std::filesystem::remove(file_);
+    RandomHome home(seed);
+    std::mt19937 random(100 + seed);
+    add_scenes(home, 25, file_);
+    std::vector<std::string> before = {answers(file_)}, undone;
+    const std::string belief = belief_bytes(file_);
+    for (int step = 0; step < 24; ++step) {
+      const unsigned what = static_cast<unsigned>(random() % 4);
+      if (what < 2) {
+        if (!random_edit(random)) continue;
+        before.push_back(answers(file_));
+        undone.clear();
+      } else if (what == 2 && before.size() > 1) {
+        edit([](Store& store) { return undo(store); });
+        undone.push_back(before.back());
+        before.pop_back();
+        ASSERT_EQ(answers(file_), before.back()) << "seed " << seed << " step " << step;
+      } else if (what == 3 && !undone.empty()) {
+        edit([](Store& store) { return redo(store); });
+        before.push_back(undone.back());
+        undone.pop_back();
+        ASSERT_EQ(answers(file_), before.back()) << "seed " << seed << " step " << step;
+      }
+    }
+    while (before.size() > 1) {
+      edit([](Store& store) { return undo(store); });
+      before.pop_back();
+      ASSERT_EQ(answers(file_), before.back()) << "seed " << seed;
+    }
+    EXPECT_EQ(belief_bytes(file_), belief) << "what comes next is taken as if nothing had been said";
+    expect_sound();
+  }
+}
+
+TEST_F(EditProperties, WhatIsSaidHoldsNowAndLater) {
+  int tried = 0;
+  for (unsigned seed = 11; seed < 20 && tried < 3; ++seed) {
+    std::filesystem::remove(file_);
+    RandomHome home(seed);
+    std::mt19937 random(seed);
+    add_scenes(home, 20, file_);
+    std::set<Id> one;
+    for (int tries = 0; one.empty() && tries < 40; ++tries)
+      edit([&](Store& store) {
+        const std::vector<BeliefRow> beliefs = store.beliefs();
+        const Id a = beliefs[random() % beliefs.size()].object, b = beliefs[random() % beliefs.size()].object;
+        std::set<Id> all;
+        for (const Id object : {a, b})
+          for (const ObjectObservation& seen : store.observations_of(object)) all.insert(seen.observation.id);
+        try {
+          merge_objects(store, a, b);
+          one = all;
+        } catch (const Error&) {  // seen together
+        }
+        return 0;
+      });
+    if (one.empty()) continue;  // all were seen together
+    ++tried;
+    add_scenes(home, 5, file_);
+    const auto expect_one = [&](const std::filesystem::path& file) {
+      const Store store = Store::open_read(file);
+      std::set<std::optional<Id>> objects;
+      for (const SceneRow& scene : store.scenes())
+        for (const AssociationRow& row : store.associations(scene.id))
+          if (row.chosen && row.observation && one.contains(*row.observation)) objects.insert(row.object);
+      EXPECT_EQ(objects.size(), 1U) << "seed " << seed;
+    };
+    expect_one(file_);
+    // What is said later concerns it only where it says so.
+    for (int i = 0; i < 4; ++i)
+      edit([&](Store& store) {
+        const std::vector<BeliefRow> beliefs = store.beliefs();
+        const Id a = beliefs[random() % beliefs.size()].object, b = beliefs[random() % beliefs.size()].object;
+        try {
+          merge_objects(store, a, b);
+        } catch (const Error&) {
+        }
+        return 0;
+      });
+    expect_one(file_);
+    expect_sound();
+  }
+  EXPECT_EQ(tried, 3);
+}
+
+/// Scenes that come after an edit are taken in with it; when it is undone, as if it had not been.
+TEST_F(EditProperties, UndoReachesScenesThatCameLater) {
+  for (const unsigned seed : {21U, 22U}) {
+    std::filesystem::remove(file_);
+    const std::filesystem::path never = folder_ / "never.loci";
+    std::filesystem::remove(never);
+    RandomHome home(seed), same(seed);
+    std::mt19937 random(seed);
+    add_scenes(home, 15, file_);
+    while (!random_edit(random)) {
+    }
+    add_scenes(home, 10, file_);
+    edit([](Store& store) { return undo(store); });
+    add_scenes(same, 15, never);
+    add_scenes(same, 10, never);
+    // Numbers of objects that were new after the edit may differ: what is where does not.
+    const auto contents = [](const std::filesystem::path& memory) {
+      const Store store = Store::open_read(memory);
+      std::vector<std::string> all;
+      for (const SceneRow& scene : store.scenes())
+        for (const BeliefRow& row : store.beliefs({scene.time, {}}))
+          all.push_back(fmt::format("{} {} {:.3f} {:.3f} {:.2f}", scene.id, row.place.value_or(0),
+                                    row.position->x(), row.position->y(), row.probability));
+      std::ranges::sort(all);
+      return all;
+    };
+    EXPECT_EQ(contents(file_), contents(never)) << "seed " << seed;
+    expect_sound();
+  }
+}
+
+}  // namespace
+}  // namespace loci::memory
