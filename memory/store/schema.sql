@@ -11,7 +11,8 @@
 -- Bitemporal tables: association, event, object, belief and fact have valid time (valid_from, valid_to; valid_to
 -- NULL = open) and transaction time (known_from, known_to). Rows are only added. A wrong row is not changed: a later
 -- row names it in `supersedes`, and from the known_from of that row on the older one is no longer known (the views
--- *_known compute that end as known_to). Probability 0, or a NULL value, retracts a row without replacing it.
+-- *_known compute that end as known_to). Probability 0, or a NULL value, retracts a row without replacing it; so does a
+-- row in its place that ends to be known when it begins (known_to = known_from).
 
 -- One value per key: format ("loci-memory"), created (ISO 8601), written_by ("loci 0.1.0"), time_zone_minutes
 -- (minutes east of UTC of times without a zone), next_object (ids of objects below it are not given again), digests
@@ -333,7 +334,8 @@ CREATE VIRTUAL TABLE stay USING rtree_i32(
   belief, x_from, x_to, y_from, y_to, z_from, z_to, since, until, place_from, place_to, +object);
 
 -- What a scene shows of an object's last place, or of a place as a whole. Only objects that should have been observed
--- have a row: missed, or hidden. All others that the scene did not observe were out of view.
+-- have a row: missed, or hidden. All others that the scene did not observe were out of view. Corrections add rows: the
+-- newest one of an object in a scene holds, and out_of_view means as much as no row.
 CREATE TABLE visibility (
   id INTEGER PRIMARY KEY,
   scene INTEGER NOT NULL REFERENCES scene,

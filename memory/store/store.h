@@ -261,7 +261,8 @@ class Store {
                                     const AsOf& as_of = {}) const;
 
   // ---- Events and facts.
-  /// Events with from <= valid_from <= to, in order of time and object, without those that were taken back.
+  /// Events with from <= valid_from <= to, in order of time, those of joints first, then by object, without
+  /// those that were taken back.
   std::vector<EventRow> events(const AsOf& as_of = {}, std::optional<TimeNs> from = {},
                                std::optional<TimeNs> to = {}) const;
   /// Facts that hold at `at`, without those that were taken back.

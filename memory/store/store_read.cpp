@@ -153,7 +153,7 @@ std::vector<EventRow> Store::events(const AsOf& as_of, std::optional<TimeNs> fro
                                     std::optional<TimeNs> to) const {
   return select<EventRow>(*connection_, "event_known",
                           Where("probability > 0").known(as_of).begun(as_of).between("valid_from", from, to),
-                          "valid_from, object IS NULL, object, kind, id");
+                          "valid_from, object, kind, id");
 }
 
 std::vector<FactRow> Store::facts(const AsOf& as_of) const {
