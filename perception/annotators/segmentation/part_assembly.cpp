@@ -10,6 +10,7 @@
 
 #include "mapping/base/math.h"
 #include "perception/annotators/segmentation/convex_parts.h"
+#include "perception/annotators/structure/supports.h"
 
 namespace loci::perception {
 namespace {
@@ -158,6 +159,8 @@ class Assembly {
     }
     for (size_t i = 0; i < pieces_.size(); ++i)
       if (alive(i)) measure(pieces_[i], cloud_);
+    while (join_coplanar()) {
+    }
     while (join_hollow() || join_cavity() || join_contained() || join_appendage() || join_neck() ||
            join_lid() || join_hidden()) {
     }
@@ -234,6 +237,50 @@ class Assembly {
     if (smallest == pieces_.size()) return false;
     merge(smallest, most_touched(smallest));
     return true;
+  }
+
+  /// Pieces that touch and lie on one plane as well as the noise lets any plane be measured. Far away the
+  /// steps of the disparity part a flat surface.
+  bool join_coplanar() {
+    for (const auto& [pair, count] : contacts_) {
+      const auto first = static_cast<size_t>(pair[0]);
+      const auto second = static_cast<size_t>(pair[1]);
+      const Piece& a = pieces_[first];
+      const Piece& b = pieces_[second];
+      const double noise = depth_noise(1.0) * std::max(a.noise, b.noise);
+      if (plane_residual(a, b) > noise) continue;
+      join(first, second);
+      return true;
+    }
+    return false;
+  }
+
+  /// Root mean square distance of two pieces from the plane that fits both best, each counting alike; the
+  /// larger one of the two.
+  double plane_residual(const Piece& a, const Piece& b) const {
+    constexpr size_t kSamples = 300;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    std::array<std::vector<Eigen::Vector3d>, 2> samples;
+    for (size_t k = 0; k < 2; ++k) {
+      const Piece& piece = k == 0 ? a : b;
+      const size_t stride = std::max<size_t>(1, piece.points.size() / kSamples);
+      for (size_t i = 0; i < piece.points.size(); i += stride)
+        samples[k].push_back(cloud_.points[static_cast<size_t>(piece.points[i])].cast<double>());
+      for (const Eigen::Vector3d& p : samples[k]) mean += p / (2.0 * static_cast<double>(samples[k].size()));
+    }
+    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+    for (const auto& of_piece : samples)
+      for (const Eigen::Vector3d& p : of_piece)
+        spread += (p - mean) * (p - mean).transpose() / static_cast<double>(of_piece.size());
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+    double worst = 0;
+    for (const auto& of_piece : samples) {
+      double sum = 0;
+      for (const Eigen::Vector3d& p : of_piece)
+        sum += std::pow(solver.eigenvectors().col(0).dot(p - mean), 2);
+      worst = std::max(worst, std::sqrt(sum / static_cast<double>(of_piece.size())));
+    }
+    return worst;
   }
 
   bool join_contained() {

@@ -215,6 +215,24 @@ TEST(Clusters, AreTheSameEveryTime) {
   for (size_t i = 0; i < one.clusters.size(); ++i) EXPECT_EQ(one.clusters[i].pixels, two.clusters[i].pixels);
 }
 
+/// From 2.7 m a board that leans back is measured in steps of 2 cm.
+TEST(Clusters, AFlatBoardFarAwayIsOneObject) {
+  SyntheticTable table;
+  table.camera = {640, 480, 585, 585, 320, 240};
+  table.map_from_camera.translation() = Vector3d(0, -2.4, 1.0);
+  const Vector3d z = (Vector3d(0, 0, 0.05) - table.map_from_camera.translation()).normalized();
+  const Vector3d x = z.cross(Vector3d::UnitZ()).normalized();
+  table.map_from_camera.linear() << x, z.cross(x), z;
+  constexpr int kSlices = 30;
+  for (int i = 0; i < kSlices; ++i)  // One board, as slices that lean back by 20 degrees.
+    table.boxes.push_back({{0.05, 0.1 + 0.0036 * i, 0.01 * i + 0.005}, {0.4, 0.02, 0.01}});
+  Found found = find(table, 0.1, table.up());
+  cv::Mat board = found.labels > 0;
+  found.labels.setTo(1, board);
+  EXPECT_EQ(found.clusters.size(), 1U);
+  EXPECT_GT(best_overlap(found, 1), 0.8);
+}
+
 TEST(Clusters, WhatHangsInTheAirIsNoObject) {
   SyntheticTable table;
   table.boxes = {{{0.15, 0.1, 0.25}, {0.12, 0.02, 0.12}}, {{-0.15, 0.0, 0.05}, {0.10, 0.08, 0.10}}};
