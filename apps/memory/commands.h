@@ -23,6 +23,7 @@ Command merge_command();
 Command retain_command();
 
 Command ingest_command();
+Command serve_command();
 Command report_command();
 
 Command reason_command();

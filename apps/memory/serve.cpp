@@ -1,0 +1,91 @@
+// A memory for other programs: serve.
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+#include "memory/server/tool_server.h"
+
+namespace loci::apps {
+namespace {
+
+constexpr size_t kMaxMessage = 4'000'000;  ///< bytes
+
+/// Lines from standard input until it ends; `answer` gives the reply to each.
+class LineServer {
+ public:
+  explicit LineServer(const memory::ToolServer& server) : server_(server) {}
+
+  void run(Session& session) {
+    std::string bytes(65536, '\0');
+    while (true) {
+      session.progress().check(0, "");  // Ctrl-C
+      pollfd input{STDIN_FILENO, POLLIN, 0};
+      if (poll(&input, 1, 200) <= 0) continue;
+      const ssize_t count = read(STDIN_FILENO, bytes.data(), bytes.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) break;
+      take(std::string_view(bytes).substr(0, static_cast<size_t>(count)));
+    }
+    if (!line_.empty()) answer();
+  }
+
+ private:
+  void take(std::string_view bytes) {
+    for (const char c : bytes) {
+      if (c == '\n') {
+        answer();
+      } else if (line_.size() < kMaxMessage) {
+        line_ += c;
+      } else {
+        throw Error(fmt::format("a message is longer than {} bytes", kMaxMessage));
+      }
+    }
+  }
+
+  void answer() {
+    const std::optional<std::string> reply =
+        line_.find_first_not_of(" \t\r") == std::string::npos ? std::nullopt : server_.reply(line_);
+    line_.clear();
+    if (!reply) return;
+    fmt::print("{}\n", *reply);
+    std::fflush(stdout);
+  }
+
+  const memory::ToolServer& server_;
+  std::string line_;
+};
+
+}  // namespace
+
+Command serve_command() {
+  return {
+      .name = "serve",
+      .description = "Answer programs and language models in the Model Context Protocol (MCP)",
+      .examples = {R"(echo '{"jsonrpc": "2.0", "id": 1, "method": "tools/list"}' | )"
+                   "loci-memory serve --mcp -m demo-output/memory.loci",
+                   R"(echo '{"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": {"name": "ask", )"
+                   R"("arguments": {"question": "Where is the red cup?"}}}' | )"
+                   "loci-memory serve --mcp -m demo-output/memory.loci"},
+      .declare = [](ArgumentTable& table) {
+        struct Arguments {
+          std::string memory;
+          bool mcp = false;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        table.memory(arguments->memory);
+        table.flag("--mcp", arguments->mcp,
+                   "Read messages from standard input and write replies to standard output, a line each",
+                   {.required = true});
+        return [arguments](Session& session) {
+          const memory::ToolServer server(arguments->memory, kVersion);
+          LineServer(server).run(session);
+        };
+      }};
+}
+
+}  // namespace loci::apps

@@ -1,0 +1,310 @@
+#include "memory/server/tool_server.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+
+#include "mapping/base/base64.h"
+#include "mapping/base/json.h"
+#include "mapping/base/time.h"
+#include "memory/questions/map_names.h"
+#include "memory/questions/natural_language.h"
+#include "memory/questions/question.h"
+#include "memory/store/store.h"
+
+namespace loci::memory {
+namespace {
+
+constexpr const char* kVersions[] = {"2025-06-18", "2025-03-26", "2024-11-05"};  ///< newest first
+constexpr size_t kPage = 100;                                                    ///< resources to a list
+constexpr std::string_view kObjectUri = "loci://object/", kPlaceUri = "loci://place/",
+                           kSceneUri = "loci://scene/", kImage = "/image";
+constexpr const char* kJsonType = "application/json";
+
+/// Codes of JSON-RPC 2.0, and the protocol's own for a resource that is not there.
+enum Code {
+  parse_error = -32700,
+  invalid_request = -32600,
+  unknown_method = -32601,
+  invalid_params = -32602,
+  internal_error = -32603,
+  no_resource = -32002,
+};
+
+struct ProtocolError {
+  Code code;
+  std::string text;
+};
+
+Json error_reply(const Json& id, Code code, const std::string& text) {
+  return {{"jsonrpc", "2.0"}, {"id", id}, {"error", {{"code", code}, {"message", text}}}};
+}
+
+std::string text_of(const Json& params, const char* key) {
+  if (!params.contains(key) || !params[key].is_string())
+    throw ProtocolError{invalid_params, fmt::format("'{}' is missing or is no string", key)};
+  return params[key].get<std::string>();
+}
+
+// ---- Tools
+
+bool is_offered(const Parameter& parameter) {
+  return parameter.type != ParameterType::file;
+}
+
+Json schema_of(const Parameter& parameter) {
+  std::string help = fmt::format("{} ({})", parameter.help, to_text(parameter.type));
+  if (!parameter.default_text.empty()) help += fmt::format("; default: {}", parameter.default_text);
+  Json schema = {{"type", "string"}, {"description", help}};
+  if (!parameter.choices.empty()) schema["enum"] = parameter.choices;
+  return schema;
+}
+
+Json tool(const std::string& name, const std::string& description, const Json& properties,
+          const std::vector<std::string>& required) {
+  return {{"name", name},
+          {"description", description},
+          {"inputSchema",
+           {{"type", "object"},
+            {"properties", properties},
+            {"required", required},
+            {"additionalProperties", false}}},
+          {"annotations", {{"readOnlyHint", true}, {"openWorldHint", false}}}};
+}
+
+Json tools() {
+  Json list = Json::array();
+  list.push_back(tool("ask", "Answers a question or a task in English",
+                      {{"question", {{"type", "string"}, {"description", "e.g. \"Where is the red cup?\""}}}},
+                      {"question"}));
+  for (const Question& question : questions()) {
+    Json properties = Json::object();
+    std::vector<std::string> required;
+    for (const Parameter& parameter : question.all_parameters()) {
+      if (!is_offered(parameter)) continue;
+      properties[parameter.name] = schema_of(parameter);
+      if (parameter.required) required.push_back(parameter.name);
+    }
+    list.push_back(tool(question.name, question.description, properties, required));
+  }
+  return list;
+}
+
+/// People's words, and the same as data. Data that is no object becomes one, as the protocol asks.
+Json tool_result(const std::string& text, const Json& data, bool is_error = false) {
+  return {{"content", Json::array({{{"type", "text"}, {"text", text}}})},
+          {"structuredContent", data.is_object() ? data : Json{{"answer", data}}},
+          {"isError", is_error}};
+}
+
+Query query_of(const Question& question, const Json& arguments) {
+  Query query{.question = question.name};
+  const std::vector<Parameter> parameters = question.all_parameters();
+  for (const auto& [name, value] : arguments.items()) {
+    const auto parameter = std::ranges::find(parameters, name, &Parameter::name);
+    if (parameter != parameters.end() && !is_offered(*parameter))
+      throw Error(fmt::format("'{}' names a file, which is not offered here", name));
+    if (!value.is_string() && !value.is_number())
+      throw Error(fmt::format("'{}' is neither a string nor a number", name));
+    query.arguments[name] = value.is_string() ? value.get<std::string>() : value.dump();
+  }
+  return query;
+}
+
+Json ask_in_words(const Store& store, const Json& arguments) {
+  if (!arguments.contains("question") || !arguments["question"].is_string())
+    throw Error("'ask' needs 'question', a string");
+  const auto answers =
+      ask(store, NaturalLanguageQuestion{{arguments["question"].get<std::string>()}, {}, {}});
+  const NaturalLanguageAnswer& answer = answers.at(0);
+  return tool_result(to_text(answer, TimeWriter(store)), to_json(answer), !answer.query);
+}
+
+Json call_tool(const Store& store, const Json& params) {
+  const std::string name = text_of(params, "name");
+  const Json arguments = params.contains("arguments") ? params["arguments"] : Json::object();
+  if (!arguments.is_object()) throw ProtocolError{invalid_params, "'arguments' is no object"};
+  const Question* question = find_question(name);
+  if (question == nullptr && name != "ask")
+    throw ProtocolError{invalid_params, fmt::format("there is no tool '{}'", name)};
+  // What a question objects to is a result that the model can learn from, not an error of the protocol.
+  try {
+    if (question == nullptr) return ask_in_words(store, arguments);
+    const Answer answer = question->ask(store, query_of(*question, arguments));
+    return tool_result(answer.to_text(TimeWriter(store)), answer.to_json());
+  } catch (const Error& error) {
+    return tool_result(error.what(), {{"error", error.what()}}, true);
+  }
+}
+
+// ---- Resources
+
+Json resource(std::string_view prefix, const std::string& name, const std::string& description) {
+  return {{"uri", std::string(prefix) + name},
+          {"name", name},
+          {"description", description},
+          {"mimeType", kJsonType}};
+}
+
+Json resources(const Store& store) {
+  Json list = Json::array();
+  for (const PlaceRow& place : named_places(store))
+    list.push_back(resource(kPlaceUri, place.name, "What is there now"));
+  const Json objects = ask(store, {.question = "objects"}).to_json();
+  for (const Json& object : objects["objects"])
+    list.push_back(resource(kObjectUri, object["object"].get<std::string>(),
+                            "What is known of the object, and where it was"));
+  return list;
+}
+
+/// A page of a list; the cursor is the number of its first element.
+Json page_of(const Json& list, const char* key, const Json& params) {
+  size_t begin = 0;
+  if (params.contains("cursor")) {
+    const std::string cursor = text_of(params, "cursor");
+    const auto [end, failure] = std::from_chars(cursor.data(), cursor.data() + cursor.size(), begin);
+    if (failure != std::errc() || end != cursor.data() + cursor.size() || begin > list.size())
+      throw ProtocolError{invalid_params, "the cursor is not one of this list"};
+  }
+  const size_t end = std::min(list.size(), begin + kPage);
+  Json page = {{key, Json::array()}};
+  for (size_t i = begin; i < end; ++i) page[key].push_back(list[i]);
+  if (end < list.size()) page["nextCursor"] = std::to_string(end);
+  return page;
+}
+
+Json templates() {
+  const auto one = [](const std::string& uri, const char* name, const char* description, const char* type) {
+    return Json{{"uriTemplate", uri}, {"name", name}, {"description", description}, {"mimeType", type}};
+  };
+  return Json::array({one(std::string(kObjectUri) + "{object}", "object",
+                          "What is known of an object, by its number (object_12)", kJsonType),
+                      one(std::string(kPlaceUri) + "{place}", "place", "What is at a place now", kJsonType),
+                      one(std::string(kSceneUri) + "{scene}" + std::string(kImage), "image",
+                          "The colour image of a scene, by its number", "image/jpeg")});
+}
+
+Json scene_image(const Store& store, const std::string& uri, std::string_view number) {
+  Id id = 0;
+  const auto [end, failure] = std::from_chars(number.data(), number.data() + number.size(), id);
+  if (failure != std::errc() || end != number.data() + number.size())
+    throw ProtocolError{no_resource, "scenes have numbers"};
+  const SceneRow scene = store.scene(id);
+  if (!scene.image) throw ProtocolError{no_resource, "no image of this scene is stored"};
+  const BlobRow blob = store.blob(*scene.image);
+  return {{"uri", uri}, {"mimeType", blob.media}, {"blob", base64_from_bytes(blob.bytes)}};
+}
+
+Json read_resource(const Store& store, const Json& params) {
+  const std::string uri = text_of(params, "uri");
+  const auto answer = [&](const std::string& question, const std::string& parameter,
+                          const std::string& value) {
+    return ask(store, {.question = question, .arguments = {{parameter, value}}}).to_json();
+  };
+  Json content;
+  try {
+    const std::string_view rest = uri;
+    if (rest.starts_with(kObjectUri)) {
+      const std::string name(rest.substr(kObjectUri.size()));
+      const Json known = {{"about", answer("about", "object", name)},
+                          {"history", answer("history", "object", name)}};
+      content = {{"uri", uri}, {"mimeType", kJsonType}, {"text", known.dump()}};
+    } else if (rest.starts_with(kPlaceUri)) {
+      const std::string name(rest.substr(kPlaceUri.size()));
+      content = {{"uri", uri}, {"mimeType", kJsonType}, {"text", answer("on", "place", name).dump()}};
+    } else if (rest.starts_with(kSceneUri) && rest.ends_with(kImage)) {
+      content = scene_image(store, uri,
+                            rest.substr(kSceneUri.size(), rest.size() - kSceneUri.size() - kImage.size()));
+    }
+  } catch (const Error& error) {
+    throw ProtocolError{no_resource, error.what()};
+  }
+  if (content.is_null()) throw ProtocolError{no_resource, fmt::format("there is no resource '{}'", uri)};
+  return {{"contents", Json::array({content})}};
+}
+
+// ---- Session
+
+Json initialize(const Store& store, const Json& params) {
+  const std::string wanted = text_of(params, "protocolVersion");
+  const bool is_known = std::ranges::count(kVersions, wanted) > 0;
+  std::string instructions =
+      "What was seen of the objects of a home, by a robot or a camera. Answers hold probabilities, and the "
+      "scenes that they follow from; 'not observed' means that nobody looked.";
+  if (const auto last = store.last_scene())
+    instructions += fmt::format(" The memory ends at {}; questions without a time refer to that moment.",
+                                format_time(last->time));
+  return {{"protocolVersion", is_known ? wanted : kVersions[0]},
+          {"capabilities", {{"tools", Json::object()}, {"resources", Json::object()}}},
+          {"instructions", instructions}};
+}
+
+using Method = Json (*)(const Store& store, const Json& params);
+
+const std::map<std::string, Method>& methods() {
+  static const std::map<std::string, Method> all = {
+      {"initialize", initialize},
+      {"ping", [](const Store&, const Json&) { return Json::object(); }},
+      {"tools/list",
+       [](const Store&, const Json&) {
+         return Json{{"tools", tools()}};
+       }},
+      {"tools/call", call_tool},
+      {"resources/list",
+       [](const Store& store, const Json& params) { return page_of(resources(store), "resources", params); }},
+      {"resources/templates/list",
+       [](const Store&, const Json&) {
+         return Json{{"resourceTemplates", templates()}};
+       }},
+      {"resources/read", read_resource},
+  };
+  return all;
+}
+
+}  // namespace
+
+ToolServer::ToolServer(std::filesystem::path memory, std::string version)
+    : memory_(std::move(memory)), version_(std::move(version)) {
+  Store::open_read(memory_);
+}
+
+std::optional<std::string> ToolServer::reply(std::string_view message) const {
+  std::optional<Json> json;
+  try {
+    json = answer(parse_json(message, ""));
+  } catch (const Error& error) {
+    json = error_reply(nullptr, parse_error, error.what());
+  }
+  if (!json) return std::nullopt;
+  return json->dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::optional<Json> ToolServer::answer(const Json& message) const {
+  if (!message.is_object() || message.value("jsonrpc", Json()) != "2.0")
+    return error_reply(nullptr, invalid_request, "this is no message of JSON-RPC 2.0");
+  if (!message.contains("method")) return std::nullopt;  // A reply; this server asks for nothing.
+  if (!message.contains("id")) return std::nullopt;
+  const Json& id = message["id"];
+  if (!id.is_string() && !id.is_number_integer())
+    return error_reply(nullptr, invalid_request, "'id' is neither a string nor an integer");
+  const Json params = message.contains("params") ? message["params"] : Json::object();
+  const auto method =
+      message["method"].is_string() ? methods().find(message["method"].get<std::string>()) : methods().end();
+  if (method == methods().end()) return error_reply(id, unknown_method, "this server has no such method");
+  if (!params.is_object()) return error_reply(id, invalid_params, "'params' is no object");
+  try {
+    const Store store = Store::open_read(memory_);
+    Json result = method->second(store, params);
+    if (method->first == "initialize")
+      result["serverInfo"] = {{"name", "loci-memory"}, {"version", version_}};
+    return Json{{"jsonrpc", "2.0"}, {"id", id}, {"result", std::move(result)}};
+  } catch (const ProtocolError& error) {
+    return error_reply(id, error.code, error.text);
+  } catch (const Error& error) {
+    return error_reply(id, internal_error, error.what());
+  }
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,121 @@
+#include "memory/server/tool_server.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "memory/questions/question.h"
+#include "tests/memory/questions/day_fixture.h"
+
+namespace loci::memory {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ToolServerTest : public testing_support::DayFixture {
+ protected:
+  std::string raw(const std::string& message) const {
+    return ToolServer(file_, "1.2.3").reply(message).value_or("");
+  }
+  Json reply(const std::string& method, const Json& params = Json::object()) const {
+    const std::string text =
+        raw(Json{{"jsonrpc", "2.0"}, {"id", 7}, {"method", method}, {"params", params}}.dump());
+    EXPECT_EQ(text.find('\n'), std::string::npos);
+    Json json = parse_json(text, "reply");
+    EXPECT_EQ(json["id"], 7);
+    return json;
+  }
+  Json call(const std::string& tool, const Json& arguments) const {
+    return reply("tools/call", {{"name", tool}, {"arguments", arguments}})["result"];
+  }
+};
+
+TEST_F(ToolServerTest, AgreesOnAVersionAndSaysWhatItIs) {
+  const Json old = reply("initialize", {{"protocolVersion", "2024-11-05"}})["result"];
+  EXPECT_EQ(old["protocolVersion"], "2024-11-05");
+  EXPECT_EQ(old["serverInfo"]["version"], "1.2.3");
+  EXPECT_THAT(old["instructions"].get<std::string>(), HasSubstr("The memory ends at"));
+  EXPECT_EQ(reply("initialize", {{"protocolVersion", "2999-01-01"}})["result"]["protocolVersion"],
+            "2025-06-18");
+  EXPECT_EQ(raw(R"({"jsonrpc": "2.0", "method": "notifications/initialized"})"), "") << "no reply is wanted";
+}
+
+TEST_F(ToolServerTest, EveryQuestionIsAToolWithASchema) {
+  const Json tools = reply("tools/list")["result"]["tools"];
+  ASSERT_EQ(tools.size(), questions().size() + 1);
+  for (const Json& tool : tools) {
+    EXPECT_EQ(tool["inputSchema"]["type"], "object");
+    EXPECT_EQ(tool["annotations"]["readOnlyHint"], true);
+    for (const Json& name : tool["inputSchema"]["required"])
+      EXPECT_TRUE(tool["inputSchema"]["properties"].contains(name.get<std::string>())) << tool;
+  }
+}
+
+TEST_F(ToolServerTest, ToolsAnswerAsTheQuestionsDo) {
+  const Json result = call("where", {{"object", "object_1"}, {"at", "09:00"}});
+  EXPECT_EQ(result["isError"], false);
+  const Query query{.question = "where", .arguments = {{"object", "object_1"}, {"at", "09:00"}}};
+  const Answer answer = ask(*store_, query);
+  EXPECT_EQ(result["structuredContent"], answer.to_json());
+  EXPECT_EQ(result["content"][0]["text"], answer.to_text(TimeWriter(*store_)));
+}
+
+TEST_F(ToolServerTest, AMistakeOfTheModelIsAResultItCanLearnFrom) {
+  for (const auto& [tool, arguments] :
+       std::vector<std::pair<std::string, Json>>{{"where", {{"object", "zebra"}}},
+                                                 {"where", Json::object()},
+                                                 {"where", {{"object", Json::array()}}},
+                                                 {"where", {{"object", "object_1"}, {"colour", "red"}}},
+                                                 {"like", {{"image", "/etc/passwd"}}},
+                                                 {"ask", {{"question", "Fribble the gromp?"}}}}) {
+    const Json result = call(tool, arguments);
+    EXPECT_EQ(result["isError"], true) << tool << arguments;
+    EXPECT_FALSE(result["content"][0]["text"].get<std::string>().empty());
+  }
+}
+
+TEST_F(ToolServerTest, ObjectsAndPlacesAreResources) {
+  const Json resources = reply("resources/list")["result"]["resources"];
+  bool has_object = false, has_place = false;
+  for (const Json& resource : resources) {
+    const std::string uri = resource["uri"];
+    has_object |= uri.starts_with("loci://object/");
+    has_place |= uri.starts_with("loci://place/");
+    const Json contents = reply("resources/read", {{"uri", uri}})["result"]["contents"];
+    EXPECT_EQ(contents[0]["uri"], uri);
+    EXPECT_TRUE(parse_json(contents[0]["text"].get<std::string>(), uri).is_object());
+  }
+  EXPECT_TRUE(has_object && has_place) << resources;
+  for (const char* uri : {"loci://object/zebra", "loci://scene/999999/image", "loci://scene/x/image",
+                          "file:///etc/passwd", "loci://object/../../etc/passwd"})
+    EXPECT_EQ(reply("resources/read", {{"uri", uri}})["error"]["code"], -32002) << uri;
+}
+
+TEST_F(ToolServerTest, MalformedMessagesGetErrors) {
+  const auto code = [&](const std::string& message) {
+    return parse_json(raw(message), "reply")["error"]["code"];
+  };
+  EXPECT_EQ(code("{"), -32700);
+  EXPECT_EQ(code(std::string(100000, '[')), -32700);
+  EXPECT_EQ(code("[]"), -32600);
+  EXPECT_EQ(code(R"({"jsonrpc": "1.0", "id": 1, "method": "ping"})"), -32600);
+  EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": {}, "method": "ping"})"), -32600);
+  EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1, "method": 5})"), -32601);
+  EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1, "method": "tools/delete"})"), -32601);
+  EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": []})"), -32602);
+  EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": {"name": "erase"}})"),
+            -32602);
+  EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1, "method": "resources/list", "params": {"cursor": "-1"}})"),
+            -32602);
+}
+
+TEST_F(ToolServerTest, NothingIsWritten) {
+  const std::string before = read_file(file_);
+  for (const char* tool : {"objects", "on", "changes", "missing"}) call(tool, {{"place", "table_1"}});
+  EXPECT_EQ(read_file(file_), before);
+}
+
+}  // namespace
+}  // namespace loci::memory
