@@ -15,7 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxFailures = 8;  ///< base poses that may turn out to be blocked
+constexpr double kUnsureAxis_deg = 20;  ///< with such a deviation of the axis half of the confidence remains
+constexpr int kMaxFailures = 8;         ///< base poses that may turn out to be blocked
 
 /// What pulling at one front gave, as it is kept.
 struct LoggedPull {
@@ -215,6 +216,9 @@ void learn(const Interaction& interaction, mapping::Front& front) {
     front.evidence.update(evidence);
   }
   front.joint = difference.joint;
+  // A front whose motion fits many axes is perhaps another one.
+  const double unsure = front.joint->axis_sd_deg / kUnsureAxis_deg;
+  front.confidence /= 1 + unsure * unsure;
   front.class_name = front_class(front, *front.joint);
 }
 

@@ -58,7 +58,10 @@ std::vector<FixturePatch> patches_of(const cv::Mat& mask, cv::Mat& labels) {
 void join_in_line(std::vector<FixturePatch>& patches) {
   const auto in_line = [](const cv::Rect& a, const cv::Rect& b) {
     const auto along = [](int a0, int a1, int b0, int b1, int a_low, int a_size, int b_low, int b_size) {
-      return std::max(a0, b0) - std::min(a1, b1) <= kFixtures.join_gap_cells &&
+      // Two knobs may be nearer to each other than the pieces of a bar that a tap hides in part.
+      const bool bars = std::max(a1 - a0, b1 - b0) > kFixtures.bar_elongation * std::max(a_size, b_size);
+      return std::max(a0, b0) - std::min(a1, b1) <=
+                 (bars ? kFixtures.join_bars_cells : kFixtures.join_gap_cells) &&
              a_size <= kFixtures.thin_cells && b_size <= kFixtures.thin_cells &&
              std::abs(2 * a_low + a_size - 2 * b_low - b_size) <= 2 * kFixtures.join_offset_cells;
     };
@@ -198,6 +201,7 @@ class FixtureFinder {
       rest = search(rest & candidates(layers_, kFixtures.min_shares[pass]), random.fork(pass),
                     pass + 1 == kFixtures.min_shares.size());
     drop_ghosts();
+    drop_ribs();
     return std::move(result_);
   }
 
@@ -258,8 +262,10 @@ class FixtureFinder {
     if (shape.inliers.size() < kFixtures.min_points) return "few points";
     measure(points, shape);
     if (shape.width < kFixtures.max_bar_width_m) extend(points, shape);
-    const bool bar =
-        shape.length > kFixtures.bar_elongation * shape.width && shape.length > kFixtures.min_bar_m;
+    // The line through a knob may run askew.
+    const bool bar = shape.length > kFixtures.bar_elongation * shape.width &&
+                     shape.length > kFixtures.min_bar_m &&
+                     (!is_askew(shape) || std::hypot(box.width(), box.height()) > 1.5 * kFixtures.max_knob_m);
     if (!bar) {
       shape.inliers.resize(points.size());
       for (size_t i = 0; i < points.size(); ++i) shape.inliers[i] = i;
@@ -303,10 +309,12 @@ class FixtureFinder {
     if (shape.width > kFixtures.max_bar_width_m) return fmt::format("{:.3f} m thick", shape.width);
     if (static_cast<double>(shape.inliers.size()) < 0.7 * static_cast<double>(points))
       return "no line explains it";
-    const double turned = std::atan2(std::abs(shape.axis.y()), std::abs(shape.axis.x()));
-    if (turned > kFixtures.max_tilt && turned < kPi / 2 - kFixtures.max_tilt)
-      return "it is neither level nor upright";
+    if (is_askew(shape)) return "it is neither level nor upright";
     return {};
+  }
+  static bool is_askew(const FixtureShape& shape) {
+    const double turned = std::atan2(std::abs(shape.axis.y()), std::abs(shape.axis.x()));
+    return turned > kFixtures.max_tilt && turned < kPi / 2 - kFixtures.max_tilt;
   }
   static std::string why_no_knob(const FixtureShape& shape) {
     if (shape.length > kFixtures.max_knob_m)
@@ -338,6 +346,46 @@ class FixtureFinder {
         unite(*strong, weak);
     }
     result_.fixtures = std::move(kept);
+  }
+
+  /// Removes rows of upright bars that stand nearer to each other than fronts are wide: the ribs of a
+  /// radiator, or the bars of a rack.
+  void drop_ribs() {
+    std::vector<size_t> upright;
+    std::vector<FaceFixture>& all = result_.fixtures;
+    for (size_t i = 0; i < all.size(); ++i)
+      if (all[i].fixture.kind == Fixture::Kind::handle && all[i].box.height() > all[i].box.width())
+        upright.push_back(i);
+    std::stable_sort(upright.begin(), upright.end(), [&](size_t a, size_t b) { return all[a].u < all[b].u; });
+    std::set<size_t> ribs;
+    for (size_t first = 0, last = 0; first < upright.size(); first = last) {
+      const auto follows = [&](const FaceFixture& a, const FaceFixture& b) {
+        const double shared = std::min(a.box.v1, b.box.v1) - std::max(a.box.v0, b.box.v0);
+        return b.u - a.u < kFixtures.max_rib_spacing_m &&
+               shared > kFixtures.rib_overlap * std::min(a.box.height(), b.box.height());
+      };
+      for (last = first + 1; last < upright.size() && follows(all[upright[last - 1]], all[upright[last]]);)
+        ++last;
+      if (last - first >= kFixtures.min_ribs)
+        ribs.insert(upright.begin() + static_cast<std::ptrdiff_t>(first),
+                    upright.begin() + static_cast<std::ptrdiff_t>(last));
+    }
+    if (ribs.empty()) return;
+    const Vector3d& at = all[*ribs.begin()].fixture.centre;
+    result_.notes.push_back(fmt::format("{} upright bars in a row at ({:.2f}, {:.2f}, {:.2f}) are no handles",
+                                        ribs.size(), at.x(), at.y(), at.z()));
+    // What else is among the ribs is a part of the same.
+    FaceRect row = all[*ribs.begin()].box;
+    for (const size_t i : ribs) {
+      row = united(row, all[i].box);
+      result_.ribs.push_back(all[i].fixture);
+    }
+    row = row.grown(kFixtures.max_rib_spacing_m);
+    std::erase_if(all, [&](const FaceFixture& one) { return row.contains(one.u, one.v); });
+  }
+
+  static FaceRect united(const FaceRect& a, const FaceRect& b) {
+    return {std::min(a.u0, b.u0), std::max(a.u1, b.u1), std::min(a.v0, b.v0), std::max(a.v1, b.v1)};
   }
 
   /// Extends a bar over a piece of it in the same line.
@@ -426,7 +474,9 @@ class FixtureFinder {
     if (beside < kFixtures.min_shown)
       return fmt::format("the face shows beside {:.0f} % of it", 100 * beside);
     const double ends = std::min(shown(shape, 1, false), shown(shape, -1, false));
-    if (ends < (bar ? kFixtures.min_shown_at_ends : kFixtures.min_shown))
+    // A bar may be as long as its front: then its sides decide.
+    const bool whole = bar && shape.length > kFixtures.long_bar_m && beside > kFixtures.min_shown_beside_long;
+    if (!whole && ends < (bar ? kFixtures.min_shown_at_ends : kFixtures.min_shown))
       return fmt::format("the face shows beyond its ends in {:.0f} %", 100 * ends);
     if (farther(shape, shape.inliers.size()) > 0.5) return "more points are farther before the face there";
     std::set<int> scans;
@@ -447,12 +497,27 @@ class FixtureFinder {
     if (!FaceRect{face.u_min, face.u_max, face.v_min, face.v_max}.contains(found.u, found.v))
       return "it is beside the face";
     const double many = static_cast<double>(shape.inliers.size());
-    found.fixture.confidence = beside * many / (many + 15) * (scans.size() > 1 || rays_.scans < 2 ? 1 : 0.6);
+    const bool seen_by_others = scans.size() < 2 && scans_beside(shape) > 1;
+    found.fixture.confidence = beside * many / (many + 15) * (seen_by_others ? 0.6 : 1);
     found.fixture.evidence = {{"inliers", shape.inliers.size()},
                               {"scans", std::vector<int>(scans.begin(), scans.end())},
                               {"model", bar ? "line" : "circle"}};
     result_.fixtures.push_back(std::move(found));
     return {};
+  }
+
+  /// How many scans met the face beside a fixture, and should have seen it.
+  size_t scans_beside(const FixtureShape& shape) const {
+    std::vector<size_t> points(1);
+    for (const FaceRay& ray : rays_.rays) {
+      if (!ray.is_on_face()) continue;
+      const Vector2d d = Vector2d(ray.plane_u(), ray.plane_v()) - shape.centre;
+      if (d.cwiseAbs().maxCoeff() > shape.length / 2 + kFixtures.surroundings_m) continue;
+      points.resize(std::max<size_t>(points.size(), ray.scan + size_t{1}));
+      ++points[ray.scan];
+    }
+    return static_cast<size_t>(
+        std::count_if(points.begin(), points.end(), [](size_t n) { return n >= kFixtures.min_points; }));
   }
 
   /// Depths of the points on the middle of a fixture, and of the face behind it.

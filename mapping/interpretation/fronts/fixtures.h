@@ -18,12 +18,13 @@ struct FaceFixture {
 
 struct FixtureSearch {
   std::vector<FaceFixture> fixtures;
+  std::vector<Fixture> ribs;       ///< bars that stand in a row, too near to each other for handles
   std::vector<std::string> notes;  ///< why other clusters are no fixtures
 };
 
-/// Clusters 1.5 to 9 cm before a face with free space around them (§7.4): sample consensus with a line yields
-/// a handle, with a circle a knob. Clusters that are too thick or too long, at the border of the face, seen
-/// from one side only or spread in depth (mixed returns at edges of objects farther before the face) are
+/// Clusters 1.5 to 11 cm before a face with free space around them (§7.4): sample consensus with a line
+/// yields a handle, with a circle a knob. Clusters that are too thick or too long, at the border of the face,
+/// seen from one side only or spread in depth (mixed returns at edges of objects farther before the face) are
 /// rejected.
 FixtureSearch find_fixtures(const FaceRays& rays, const Random& random);
 

@@ -41,7 +41,7 @@ class Divider {
     if (inside.size() == 1) {
       PlacedFront front = part;
       front.fixture = static_cast<int>(inside[0]);
-      front.confidence = 0.5;
+      front.confidence = kDivision.confidence * front.edge_confidence();
       return {front};
     }
     const Groups columns = groups_along(fixtures_, inside, true);

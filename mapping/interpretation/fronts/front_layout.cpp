@@ -194,7 +194,10 @@ class Layout {
     for (size_t i = 0; i < fixtures_.size(); ++i)
       if (part.rect.contains(fixtures_[i].u, fixtures_[i].v)) inside.push_back(i);
     const SeamMap::Coverage seen = seams_.coverage(part.rect);
-    if (seen.known * seen.face < 0.5) return;
+    // What no ray met says nothing against a front that has a handle.
+    if (inside.empty() ? seen.known * seen.face < kLayout.min_seen
+                       : seen.face < kLayout.min_seen || seen.known * seen.face < kLayout.min_seen_fixed)
+      return;
     for (const size_t i : inside) assigned_[i] = true;
     if (inside.size() > 1) {
       const std::vector<PlacedFront> fronts = divide_evenly(seams_, face_, part, fixtures_, inside);
@@ -206,7 +209,7 @@ class Layout {
     } else if (!encloses(part) || seen.known * seen.face * seen.returned < 0.5) {
       return;
     }
-    part.confidence = 0.9;
+    part.confidence = part.edge_confidence();
     result_.fronts.push_back(part);
   }
 
@@ -282,6 +285,15 @@ class Layout {
 };
 
 }  // namespace
+
+double PlacedFront::edge_confidence() const {
+  double sum = 0;
+  for (const FrontEdge& edge : edges)
+    sum += edge.kind == FrontEdge::Kind::border    ? kLayout.border_confidence
+           : edge.kind == FrontEdge::Kind::regular ? kLayout.regular_confidence
+                                                   : std::clamp(edge.z / (2 * kLayout.min_z), 0.5, 1.0);
+  return 0.45 + 0.5 * sum / 4;
+}
 
 const char* front_edge_name(FrontEdge::Kind kind) {
   switch (kind) {

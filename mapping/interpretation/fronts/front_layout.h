@@ -29,6 +29,10 @@ struct PlacedFront {
   int fixture = -1;                  ///< index; -1 = none
   std::array<FrontEdge, 4> edges{};  ///< left, right, bottom, top
   double confidence = 0;
+
+  /// By what bounds it: 0.95 within strong seams, less where an edge is but the end of what was seen, least
+  /// where all edges are guessed by the layout.
+  double edge_confidence() const;
 };
 
 struct FrontLayout {

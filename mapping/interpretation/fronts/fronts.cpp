@@ -48,6 +48,7 @@ std::string appliance_of(const Front& front, const FaceRect& rect, const FaceRay
 
 struct FaceResult {
   std::vector<Front> fronts;
+  std::vector<Fixture> ribs;
   std::vector<std::string> notes;
 };
 
@@ -120,6 +121,7 @@ FaceResult interpret_face(const FaceRays& rays, bool wall, const Random& random)
   FaceResult result;
   if (rays.sigma > kFronts.max_sigma_m) return result;
   FixtureSearch found = find_fixtures(rays, random);
+  result.ribs = found.ribs;
   std::erase_if(found.fixtures, [](const FaceFixture& fixture) {
     return fixture.fixture.confidence < kFronts.min_fixture_confidence;
   });
@@ -130,7 +132,8 @@ FaceResult interpret_face(const FaceRays& rays, bool wall, const Random& random)
     if (is_accepted(placed, found.fixtures, wall))
       result.fronts.push_back(front_of(placed, rays, found.fixtures));
   if (wall && result.fronts.size() < kFronts.min_wall_fronts) result.fronts.clear();
-  if (result.fronts.empty()) return result;  // not furniture: no notes about its fixtures
+  if (result.fronts.empty() && result.ribs.empty())
+    return result;  // not furniture: no notes about its fixtures
   result.notes = found.notes;
   for (const size_t i : layout.unassigned) {
     const Vector3d& at = found.fixtures[i].fixture.centre;
@@ -149,6 +152,18 @@ bool is_wall(const FurnitureFace& face, const std::vector<VerticalPlane>& walls)
            std::abs(wall.normal.dot(middle) - wall.offset) < kFronts.same_wall_m &&
            along > wall.along_min - kFronts.same_wall_m && along < wall.along_max + kFronts.same_wall_m;
   });
+}
+
+/// Whether a front's fixture is a piece of a rib that was found in another face.
+bool is_of_ribs(const Front& front, const std::vector<FaceResult>& results) {
+  const auto near = [&](const Fixture& rib) {
+    const Vector3d d = front.fixture->centre - rib.centre;
+    return d.head<2>().norm() < kFixtures.max_rib_spacing_m &&
+           std::abs(d.z()) < (rib.length + kFixtures.max_rib_spacing_m) / 2;
+  };
+  return front.fixture && std::any_of(results.begin(), results.end(), [&](const FaceResult& result) {
+           return std::any_of(result.ribs.begin(), result.ribs.end(), near);
+         });
 }
 
 }  // namespace
@@ -170,7 +185,8 @@ FrontSearch find_fronts(const Surface& surface, double floor_height, const WallS
   });
   FrontSearch search;
   for (const FaceResult& result : results) {
-    search.fronts.insert(search.fronts.end(), result.fronts.begin(), result.fronts.end());
+    std::copy_if(result.fronts.begin(), result.fronts.end(), std::back_inserter(search.fronts),
+                 [&](const Front& front) { return !is_of_ribs(front, results); });
     search.notes.insert(search.notes.end(), result.notes.begin(), result.notes.end());
   }
   return search;

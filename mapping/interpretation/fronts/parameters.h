@@ -38,7 +38,7 @@ struct FaceParameters {
   double cell_m = 0.004;                   ///< of all rasters over faces: about the width of a seam
   double margin_m = 0.12;                  ///< around a face
   double relief_m = 0.035;                 ///< nearer points belong to the face
-  double fixture_reach_m = 0.09;           ///< handles do not protrude farther
+  double fixture_reach_m = 0.11;           ///< handles do not protrude farther
   double before_m = 0.30;                  ///< rays that end farther before a face do not concern it
   double ground_rank = 0.7;                ///< of the depths around: bars cover less than the rest
   double ground_rank_sigmas = 0.524;       ///< by which that rank of a normal distribution exceeds its mean
@@ -53,6 +53,7 @@ struct FixtureParameters {
   double line_tolerance_m = 0.012;            ///< registration of the scans and half a bar
   int thin_cells = 8;                         ///< patches of one bar are no thicker
   int join_gap_cells = 11;                    ///< a bar may be hidden or missed over this length
+  int join_bars_cells = 14;                   ///< where one of them is long: a bar
   int join_offset_cells = 2;                  ///< between the middle lines of patches of one bar
   double min_protrusion_m = 3 * kRangeSigma;  ///< nearer to the face is noise
   double max_bar_m = 1.3;                     ///< of a fridge
@@ -64,15 +65,20 @@ struct FixtureParameters {
   double max_tilt = 0.35;                     ///< radians; handles are level or upright
   /// Of a cell's points before the face, pass by pass: connected objects separate later.
   std::array<float, 3> min_shares = {0.3F, 0.45F, 0.65F};
-  double min_shown_at_ends = 0.25;  ///< of the cells beyond a bar's ends that are face
-  double min_hit_depth = 0.6;       ///< of its distance from the face; nearer, a ray passed by it
-  double core = 0.38;               ///< of length and width to each side that rays certainly meet
-  size_t min_points = 10;           ///< of a line fit
-  size_t many_points = 40;          ///< so many are not all mixed returns
-  double min_cells_beside = 6;      ///< that rays met, to judge the surroundings
-  double surroundings_m = 0.035;    ///< beside a fixture, in which its front shows
-  double min_shown = 0.4;           ///< of the cells beside it that are face
-  float min_density = 0.07F;        ///< points per cell after smoothing: one within 6 mm
+  double min_shown_at_ends = 0.25;     ///< of the cells beyond a bar's ends that are face
+  double long_bar_m = 0.3;             ///< may be as long as its front …
+  double min_shown_beside_long = 0.7;  ///< … if so much beside it is face
+  double max_rib_spacing_m = 0.16;     ///< between upright bars of one radiator: no fronts are so narrow …
+  size_t min_ribs = 4;                 ///< … in a row of so many
+  double rib_overlap = 0.6;            ///< of the shorter one's height
+  double min_hit_depth = 0.6;          ///< of its distance from the face; nearer, a ray passed by it
+  double core = 0.38;                  ///< of length and width to each side that rays certainly meet
+  size_t min_points = 10;              ///< of a line fit
+  size_t many_points = 40;             ///< so many are not all mixed returns
+  double min_cells_beside = 6;         ///< that rays met, to judge the surroundings
+  double surroundings_m = 0.035;       ///< beside a fixture, in which its front shows
+  double min_shown = 0.4;              ///< of the cells beside it that are face
+  float min_density = 0.07F;           ///< points per cell after smoothing: one within 6 mm
   double half_round = 0.785;     ///< mean distance of a cylinder's visible half from its axis over its radius
   double extend_reach_m = 0.12;  ///< beyond each end of a bar
   double extend_step_m = 0.022;  ///< between consecutive points of a bar
@@ -110,30 +116,35 @@ inline constexpr SeamParameters kSeams;
 
 /// How a face is cut into fronts; tuned on the sample kitchens.
 struct LayoutParameters {
-  double min_z = 6;                ///< of a cut
-  double min_share = 0.6;          ///< of a cut's length that shows it
-  double min_side_m = 0.028;       ///< narrower parts are not cut off
-  double min_weakest = 0.3;        ///< of a line's mean score, along all its length
-  double min_front_m = 0.08;       ///< narrower parts are frames
-  double min_cut_face = 0.08;      ///< of the known cells of a row or column, while the face is cut
-  double min_known = 0.1;          ///< of a row or column that rays met
-  double min_gap_m = 0.015;        ///< wider strips without face separate parts
-  double max_hidden_m = 0.1;       ///< wider strips that no ray met separate parts, too
-  double min_face = 0.4;           ///< of the known cells of a row or column of a front
-  int max_depth = 60;              ///< of the recursion
-  double same_line_m = 0.03;       ///< by which the exact position of a line differs
-  double min_bare_z = 8;           ///< of the seam of a front without fixture
-  double min_bare_m2 = 0.02;       ///< of a front without fixture
-  double proud_m = 0.003;          ///< by which the surroundings of such a front protrude at most
-  double fixture_gap_m = 0.004;    ///< one raster cell between a cut and a fixture
-  double max_settle_m = 0.012;     ///< three raster cells
-  double neighbour_gap_m = 0.012;  ///< three raster cells between neighbouring fronts
-  double shared_edge = 0.5;        ///< of the shorter edge of neighbouring fronts
+  double min_z = 6;                 ///< of a cut
+  double min_share = 0.6;           ///< of a cut's length that shows it
+  double min_side_m = 0.028;        ///< narrower parts are not cut off
+  double min_weakest = 0.3;         ///< of a line's mean score, along all its length
+  double min_front_m = 0.08;        ///< narrower parts are frames
+  double min_cut_face = 0.08;       ///< of the known cells of a row or column, while the face is cut
+  double min_known = 0.1;           ///< of a row or column that rays met
+  double min_gap_m = 0.015;         ///< wider strips without face separate parts
+  double max_hidden_m = 0.1;        ///< wider strips that no ray met separate parts, too
+  double min_face = 0.4;            ///< of the known cells of a row or column of a front
+  int max_depth = 60;               ///< of the recursion
+  double same_line_m = 0.03;        ///< by which the exact position of a line differs
+  double border_confidence = 0.6;   ///< of an edge where the face ends
+  double regular_confidence = 0.3;  ///< of an edge that was not resolved
+  double min_seen = 0.5;            ///< of a front that is face
+  double min_seen_fixed = 0.25;     ///< of one with a fixture, that rays met and is face
+  double min_bare_z = 8;            ///< of the seam of a front without fixture
+  double min_bare_m2 = 0.02;        ///< of a front without fixture
+  double proud_m = 0.003;           ///< by which the surroundings of such a front protrude at most
+  double fixture_gap_m = 0.004;     ///< one raster cell between a cut and a fixture
+  double max_settle_m = 0.012;      ///< three raster cells
+  double neighbour_gap_m = 0.012;   ///< three raster cells between neighbouring fronts
+  double shared_edge = 0.5;         ///< of the shorter edge of neighbouring fronts
 };
 inline constexpr LayoutParameters kLayout;
 
 /// Fronts whose seams were not resolved; tuned on the sample kitchens.
 struct DivisionParameters {
+  double confidence = 0.7;      ///< of the division: there may be other fronts
   double step_m = 0.01;         ///< of possible edges
   double style_step_m = 0.005;  ///< of the common distance between fixture and edge
   double frame_cost = 2.5;      ///< of a frame beside the outermost fronts

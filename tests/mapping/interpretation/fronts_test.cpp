@@ -5,6 +5,7 @@
 
 #include "mapping/base/progress.h"
 #include "mapping/interpretation/fronts/face.h"
+#include "mapping/interpretation/fronts/front_layout.h"
 #include "tests/mapping/interpretation/synthetic_furniture.h"
 
 namespace loci::mapping::test {
@@ -180,6 +181,56 @@ TEST(Fronts, DrawersWithoutVisibleSeamAreDividedByTheirHandlesAndSurenessIsLess)
     const Front* front = front_at(fronts, furniture, -0.3, 0.3, v - 0.12, v + 0.12, 0.8);
     ASSERT_NE(front, nullptr) << v;
     EXPECT_LT(front->confidence, 0.6);
+  }
+}
+
+TEST(Fronts, ConfidenceFollowsTheEdges) {
+  PlacedFront front;
+  for (FrontEdge& edge : front.edges) edge = {FrontEdge::Kind::seam, 20, true, 0};
+  const double seams = front.edge_confidence();
+  for (FrontEdge& edge : front.edges) edge = {};
+  const double borders = front.edge_confidence();
+  for (FrontEdge& edge : front.edges) edge.kind = FrontEdge::Kind::regular;
+  EXPECT_GT(seams, 0.9);
+  EXPECT_LT(borders, 0.8);
+  EXPECT_LT(front.edge_confidence(), borders);
+}
+
+TEST(Fronts, RibsOfARadiatorAreNoHandles) {
+  Furniture radiator;
+  radiator.add_panel(-0.5, 0.5, 0.15, 0.65);
+  for (int rib = 0; rib < 9; ++rib) radiator.add_upright_bar(-0.4 + 0.1 * rib, 0.4, 0.42);
+  for (const uint64_t seed : {1, 2}) EXPECT_EQ(fronts_of_furniture(radiator, seed).size(), 0U);
+}
+
+TEST(Fronts, ABarAsLongAsItsFrontIsAHandle) {
+  Furniture block;
+  block.add_body(-0.3, 0.3, 0.1, 0.85);
+  for (const double v : {0.1, 0.475}) {
+    block.add_panel(-0.297, 0.297, v + 0.003, v + 0.372);
+    block.add_level_bar(0, v + 0.25, 0.585);
+  }
+  const std::vector<Front> fronts = fronts_of_furniture(block, 1);
+  for (const double v : {0.1, 0.475}) {
+    const Front* front = front_at(fronts, block, -0.3, 0.3, v, v + 0.375);
+    ASSERT_NE(front, nullptr) << v;
+    ASSERT_TRUE(front->fixture.has_value()) << v;
+    EXPECT_NEAR(front->fixture->length, 0.585, 0.06);
+  }
+}
+
+TEST(Fronts, AHandleTenCentimetresBeforeItsFrontIsFound) {
+  Furniture block;
+  block.add_body(-0.3, 0.3, 0.1, 0.85);
+  for (const double v : {0.1, 0.475}) {
+    block.add_panel(-0.297, 0.297, v + 0.003, v + 0.372);
+    block.parts.push_back({{0.085, -0.15, v + 0.2}, {0.099, 0.15, v + 0.214}});
+  }
+  const std::vector<Front> fronts = fronts_of_furniture(block, 1);
+  for (const double v : {0.1, 0.475}) {
+    const Front* front = front_at(fronts, block, -0.3, 0.3, v, v + 0.375);
+    ASSERT_NE(front, nullptr) << v;
+    EXPECT_TRUE(front->fixture.has_value()) << v;
   }
 }
 
