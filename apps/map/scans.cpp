@@ -14,8 +14,10 @@
 #include "mapping/exchange/ply.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/fusion/room_mesh.h"
+#include "mapping/image/image_io.h"
 #include "mapping/interpretation/furniture/names.h"
 #include "mapping/interpretation/interpretation.h"
+#include "mapping/orthophoto/photo_interpretation.h"
 #include "mapping/registration/registration.h"
 #include "mapping/tracking/tracking.h"
 #include "mapping/world/urdf.h"
@@ -265,28 +267,51 @@ void move_room(const std::filesystem::path& scans, const mapping::SemanticMap& m
   write_room(mesh, folder);
 }
 
+struct InterpretArguments {
+  std::string scans, out, names_from, recording, orthophotos;
+  mapping::RecordingOptions reading;
+  mapping::InterpretationOptions options;
+};
+
+/// Fronts and handles from the colour frames of the recording that the scans were fused from.
+void add_photos(const InterpretArguments& arguments, mapping::InterpretedMap& map, Session& session) {
+  const auto recording = mapping::open_recording(arguments.recording, arguments.reading);
+  for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
+  const std::vector<mapping::PhotographedFace> faces =
+      interpret_photos(*recording, arguments.options.threads, session.progress(), map);
+  if (arguments.orthophotos.empty()) return;
+  make_folder(arguments.orthophotos);
+  for (size_t i = 0; i < faces.size(); ++i)
+    mapping::write_image(std::filesystem::path(arguments.orthophotos) / fmt::format("face_{:02d}.png", i + 1),
+                         drawn(faces[i]));
+}
+
 }  // namespace
 
 Command interpret_command() {
   return {"interpret",
           "Interpret a scan set as a semantic map",
           {"loci-map interpret demo-output/scans -o demo-output",
-           "loci-map interpret demo-output/scans -o demo-output/map --json"},
+           "loci-map interpret demo-output/scans --recording demo-output/tour -o demo-output/map --json"},
           [](ArgumentTable& table) {
-            struct Arguments {
-              std::string scans, out, names_from;
-              mapping::InterpretationOptions options;
-            };
-            auto arguments = std::make_shared<Arguments>();
+            auto arguments = std::make_shared<InterpretArguments>();
             table.positional("SCANS", &arguments->scans, "Folder of a scan set, or a PCD file");
             table.output("FOLDER", &arguments->out, "Folder of the map");
             table.option("--names-from MAP", &arguments->names_from,
                          "Older map (URDF) of the same kitchen, whose names are kept");
+            table.option("--recording RECORDING", &arguments->recording,
+                         "Recording that the scans were fused from: fronts and handles are sought in its "
+                         "colour frames, too");
+            table.option("--orthophotos FOLDER", &arguments->orthophotos,
+                         "Folder for an image of each furniture face: fronts and handles drawn over it",
+                         {.needs = {"--recording"}});
+            table.options(table_of(arguments->reading), "Recording");
             table.options(table_of(arguments->options), "Interpretation");
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
               const mapping::ScanSet scans = mapping::read_scan_set(arguments->scans);
               mapping::InterpretedMap map = interpret(scans, arguments->options, session.progress());
+              if (!arguments->recording.empty()) add_photos(*arguments, map, session);
               for (const std::string& note : map.notes) session.warnings().add(note);
               for (const mapping::StageTime& time : map.times) session.timing(time.stage, time.seconds);
               if (!map.usable())

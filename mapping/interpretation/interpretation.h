@@ -2,6 +2,7 @@
 
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
+#include "mapping/interpretation/fronts/furniture_face.h"
 #include "mapping/sensor/scan.h"
 #include "mapping/world/furniture.h"
 #include "mapping/world/semantic_map.h"
@@ -29,12 +30,13 @@ struct StageTime {
 
 /// The map that an interpretation yields, with evidence and notes about what was not recognised.
 struct InterpretedMap {
-  World world;                     ///< floor, walls, supports as links with visual, collision and inertia
-  std::vector<Front> fronts;       ///< furniture fronts with fixtures and joints, as in their links
-  double room_yaw = 0;             ///< of the room's main directions in the map, radians
-  SemanticMap semantics;           ///< class, geometry, confidence, evidence of each link
-  std::vector<std::string> notes;  ///< e.g. "no free-space evidence: the input is a bare cloud"
-  Json configuration;              ///< the effective options
+  World world;                       ///< floor, walls, supports as links with visual, collision and inertia
+  std::vector<Front> fronts;         ///< furniture fronts with fixtures and joints, as in their links
+  std::vector<FurnitureFace> faces;  ///< vertical planes that may be furniture, with or without fronts
+  double room_yaw = 0;               ///< of the room's main directions in the map, radians
+  SemanticMap semantics;             ///< class, geometry, confidence, evidence of each link
+  std::vector<std::string> notes;    ///< e.g. "no free-space evidence: the input is a bare cloud"
+  Json configuration;                ///< the effective options
   std::vector<StageTime> times;
 
   /// Whether anything was recognised; otherwise the notes say why not.

@@ -170,7 +170,10 @@ bool is_of_ribs(const Front& front, const std::vector<FaceResult>& results) {
 
 FrontSearch find_fronts(const Surface& surface, double floor_height, const WallSearch& vertical,
                         const InterpretationOptions& options, Progress& progress) {
-  const std::vector<FurnitureFace> faces = find_faces(surface, floor_height);
+  FrontSearch search;
+  search.faces = find_faces(surface, floor_height);
+  std::vector<FurnitureFace>& faces = search.faces;
+  for (FurnitureFace& face : faces) face.wall = is_wall(face, vertical.walls);
   progress.check(0.2, "furniture faces");
   std::vector<FaceRays> rays(faces.size());
   parallel_for(faces.size(), options.threads, [&](size_t begin, size_t end) {
@@ -180,10 +183,8 @@ FrontSearch find_fronts(const Surface& surface, double floor_height, const WallS
   std::vector<FaceResult> results(rays.size());
   const Random random(kFronts.seed);
   parallel_for(rays.size(), options.threads, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i)
-      results[i] = interpret_face(rays[i], is_wall(rays[i].face, vertical.walls), random.fork(i));
+    for (size_t i = begin; i < end; ++i) results[i] = interpret_face(rays[i], faces[i].wall, random.fork(i));
   });
-  FrontSearch search;
   for (const FaceResult& result : results) {
     std::copy_if(result.fronts.begin(), result.fronts.end(), std::back_inserter(search.fronts),
                  [&](const Front& front) { return !is_of_ribs(front, results); });

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/interpretation/fronts/furniture_face.h"
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/interpretation/surfaces/surface.h"
 #include "mapping/interpretation/surfaces/walls.h"
@@ -12,7 +13,8 @@ namespace loci::mapping {
 
 struct FrontSearch {
   std::vector<Front> fronts;
-  std::vector<std::string> notes;  ///< what was rejected and why
+  std::vector<FurnitureFace> faces;  ///< all that were searched
+  std::vector<std::string> notes;    ///< what was rejected and why
 };
 
 /// Furniture fronts with their handles and knobs (§7.4): cuts vertical furniture faces along seams, edges,

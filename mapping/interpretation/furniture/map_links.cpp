@@ -250,15 +250,17 @@ void add_named(std::vector<Front> fronts, InterpretedMap& map) {
 
 }  // namespace
 
+void set_prior_joint(Front& front) {
+  const JointEstimate joint = joint_prior(front);
+  const bool probable =
+      joint.probabilities[static_cast<size_t>(joint.type)] >= kFurniture.min_joint_probability;
+  if (!front.fixture && !probable) return;
+  front.joint = joint;
+  front.class_name = front_class(front, joint);
+}
+
 void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, InterpretedMap& map) {
-  for (Front& front : fronts) {
-    const JointEstimate joint = joint_prior(front);
-    const bool probable =
-        joint.probabilities[static_cast<size_t>(joint.type)] >= kFurniture.min_joint_probability;
-    if (!front.fixture && !probable) continue;
-    front.joint = joint;
-    front.class_name = front_class(front, joint);
-  }
+  for (Front& front : fronts) set_prior_joint(front);
   map.room_yaw = room.yaw;
   add_named(std::move(fronts), map);
 }

@@ -1,0 +1,330 @@
+#include "mapping/orthophoto/bars.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+
+#include "mapping/base/json.h"
+#include "mapping/base/math.h"
+#include "mapping/orthophoto/parameters.h"
+
+namespace loci::mapping {
+namespace {
+
+/// A bar as seen in the orthophoto, pixels; level bars lie along columns.
+struct SeenBar {
+  bool level = true;
+  double along0 = 0, along1 = 0;  ///< ends
+  double across = 0;              ///< middle line
+  double width = 0;
+  double length() const { return along1 - along0 + 1; }
+  double score = 0;   ///< mean contrast against both sides over its noise
+  double beyond = 0;  ///< the same beyond its ends, at the end where it is higher, over `score`
+};
+
+/// How much each pixel differs from both flanks in the same sense, for a bar of `width` rows.
+cv::Mat contrast(const cv::Mat& image, int width) {
+  const int flank = std::max(2, width);
+  const int reach = width / 2 + 1 + (flank + 1) / 2;  // From the middle of the bar to that of a flank.
+  cv::Mat middle, side, difference[2];
+  cv::blur(image, middle, {kBars.smooth_px, width});
+  cv::blur(image, side, {kBars.smooth_px, flank});
+  for (int i = 0; i < 2; ++i) {
+    cv::Mat moved;
+    const cv::Mat by = (cv::Mat_<double>(2, 3) << 1, 0, 0, 0, 1, i == 0 ? -reach : reach);
+    cv::warpAffine(side, moved, by, side.size(), cv::INTER_NEAREST | cv::WARP_INVERSE_MAP,
+                   cv::BORDER_REPLICATE);
+    difference[i] = middle - moved;
+  }
+  cv::Mat result(image.size(), CV_32F);
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x) {
+      const auto dot =
+          static_cast<float>(difference[0].at<cv::Vec3f>(y, x).dot(difference[1].at<cv::Vec3f>(y, x)));
+      result.at<float>(y, x) = std::sqrt(std::max(0.F, dot));
+    }
+  return result;
+}
+
+/// Median of the values where a mask is set; 0 without any.
+double masked_median(const cv::Mat& values, const cv::Mat& mask) {
+  std::vector<float> chosen;
+  for (int y = 0; y < values.rows; ++y)
+    for (int x = 0; x < values.cols; ++x)
+      if (mask.at<uint8_t>(y, x) != 0) chosen.push_back(values.at<float>(y, x));
+  return chosen.empty() ? 0 : static_cast<double>(median(std::move(chosen)));
+}
+
+/// Pixels of the face itself.
+cv::Mat face_mask(const Orthophoto& photo) {
+  cv::Mat mask(photo.color.size(), CV_8U, cv::Scalar(0));
+  for (int y = 0; y < mask.rows; ++y)
+    for (int x = 0; x < mask.cols; ++x) {
+      const float relief = photo.relief.at<float>(y, x);
+      if (photo.weight.at<float>(y, x) > 0 && std::abs(relief) < static_cast<float>(kBars.face_relief_m))
+        mask.at<uint8_t>(y, x) = 255;
+    }
+  return mask;
+}
+
+/// Median of a score along a row, with its neighbours.
+double median_ridge(const cv::Mat& scores, int x0, int x1, int y) {
+  std::vector<float> values;
+  for (int x = std::max(0, x0); x < std::min(scores.cols, x1); ++x) {
+    float best = 0;
+    for (int row = std::max(0, y - 1); row <= std::min(scores.rows - 1, y + 1); ++row)
+      best = std::max(best, scores.at<float>(row, x));
+    values.push_back(best);
+  }
+  return values.empty() ? 0 : static_cast<double>(median(std::move(values)));
+}
+
+/// The straight bar among the ridge pixels of a component: its strongest row and what lies along it. Unset
+/// when too little does.
+std::optional<SeenBar> bar_in(const cv::Rect& box, const std::function<bool(int, int)>& is_ridge,
+                              const cv::Mat& scores, const cv::Mat& widths) {
+  std::vector<cv::Point> pixels;
+  std::vector<double> rows(static_cast<size_t>(box.height), 0);
+  for (int y = box.y; y < box.y + box.height; ++y)
+    for (int x = box.x; x < box.x + box.width; ++x)
+      if (is_ridge(x, y)) {
+        pixels.emplace_back(x, y);
+        rows[static_cast<size_t>(y - box.y)] += static_cast<double>(scores.at<float>(y, x));
+      }
+  const int middle = box.y + static_cast<int>(std::max_element(rows.begin(), rows.end()) - rows.begin());
+  std::erase_if(pixels,
+                [&](const cv::Point& pixel) { return std::abs(pixel.y - middle) > kBars.max_wander_px; });
+  std::vector<float> all;
+  for (const cv::Point& pixel : pixels) all.push_back(scores.at<float>(pixel));
+  // Smoothing along the bar prolongs it to where half of its contrast is left.
+  const float half = median(std::move(all)) / 2;
+  std::erase_if(pixels, [&](const cv::Point& pixel) { return scores.at<float>(pixel) < half; });
+  std::vector<int> columns;
+  std::vector<float> chosen, width;
+  for (const cv::Point& pixel : pixels) {
+    columns.push_back(pixel.x);
+    chosen.push_back(scores.at<float>(pixel));
+    width.push_back(static_cast<float>(widths.at<int>(pixel)));
+  }
+  SeenBar bar;
+  bar.along0 = *std::min_element(columns.begin(), columns.end());
+  bar.along1 = *std::max_element(columns.begin(), columns.end());
+  bar.across = middle;
+  bar.width = static_cast<double>(median(std::move(width)));
+  bar.score = static_cast<double>(median(std::move(chosen)));
+  if (static_cast<double>(pixels.size()) < kBars.min_filled * bar.length()) return std::nullopt;
+  return bar;
+}
+
+/// Level bars of an image (upright ones of its transpose).
+std::vector<SeenBar> seen_bars(const cv::Mat& image, const cv::Mat& mask, double pixel_m) {
+  cv::Mat strongest(image.size(), CV_32F, cv::Scalar(0)), widths(image.size(), CV_32S, cv::Scalar(0));
+  for (const int width : kBars.widths_px) {
+    cv::Mat score = contrast(image, width);
+    const double noise = std::max(1.4826 * masked_median(score, mask), kBars.min_noise);
+    score *= 1 / noise;
+    for (int y = 0; y < score.rows; ++y)
+      for (int x = 0; x < score.cols; ++x)
+        if (score.at<float>(y, x) > strongest.at<float>(y, x)) {
+          strongest.at<float>(y, x) = score.at<float>(y, x);
+          widths.at<int>(y, x) = width;
+        }
+  }
+  // Ridges: a bar's middle line is stronger than what is above and below.
+  cv::Mat around, ridge(image.size(), CV_8U, cv::Scalar(0));
+  cv::dilate(strongest, around, cv::Mat::ones(5, 1, CV_8U));
+  for (int y = 0; y < ridge.rows; ++y)
+    for (int x = 0; x < ridge.cols; ++x)
+      if (strongest.at<float>(y, x) > static_cast<float>(kBars.min_score) &&
+          strongest.at<float>(y, x) >= around.at<float>(y, x))
+        ridge.at<uint8_t>(y, x) = 255;
+  const int gap = static_cast<int>(kBars.max_gap_m / pixel_m);
+  cv::Mat joined, labels, stats, centres;
+  cv::morphologyEx(ridge, joined, cv::MORPH_CLOSE, cv::Mat::ones(1, gap | 1, CV_8U));
+  const int count = cv::connectedComponentsWithStats(joined, labels, stats, centres);
+  std::vector<SeenBar> bars;
+  for (int i = 1; i < count; ++i) {
+    if (stats.at<int>(i, cv::CC_STAT_WIDTH) * pixel_m < kBars.min_length_m) continue;
+    const cv::Rect box(stats.at<int>(i, cv::CC_STAT_LEFT), stats.at<int>(i, cv::CC_STAT_TOP),
+                       stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT));
+    std::optional<SeenBar> bar = bar_in(
+        box, [&](int x, int y) { return labels.at<int>(y, x) == i && ridge.at<uint8_t>(y, x) != 0; },
+        strongest, widths);
+    if (!bar || bar->length() * pixel_m < kBars.min_length_m || bar->length() * pixel_m > kFixtures.max_bar_m)
+      continue;
+    for (const bool at_end : {false, true}) {
+      const int reach = static_cast<int>(kBars.beyond_m / pixel_m), blur = kBars.smooth_px;
+      const int x0 =
+          at_end ? static_cast<int>(bar->along1) + blur : static_cast<int>(bar->along0) - blur - reach;
+      bar->beyond = std::max(
+          bar->beyond, median_ridge(strongest, x0, x0 + reach, static_cast<int>(bar->across)) / bar->score);
+    }
+    bars.push_back(*bar);
+  }
+  return bars;
+}
+
+class BarFinder {
+ public:
+  explicit BarFinder(const Orthophoto& photo) : photo_(photo), mask_(face_mask(photo)) {}
+
+  std::vector<FaceFixture> run() {
+    cv::Mat image;
+    photo_.color.convertTo(image, CV_32FC3, 1.0 / 255);
+    std::vector<SeenBar> bars = seen_bars(image, mask_, photo_.pixel_m);
+    std::vector<SeenBar> upright = seen_bars(image.t(), mask_.t(), photo_.pixel_m);
+    for (SeenBar& bar : upright) bar.level = false;
+    bars.insert(bars.end(), upright.begin(), upright.end());
+    std::stable_sort(bars.begin(), bars.end(),
+                     [](const SeenBar& a, const SeenBar& b) { return a.score > b.score; });
+    for (const SeenBar& bar : bars) consider(bar);
+    return std::move(bars_);
+  }
+
+ private:
+  cv::Rect rect_of(const SeenBar& bar, double margin_m) const {
+    const double margin = margin_m / photo_.pixel_m;
+    const double half = bar.width / 2 + margin;
+    const auto at = [](double value) { return static_cast<int>(std::lround(value)); };
+    const int a0 = at(bar.along0 - margin), a1 = at(bar.along1 + margin) + 1;
+    const int c0 = at(bar.across - half), c1 = at(bar.across + half) + 1;
+    return bar.level ? cv::Rect(a0, c0, a1 - a0, c1 - c0) : cv::Rect(c0, a0, c1 - c0, a1 - a0);
+  }
+
+  /// Share of a rectangle's pixels that are face.
+  double face_share(const cv::Rect& rect) const {
+    const cv::Rect inside = rect & cv::Rect({}, mask_.size());
+    if (inside.area() < rect.area() * 2 / 3) return 0;
+    return static_cast<double>(cv::countNonZero(mask_(inside))) / inside.area();
+  }
+
+  /// The face shows on both sides and beyond both ends.
+  double surroundings(const SeenBar& bar) const {
+    const double reach = kBars.surroundings_m / photo_.pixel_m;
+    SeenBar side = bar;
+    double share = 1;
+    side.width = reach;
+    for (const double sign : {-1.0, 1.0}) {
+      side.across = bar.across + sign * (bar.width / 2 + reach / 2 + 1);
+      share = std::min(share, face_share(rect_of(side, 0)));
+    }
+    return share;
+  }
+
+  void consider(const SeenBar& bar) {
+    const cv::Rect box = rect_of(bar, 0);
+    const FaceRect rect = {photo_.u(box.x - 0.5), photo_.u(box.x + box.width - 0.5),
+                           photo_.v(box.y + box.height - 0.5), photo_.v(box.y - 0.5)};
+    if (bar.beyond > kBars.max_continuation || surroundings(bar) < kBars.min_beside) return;
+    if (ends_at_edge(bar)) return;
+    double relief_sd = 0;
+    const double relief = relief_of(bar, relief_sd);
+    if (relief < -kBars.max_recess_sigmas * relief_sd) return;
+    add(bar, rect, relief);
+  }
+
+  /// Mean colour of a part of the image; NaN outside.
+  cv::Vec3d color_of(const cv::Rect& rect) const {
+    const cv::Rect inside = rect & cv::Rect({}, mask_.size());
+    if (inside.area() < rect.area() / 2) return cv::Vec3d::all(std::nan(""));
+    const cv::Scalar mean = cv::mean(photo_.color(inside), photo_.weight(inside) > 0);
+    return {mean[0], mean[1], mean[2]};
+  }
+
+  /// Whether other surfaces begin where the bar ends, as at the ends of a seam: the face beyond a handle
+  /// looks like the face beside it.
+  bool ends_at_edge(const SeenBar& bar) const {
+    const double reach = kBars.surroundings_m / photo_.pixel_m, gap = kBars.smooth_px / 2.0;
+    SeenBar side = bar;
+    side.width = reach / 2;
+    const auto beside = [&](double sign, double from, double to) {
+      side.across = bar.across + sign * (bar.width / 2 + 2 + reach / 4);
+      side.along0 = from;
+      side.along1 = to;
+      return color_of(rect_of(side, 0));
+    };
+    const cv::Vec3d own = color_of(rect_of(bar, 0));
+    int edges = 0;
+    for (const bool at_end : {false, true}) {
+      const double end = at_end ? bar.along1 : bar.along0, out = at_end ? 1 : -1;
+      double change = 1e9;  // Stays where nothing is known.
+      // A handle may be in the corner of its front: one side is enough.
+      for (const double sign : {-1.0, 1.0}) {
+        const auto strip = [&](double from, double to) {
+          const double a = end + out * from, b = end + out * to;
+          return beside(sign, std::min(a, b), std::max(a, b));
+        };
+        const cv::Vec3d inner = strip(-gap - reach, -gap), outer = strip(gap, gap + reach);
+        const double ratio = cv::norm(outer - inner) / cv::norm(own - inner);
+        if (!std::isnan(ratio)) change = std::min(change, ratio);
+      }
+      if (change > kBars.max_end_change && change < 1e9) ++edges;
+    }
+    return edges == 2;
+  }
+
+  /// Relief of a bar against its flanks, with its standard deviation.
+  double relief_of(const SeenBar& bar, double& sd) const {
+    const auto mean = [&](double offset, double width, double& variance) {
+      SeenBar part = bar;
+      part.across += offset;
+      part.width = width;
+      const cv::Rect rect = rect_of(part, 0) & cv::Rect({}, mask_.size());
+      double sum = 0, weight = 0;
+      for (int y = rect.y; y < rect.y + rect.height; ++y)
+        for (int x = rect.x; x < rect.x + rect.width; ++x) {
+          const auto value = static_cast<double>(photo_.relief.at<float>(y, x));
+          const auto own = static_cast<double>(photo_.relief_sd.at<float>(y, x));
+          if (std::isnan(value)) continue;
+          sum += value / (own * own);
+          weight += 1 / (own * own);
+        }
+      // Pixels of the depth camera are larger than those of the orthophoto: about ten share a measurement.
+      variance += weight > 0 ? 10 / weight : 1;
+      return weight > 0 ? sum / weight : 0;
+    };
+    double variance = 0;
+    const double reach = kBars.surroundings_m / photo_.pixel_m / 2;
+    double flanks = 0;
+    for (const double side : {-1.0, 1.0})
+      flanks += mean(side * (bar.width / 2 + 2 + reach / 2), reach, variance) / 2;
+    variance /= 4;
+    const double own = mean(0, bar.width + 2, variance);
+    sd = std::sqrt(variance);
+    return own - flanks;
+  }
+
+  void add(const SeenBar& bar, const FaceRect& seen, double relief) {
+    const double protrusion = std::clamp(relief, kBars.usual_protrusion_m, kBars.max_protrusion_m);
+    FaceFixture found;
+    found.box = seen;
+    for (const FaceFixture& other : bars_)
+      if (other.box.grown(kBars.same_bar_m).intersects(found.box)) return;
+    found.u = found.box.u();
+    found.v = found.box.v();
+    Fixture& fixture = found.fixture;
+    fixture.kind = Fixture::Kind::handle;
+    fixture.centre = photo_.in_map({found.u, found.v}, protrusion);
+    fixture.axis = bar.level ? photo_.face.right3() : Vector3d::UnitZ();
+    fixture.length = bar.length() * photo_.pixel_m;
+    fixture.radius = std::clamp(bar.width * photo_.pixel_m / 2, 0.003, 0.03);
+    fixture.protrusion = protrusion;
+    fixture.confidence = bar.score / (bar.score + kBars.half_score);
+    fixture.evidence = {{"contrast", bar.score}, {"relief_m", relief}};
+    bars_.push_back(std::move(found));
+  }
+
+  const Orthophoto& photo_;
+  cv::Mat mask_;
+  std::vector<FaceFixture> bars_;
+};
+
+}  // namespace
+
+std::vector<FaceFixture> find_bars(const Orthophoto& photo) {
+  return BarFinder(photo).run();
+}
+
+}  // namespace loci::mapping

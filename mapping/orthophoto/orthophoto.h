@@ -1,0 +1,47 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <optional>
+#include <vector>
+
+#include "mapping/interpretation/fronts/furniture_face.h"
+#include "mapping/recording/recording.h"
+
+namespace loci::mapping {
+
+/// Images of a furniture face as from an infinite distance before it. The first row is at the top, the first
+/// column at the left of a person before the face; all images have one size. A pixel stands for the rays that
+/// cross the plane there: what stands before the plane is displaced by `slope` times its relief.
+struct Orthophoto {
+  FurnitureFace face;
+  double pixel_m = 0;          ///< size of a pixel
+  double u0 = 0, v0 = 0;       ///< left edge of the first column, lower edge of the last row
+  double roll = 0;             ///< radians by which the images were turned about their middle, clockwise
+  cv::Mat color;               ///< CV_8UC3, BGR; black where nothing was seen
+  cv::Mat weight;              ///< CV_32F, sum of the weights of the frames; 0 = not seen
+  cv::Mat relief;              ///< CV_32F, metres before the plane; NaN = not measured
+  cv::Mat relief_sd;           ///< CV_32F, metres, of the relief
+  cv::Mat slope;               ///< CV_32FC2, mean change of (u, v) of the rays per metre towards the observer
+  std::vector<size_t> frames;  ///< numbers of the frames used
+
+  int width() const { return color.cols; }
+  int height() const { return color.rows; }
+  double u(double column) const { return u0 + (column + 0.5) * pixel_m; }
+  double v(double row) const { return v0 + (height() - row - 0.5) * pixel_m; }
+  double column(double u) const { return (u - u0) / pixel_m - 0.5; }
+  double row(double v) const { return height() - 0.5 - (v - v0) / pixel_m; }
+  /// The point of the map that the images show at (u, v), when it stands `depth` before the plane.
+  Vector3d in_map(const Vector2d& at, double depth = 0) const;
+};
+
+/// Projects the colour frames that see a face onto its plane and fuses them by a weighted median; sharp, near
+/// and frontal views weigh more. Depth images give the relief. Drift of each frame is removed first: along
+/// the normal and in tilt by its depths, in the plane by its edges. Frames without pose or colour are not
+/// used. Last the images are turned by up to two degrees so that most lines are level and upright: a map that
+/// leans there would blur them. `map_from_camera`: pose of each frame in the map. Same result on any number
+/// of threads.
+Orthophoto make_orthophoto(const Recording& recording,
+                           const std::vector<std::optional<Isometry3d>>& map_from_camera,
+                           const FurnitureFace& face, int threads);
+
+}  // namespace loci::mapping

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "mapping/interpretation/fronts/parameters.h"
+
+namespace loci::mapping {
+
+/// Orthophotos of furniture faces.
+struct PhotoParameters {
+  double pixel_m = 0.003;                    ///< a colour pixel of a 640 × 480 camera at 1.6 m
+  double min_area_m2 = 0.12;                 ///< of a face: smaller than two drawers is clutter
+  double margin_m = 0.08;                    ///< around a face
+  double max_range_m = 4;                    ///< of a frame: a pixel is 7 mm there
+  double min_cosine = 0.25;                  ///< of incidence: flatter views stretch pixels fourfold
+  double probe_m = 0.10;                     ///< between the places by which frames are chosen
+  size_t frames_per_probe = 8;               ///< the best of each place
+  size_t max_frames = 48;                    ///< of a face: a median gains little beyond, memory grows
+  double before_m = kFaces.fixture_reach_m;  ///< nearer surfaces hide the face
+  double behind_m = kFaces.relief_m;         ///< farther ones are seen beside it
+  double unmeasured_weight = 0.3;            ///< of colours without depth: something may hide the face
+  double fit_reach_m = 6 * kRangeSigma;      ///< from the plane, of the depths that correct a frame
+  double max_drift_m = 0.05;                 ///< of a frame along the normal
+  double max_tilt = 0.03;                    ///< of a frame: 1.7 degrees
+  double min_spread_m2 = 0.01;               ///< variance of depths along an axis that shows a tilt
+  size_t min_fit_points = 200;               ///< of a frame's plane
+  int fit_step_px = 4;                       ///< between them
+  int align_step_px = 2;                     ///< pixels of the orthophoto per pixel of an alignment
+  double max_shift_m = 0.03;                 ///< of a frame in the plane
+  double min_overlap_m2 = 0.08;              ///< with the other frames, for an alignment
+  double min_correlation = 0.3;              ///< of the gradients, for an alignment
+  double roll_step = 0.00175;                ///< radians, a tenth of a degree
+  int roll_steps = 30;                       ///< to each side
+  double min_roll_gain = 1.02;               ///< of the straightness, to turn an image at all
+  int align_rounds = 2;                      ///< alternating shifts and medians settle
+};
+inline constexpr PhotoParameters kPhoto;
+
+/// Bars in orthophotos.
+struct BarParameters {
+  std::array<int, 3> widths_px = {2, 4, 6};  ///< 6 to 18 mm
+  int smooth_px = 7;                         ///< along a bar: a third of the shortest
+  double min_noise = 0.004;                  ///< of contrasts: one grey level
+  double min_score = 4;                      ///< contrast over its noise
+  double max_gap_m = 0.02;                   ///< in a bar
+  double min_length_m = 0.06;                ///< shorter ones are knobs, which views do not show as bars
+  int max_wander_px = 2;                     ///< of a bar from its middle line
+  double min_filled = 0.7;                   ///< of its length that is stronger than its surroundings
+  double face_relief_m = kFaces.relief_m;    ///< nearer to the plane is face
+  double surroundings_m = 0.025;             ///< beside a bar, in which the face shows
+  double min_beside = 0.6;                   ///< of these pixels
+  double beyond_m = 0.06;                    ///< beyond each end, where seams and edges continue
+  double max_continuation = 0.4;             ///< of its contrast there, over that of the bar
+  double max_end_change = 0.7;       ///< of the face's colour beyond an end, over the contrast of the bar
+  double max_recess_sigmas = 2;      ///< by which a bar lies behind its flanks: seams do
+  double usual_protrusion_m = 0.03;  ///< of bars that depth does not resolve
+  double max_protrusion_m = 0.06;    ///< of usual hardware
+  double half_score = 8;             ///< twice the minimum: confidence 0.5
+  double same_bar_m = 0.03;          ///< between two findings of one bar and its shadow
+};
+inline constexpr BarParameters kBars;
+
+/// Seams and edges in orthophotos.
+struct LineParameters {
+  int chunk_px = 13;        ///< along a line: 4 cm
+  int core_px = 3;          ///< of a seam, blurred by the camera
+  int flank_px = 5;         ///< on each side, with which it is compared
+  double min_sd = 0.004;    ///< one grey level
+  float max_z = 6;          ///< influence of one chunk
+  float shown_z = 1;        ///< a chunk with more shows the line
+  double min_known = 0.6;   ///< of the chunks
+  double min_z = 6;         ///< of a cut
+  double min_share = 0.75;  ///< of a cut's chunks that show it
+};
+inline constexpr LineParameters kLines;
+
+/// Fronts in orthophotos. Values are log likelihoods.
+struct PhotoFrontParameters {
+  double min_side_m = 0.08;    ///< of a front
+  double min_strip_m = 0.05;   ///< between cuts: edges are blurred
+  double min_face = 0.5;       ///< of the known pixels of a row or column of a front
+  double min_known = 0.3;      ///< of the pixels of a row or column of a front
+  double hidden_m = 0.02;      ///< around bars: their shadows
+  double bar_margin_m = 0.01;  ///< between a bar and the edge of its front
+  double max_width_m = kFronts.max_width_m;
+  double max_area_m2 = kFronts.max_area_m2;
+  double front_value = 2;    ///< of a front with a bar where bars are, against none
+  double extra_bar = 2;      ///< cost of a further bar in a front
+  double bare_cost = 1.5;    ///< of a part without a bar: fronts have one where others have
+  double bare_side_m = 0.2;  ///< of such a part: larger than plinths and slabs
+  double line_cost = 0.25;   ///< of a line across a front, per standard score
+  double max_line_z = 12;    ///< more makes a line no more certain: shadows are strong, too
+  int min_resolved = 2;      ///< edges of a front that are lines
+  int max_depth = 40;        ///< of the recursion
+};
+inline constexpr PhotoFrontParameters kPhotoFronts;
+
+}  // namespace loci::mapping

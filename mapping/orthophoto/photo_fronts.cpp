@@ -1,0 +1,205 @@
+#include "mapping/orthophoto/photo_fronts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <opencv2/imgproc.hpp>
+
+#include "mapping/articulation/articulation.h"
+#include "mapping/base/json.h"
+#include "mapping/base/math.h"
+#include "mapping/orthophoto/bars.h"
+#include "mapping/orthophoto/lines.h"
+#include "mapping/orthophoto/parameters.h"
+
+namespace loci::mapping {
+namespace {
+
+enum Side : size_t { left, right, bottom, top };
+constexpr std::array<const char*, 4> kSideNames = {"left", "right", "bottom", "top"};
+
+struct Edge {
+  std::string kind = "border";  ///< border, seam, step, regular
+  double z = 0;
+};
+
+/// A part of the orthophoto; columns [x0, x1), rows [y0, y1).
+struct Part {
+  int x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+  std::array<Edge, 4> edges;
+
+  int width() const { return x1 - x0; }
+  int height() const { return y1 - y0; }
+  cv::Rect rect() const { return {x0, y0, width(), height()}; }
+};
+
+/// Pixels of bars: a row of handles would look like a level seam.
+cv::Mat hidden(const Orthophoto& photo, const std::vector<FaceFixture>& bars) {
+  cv::Mat mask(photo.color.size(), CV_8U, cv::Scalar(0));
+  for (const FaceFixture& bar : bars) {
+    const FaceRect box = bar.box.grown(kPhotoFronts.hidden_m);
+    cv::rectangle(mask, cv::Point2d(photo.column(box.u0), photo.row(box.v1)),
+                  cv::Point2d(photo.column(box.u1), photo.row(box.v0)), 255, cv::FILLED);
+  }
+  return mask;
+}
+
+class PhotoLayout {
+ public:
+  PhotoLayout(const Orthophoto& photo)
+      : photo_(photo),
+        bars_(find_bars(photo)),
+        lines_(photo, hidden(photo, bars_)),
+        min_side_(px(kPhotoFronts.min_side_m)) {
+    known_ = (photo.relief == photo.relief) & (photo.weight > 0);
+    face_ = (cv::abs(photo.relief) < kBars.face_relief_m) & known_;
+  }
+
+  std::vector<Front> run() {
+    Part whole;
+    whole.x1 = photo_.width();
+    whole.y1 = photo_.height();
+    shrink(whole);
+    if (whole.width() > min_side_ && whole.height() > min_side_) return best_layout(whole, 0).fronts;
+    return {};
+  }
+
+ private:
+  int px(double metres) const { return static_cast<int>(std::lround(metres / photo_.pixel_m)); }
+
+  /// Trims rows and columns at the border that are not of the face.
+  void shrink(Part& part) const {
+    const auto share = [&](int x0, int y0, int w, int h) {
+      const cv::Rect strip(x0, y0, w, h);
+      const int known = cv::countNonZero(known_(strip));
+      if (known < kPhotoFronts.min_known * w * h) return 0.0;
+      return static_cast<double>(cv::countNonZero(face_(strip))) / known;
+    };
+    for (int round = 0; round < 2; ++round) {
+      while (part.width() > 1 && share(part.x0, part.y0, 1, part.height()) < kPhotoFronts.min_face) ++part.x0;
+      while (part.width() > 1 && share(part.x1 - 1, part.y0, 1, part.height()) < kPhotoFronts.min_face)
+        --part.x1;
+      while (part.height() > 1 && share(part.x0, part.y0, part.width(), 1) < kPhotoFronts.min_face) ++part.y0;
+      while (part.height() > 1 && share(part.x0, part.y1 - 1, part.width(), 1) < kPhotoFronts.min_face)
+        --part.y1;
+    }
+  }
+
+  struct Layout {
+    double value = 0;
+    std::vector<Front> fronts;
+  };
+
+  /// The best of one front and of the layouts on both sides of the strongest upright and the strongest level
+  /// line.
+  const Layout& best_layout(const Part& part, int depth) {
+    const auto [known, fresh] = layouts_.try_emplace({part.x0, part.x1, part.y0, part.y1});
+    Layout& best = known->second;
+    if (!fresh || part.width() < min_side_ || part.height() < min_side_) return best;
+    const int strip = px(kPhotoFronts.min_strip_m);
+    const PhotoLine upright = lines_.strongest(true, part.x0 + strip, part.x1 - strip, part.y0, part.y1);
+    const PhotoLine level = lines_.strongest(false, part.y0 + strip, part.y1 - strip, part.x0, part.x1);
+    best = one_front(part);
+    best.value -= kPhotoFronts.line_cost * std::min(std::max(upright.z, level.z), kPhotoFronts.max_line_z);
+    if (depth > kPhotoFronts.max_depth) return best;
+    for (const bool along_u : {true, false}) {
+      const PhotoLine& line = along_u ? upright : level;
+      if (line.kind == PhotoLine::Kind::none) continue;
+      const Edge edge{line.kind == PhotoLine::Kind::seam ? "seam" : "step", line.z};
+      Part low = part, high = part;
+      if (along_u) {
+        low.x1 = high.x0 = line.position;
+        low.edges[right] = high.edges[left] = edge;
+      } else {
+        low.y1 = high.y0 = line.position;
+        low.edges[bottom] = high.edges[top] = edge;
+      }
+      Layout cut = best_layout(low, depth + 1);
+      const Layout& other = best_layout(high, depth + 1);
+      cut.value += other.value;
+      cut.fronts.insert(cut.fronts.end(), other.fronts.begin(), other.fronts.end());
+      if (cut.value >= best.value) best = std::move(cut);
+    }
+    return best;
+  }
+
+  /// A part as one front with the bar that suits it best.
+  Layout one_front(Part part) {
+    Layout layout;
+    shrink(part);
+    const FaceRect rect = rect_of(part);
+    if (part.width() < min_side_ || part.height() < min_side_ || rect.width() > kPhotoFronts.max_width_m ||
+        rect.width() * rect.height() > kPhotoFronts.max_area_m2)
+      return layout;
+    const auto resolved = std::count_if(part.edges.begin(), part.edges.end(),
+                                        [](const Edge& edge) { return edge.kind != "border"; });
+    if (resolved < kPhotoFronts.min_resolved) return layout;
+    const FaceRect core = rect.grown(-kPhotoFronts.bar_margin_m);
+    double bars = 0;
+    for (const FaceFixture& bar : bars_) {
+      if (!rect.contains(bar.u, bar.v)) continue;
+      ++bars;
+      if (!fits(bar.box, part, core)) continue;
+      const Front front = front_of(part, &bar);
+      const double value = kPhotoFronts.front_value + front_log_likelihood(front);
+      if (layout.fronts.empty() || value > layout.value) layout = {value, {front}};
+    }
+    if (layout.value < 0) layout = {};
+    if (layout.fronts.empty() && std::min(rect.width(), rect.height()) > kPhotoFronts.bare_side_m)
+      layout.value -= kPhotoFronts.bare_cost;
+    layout.value -= kPhotoFronts.extra_bar * std::max(0.0, bars - static_cast<double>(layout.fronts.size()));
+    return layout;
+  }
+
+  FaceRect rect_of(const Part& part) const {
+    return {photo_.u(part.x0 - 0.5), photo_.u(part.x1 - 0.5), photo_.v(part.y1 - 0.5),
+            photo_.v(part.y0 - 0.5)};
+  }
+
+  /// Whether a bar is within a part; where the part ends because no more was seen, it may end beyond.
+  static bool fits(const FaceRect& box, const Part& part, const FaceRect& core) {
+    const auto open = [&](Side side) { return part.edges[side].kind == "border"; };
+    return (box.u0 > core.u0 || open(left)) && (box.u1 < core.u1 || open(right)) &&
+           (box.v0 > core.v0 || open(bottom)) && (box.v1 < core.v1 || open(top));
+  }
+
+  Front front_of(const Part& part, const FaceFixture* bar) const {
+    const FaceRect rect = rect_of(part);
+    Front front;
+    front.centre = photo_.in_map({rect.u(), rect.v()});
+    front.normal = photo_.face.normal3();
+    front.width = rect.width();
+    front.height = rect.height();
+    front.confidence = 0.9;
+    if (bar != nullptr) {
+      front.fixture = bar->fixture;
+      front.confidence *= 0.5 + 0.5 * bar->fixture.confidence;
+    }
+    Json edges = Json::object(), scores = Json::array();
+    for (size_t side = 0; side < 4; ++side) {
+      edges[kSideNames[side]] = part.edges[side].kind;
+      scores.push_back(std::round(10 * part.edges[side].z) / 10);
+    }
+    front.evidence = {{"edges", edges}, {"edge_scores", scores}, {"frames", photo_.frames.size()}};
+    return front;
+  }
+
+  const Orthophoto& photo_;
+  std::vector<FaceFixture> bars_;
+  PhotoLines lines_;
+  cv::Mat known_, face_;
+  int min_side_;
+  std::map<std::array<int, 4>, Layout> layouts_;  ///< by part: columns and rows
+};
+
+}  // namespace
+
+std::vector<Front> find_photo_fronts(const Orthophoto& photo) {
+  if (photo.frames.empty()) return {};
+  return PhotoLayout(photo).run();
+}
+
+}  // namespace loci::mapping

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <vector>
+
+#include "mapping/orthophoto/orthophoto.h"
+#include "mapping/world/furniture.h"
+
+namespace loci::mapping {
+
+/// Fronts with handles in an orthophoto, in the map and without joints. The image is cut along seams and
+/// steps of colour into the rectangles that best explain the bars before the face: each front has one, where
+/// usual furniture has it (front_log_likelihood()), and few lines cross it. Rectangles without a bar are no
+/// fronts.
+std::vector<Front> find_photo_fronts(const Orthophoto& photo);
+
+}  // namespace loci::mapping

@@ -1,0 +1,149 @@
+#include "mapping/orthophoto/orthophoto.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mapping/interpretation/furniture/map_links.h"
+#include "mapping/orthophoto/photo_fronts.h"
+#include "mapping/orthophoto/photo_interpretation.h"
+#include "tests/mapping/orthophoto/painted_front.h"
+
+namespace loci::mapping {
+namespace {
+
+const PaintedRecording& recording() {
+  static const PaintedRecording doors(two_doors());
+  return doors;
+}
+
+Orthophoto photo_of(const Recording& recording, int threads = 2) {
+  std::vector<std::optional<Isometry3d>> poses;
+  for (size_t i = 0; i < recording.size(); ++i) poses.push_back(recording.frame(i).map_from_camera);
+  return make_orthophoto(recording, poses, painted_face(), threads);
+}
+
+int red_at(const Orthophoto& photo, double u, double v) {
+  return photo.color.at<cv::Vec3b>(static_cast<int>(std::lround(photo.row(v))),
+                                   static_cast<int>(std::lround(photo.column(u))))[2];
+}
+
+/// Overlap of a front with the rectangle [u0, u1] × [0.15, 0.85].
+double overlap(const Front& front, double u0, double u1) {
+  const double w =
+      std::min(front.centre.y() + front.width / 2, u1) - std::max(front.centre.y() - front.width / 2, u0);
+  const double h = std::min(front.centre.z() + front.height / 2, 0.85) -
+                   std::max(front.centre.z() - front.height / 2, 0.15);
+  const double shared = std::max(0.0, w) * std::max(0.0, h);
+  return shared / (front.width * front.height + (u1 - u0) * 0.7 - shared);
+}
+
+void expect_two_doors(std::vector<Front> fronts, double handle_tolerance = 0.015) {
+  ASSERT_EQ(fronts.size(), 2U);
+  std::sort(fronts.begin(), fronts.end(),
+            [](const Front& a, const Front& b) { return a.centre.y() < b.centre.y(); });
+  for (size_t i = 0; i < 2; ++i) {
+    const double u0 = i == 0 ? -0.6 : 0;
+    EXPECT_GT(overlap(fronts[i], u0, u0 + 0.6), 0.9);
+    ASSERT_TRUE(fronts[i].fixture);
+    EXPECT_LT((fronts[i].fixture->centre - Vector3d(0.03, u0 + 0.3, 0.781)).norm(), handle_tolerance);
+    EXPECT_NEAR(fronts[i].fixture->length, 0.18, 0.02);
+  }
+}
+
+TEST(Orthophoto, ShowsThePlaneWithoutDrift) {
+  const Orthophoto photo = photo_of(recording());
+  EXPECT_EQ(photo.frames.size(), recording().size());
+  EXPECT_NEAR(red_at(photo, -0.4, 0.4), 150, 12);
+  EXPECT_NEAR(red_at(photo, 0.4, 0.9), 60, 8);
+  EXPECT_LT(red_at(photo, 0, 0.4), 135) << "the seam is sharp in spite of the drift";
+  EXPECT_NEAR(red_at(photo, 0.015, 0.4), 150, 12);
+  const float relief =
+      photo.relief.at<float>(static_cast<int>(photo.row(0.4)), static_cast<int>(photo.column(0.3)));
+  EXPECT_NEAR(relief, 0, 0.006);
+  EXPECT_NEAR(photo.roll, 0, 0.003);
+}
+
+TEST(Orthophoto, IsTheSameOnAnyNumberOfThreads) {
+  const Orthophoto one = photo_of(recording(), 1), two = photo_of(recording(), 2);
+  EXPECT_EQ(cv::norm(one.color, two.color, cv::NORM_INF), 0);
+  EXPECT_EQ(one.frames, two.frames);
+}
+
+TEST(Orthophoto, WithoutFramesIsEmpty) {
+  PaintedRecording recording(two_doors());
+  recording.posed_ = false;
+  const Orthophoto photo = photo_of(recording);
+  EXPECT_TRUE(photo.frames.empty());
+  EXPECT_TRUE(find_photo_fronts(photo).empty());
+}
+
+TEST(PhotoFronts, FindsDoorsWithTheirHandles) {
+  expect_two_doors(find_photo_fronts(photo_of(recording())));
+}
+
+TEST(PhotoFronts, FindsThemWhereTheMapLeans) {
+  PaintedFront leaning = two_doors();
+  leaning.roll = 0.02;
+  for (PaintedFront::Bar& bar : leaning.bars) {
+    const double rise = 0.02 * (bar.u0 + bar.u1) / 2;
+    bar.v0 += rise;
+    bar.v1 += rise;
+  }
+  const Orthophoto photo = photo_of(PaintedRecording(leaning));
+  EXPECT_NEAR(std::abs(photo.roll), 0.02, 0.004);
+  expect_two_doors(find_photo_fronts(photo), 0.025);
+}
+
+TEST(PhotoFronts, TakesNoSeamForAHandle) {
+  PaintedFront drawers;
+  drawers.level_seams = {0.4, 0.6};
+  EXPECT_TRUE(find_photo_fronts(photo_of(PaintedRecording(drawers))).empty());
+}
+
+TEST(PhotoFronts, CutsDrawersAtLevelSeams) {
+  PaintedFront drawers;
+  drawers.level_seams = {0.383, 0.617};
+  for (const double v : {0.327, 0.560, 0.793})
+    drawers.bars.push_back({-0.12, 0.12, v - 0.006, v + 0.006, 0.035});
+  EXPECT_EQ(find_photo_fronts(photo_of(PaintedRecording(drawers))).size(), 3U);
+}
+
+InterpretedMap map_with_face() {
+  InterpretedMap map;
+  map.world.name = map.world.root = "map";
+  map.world.links.push_back({.name = "map", .visuals = {}, .collisions = {}, .inertial = {}});
+  map.faces = {painted_face()};
+  return map;
+}
+
+TEST(PhotoInterpretation, ReplacesTheFrontsOfAFace) {
+  InterpretedMap map = map_with_face();
+  Front strip;
+  strip.centre = Vector3d(0, 0.2, 0.2);
+  strip.width = 0.8;
+  strip.height = 0.1;
+  Front elsewhere = strip;
+  elsewhere.centre = Vector3d(-2, 0.2, 0.2);
+  replace_fronts({strip, elsewhere}, map);
+  NoProgress progress;
+  const auto faces = interpret_photos(recording(), 2, progress, map);
+  ASSERT_EQ(faces.size(), 1U);
+  EXPECT_EQ(map.fronts.size(), 3U) << "two doors and the one elsewhere";
+  EXPECT_EQ(std::count_if(map.fronts.begin(), map.fronts.end(),
+                          [](const Front& front) { return front.joint.has_value(); }),
+            2);
+  const cv::Mat image = drawn(faces[0]);
+  EXPECT_EQ(image.rows, 2 * faces[0].photo.height());
+}
+
+TEST(PhotoInterpretation, RefusesARecordingWithoutPoses) {
+  InterpretedMap map = map_with_face();
+  PaintedRecording recording(two_doors());
+  recording.posed_ = false;
+  NoProgress progress;
+  EXPECT_THROW(interpret_photos(recording, 1, progress, map), Error);
+}
+
+}  // namespace
+}  // namespace loci::mapping
