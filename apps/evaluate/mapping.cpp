@@ -48,6 +48,9 @@ Run run_of(const Arguments& arguments, size_t n, const Session& session) {
   const size_t worlds = arguments.worlds.size();
   Run run;
   run.world = arguments.worlds[n];
+  if (arguments.truths.empty() && fs::is_directory(run.world))
+    throw Error("a recording does not tell its truth", {run.world.string(), 0, ""},
+                "give --truth: a URDF, a truth.json, or measured fronts");
   // A world that has a sidecar, or shapes that say enough, is its own truth.
   run.truth = arguments.truths.empty() ? arguments.worlds[n] : nth(arguments.truths, n, "--truth", worlds);
   run.package_paths.assign(arguments.package_paths.begin(), arguments.package_paths.end());
@@ -69,7 +72,8 @@ void run(const Arguments& arguments, Session& session) {
   std::vector<MappedWorld> maps;
   std::string text;
   for (size_t i = 0; i < arguments.worlds.size(); ++i)
-    for (int seed = 1; seed <= arguments.seeds; ++seed) {
+    // A recording is what it is: seeds are for simulated robots.
+    for (int seed = 1; seed <= (fs::is_directory(arguments.worlds[i]) ? 1 : arguments.seeds); ++seed) {
       Run one = run_of(arguments, i, session);
       one.seed = static_cast<uint64_t>(seed);
       one.folder = out / fmt::format("{}_{}", one.world.stem().string(), seed);
@@ -91,7 +95,9 @@ Command mapping_command() {
            "--poses \"1,1.5,90; 2,1.5,180; 2,1.5,-90; 3,1.5,90\" --ceiling 2.5 --json"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
-            table.positional("WORLD...", &arguments->worlds, "Worlds (URDF) to map");
+            table.positional(
+                "WORLD...", &arguments->worlds,
+                "Worlds (URDF) that a simulated robot maps, or recordings with poses (--truth is needed)");
             table.option("--truth FILE", &arguments->truths, "Ground truth per world: URDF or truth.json");
             table.option("--start POSE", &arguments->starts, "Pose of the first scan per world: x,y,yaw_deg",
                          {.default_text = "the most open floor"});

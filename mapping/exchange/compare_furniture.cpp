@@ -12,6 +12,7 @@ namespace {
 constexpr double kPlaneGate = 0.10;    // m
 constexpr double kNormalGate = 0.7;    // cosine
 constexpr double kRegionMargin = 0.1;  // m
+constexpr double kListedReach = 0.3;   // m, beside a listed front: half a front's width
 
 struct Pair {
   size_t map, truth;
@@ -37,6 +38,12 @@ double angle_deg(const Vector3d& a, const Vector3d& b) {
 
 /// Whether an element that the truth does not have is a mistake: not where the truth was not asked.
 bool in_region(const Vector3d& point, const MapStructure& truth, const ComparisonOptions& options) {
+  const auto listed = [&](const KnownFront& known) {
+    const Vector3d apart = point - known.front.centre;
+    return std::abs(known.front.normal.dot(apart)) < kPlaneGate + kRegionMargin &&
+           std::abs(known.front.right().dot(apart)) < known.front.width / 2 + kListedReach;
+  };
+  if (truth.only_listed_faces && std::ranges::none_of(truth.fronts, listed)) return false;
   const auto region = truth.regions.find(options.region);
   return region == truth.regions.end() || region->second.exteriorDistance(point) <= kRegionMargin;
 }
@@ -80,7 +87,8 @@ std::vector<std::optional<size_t>> handle_pairs(const MapStructure& map, const M
   for (size_t i = 0; i < map.fixtures.size(); ++i)
     for (size_t j = 0; j < truth.fixtures.size(); ++j) {
       const double distance = (map.fixtures[i].fixture.centre - truth.fixtures[j].fixture.centre).norm();
-      if (distance <= options.handle_tolerance_m) pairs.push_back({i, j, distance});
+      if (distance <= options.handle_tolerance_m + truth.fixtures[j].tolerance)
+        pairs.push_back({i, j, distance});
     }
   return assign(std::move(pairs), truth.fixtures.size());
 }

@@ -109,4 +109,35 @@ void add_truth_furniture(const Json& truth, const std::string& file, MapStructur
   }
 }
 
+void add_measured_fronts(const Json& truth, const std::string& file, MapStructure& structure) {
+  structure.only_listed_faces = true;
+  try {
+    for (const Json& json : truth.at("fronts")) {
+      KnownFront known;
+      known.name = json.at("name").get<std::string>();
+      Front& front = known.front;
+      front.name = known.name;
+      front.centre = vector_of(json.at("centre"));
+      front.normal = vector_of(json.at("normal")).normalized();
+      front.up = vector_of(json.at("up")).normalized();
+      front.width = json.at("width").get<double>();
+      front.height = json.at("height").get<double>();
+      if (json.contains("handle")) {
+        const Json& handle = json.at("handle");
+        KnownFixture fixture;
+        fixture.name = handle.at("name").get<std::string>();
+        fixture.front = known.name;
+        fixture.fixture.centre = vector_of(handle.at("centre"));
+        fixture.fixture.axis = vector_of(handle.at("axis"));
+        fixture.fixture.length = handle.value("length", 0.0);
+        fixture.tolerance = json.value("tolerance", 0.0);
+        structure.fixtures.push_back(std::move(fixture));
+      }
+      structure.fronts.push_back(std::move(known));
+    }
+  } catch (const Json::exception& error) {
+    throw Error(std::string("a front of the truth cannot be read (") + error.what() + ")", {file, 0, ""});
+  }
+}
+
 }  // namespace loci::mapping

@@ -118,7 +118,13 @@ MapStructure read_structure(const std::filesystem::path& path, const MeshSearch&
     if (json.contains("support_surfaces")) return structure_from_truth(json, path.string());
     if (json.contains("links"))
       return structure_from_sidecar(semantic_map_from_json(json, path.string()), {}, path.string());
-    throw Error("this JSON file is neither a truth (support_surfaces) nor a sidecar (links)",
+    if (json.contains("fronts")) {
+      MapStructure structure;
+      structure.source = path.filename().string();
+      add_measured_fronts(json, path.string(), structure);
+      return structure;
+    }
+    throw Error("this JSON file is neither a truth (support_surfaces or fronts) nor a sidecar (links)",
                 {path.string(), 0, ""});
   }
   const World world = read_urdf(path);

@@ -41,6 +41,7 @@ struct KnownFixture {
   std::string front;  ///< name of the KnownFront that it opens; empty where unknown
   Fixture fixture;
   bool main = true;
+  double tolerance = 0;  ///< by which a truth itself may be off, metres
 };
 
 /// A furniture front, with its joint where it moves. Its fixture is among the structure's fixtures.
@@ -59,12 +60,14 @@ struct MapStructure {
   std::vector<KnownFront> fronts;
   std::vector<KnownFixture> fixtures;
   std::optional<double> floor_height;
+  bool only_listed_faces =
+      false;  ///< of a truth that lists some faces' fronts and is silent about the others
   std::map<std::string, Eigen::AlignedBox3d> regions;  ///< where they are, of a truth that says so
 };
 
 /// Reads a URDF (its sidecar where there is one, otherwise the upward and the vertical faces of its visual
-/// geometry, all joints at 0) or a JSON file with `support_surfaces`, `walls`, `handles`, `joints`. Error for
-/// other files.
+/// geometry, all joints at 0), a JSON file with `support_surfaces`, `walls`, `handles`, `joints`, or one with
+/// `fronts` that were measured in a real room. Error for other files.
 MapStructure read_structure(const std::filesystem::path& path, const MeshSearch& search, Warnings& warnings);
 
 /// The joints are the world's; a sidecar without its world knows of none.

@@ -53,6 +53,7 @@ class Table {
     part("handle centres within 1.5 cm", centres, 0.015);
     count("fronts found", "front", false);
     count("fronts not invented", "front", true);
+    fronts_overlapping(0.75);
     spread("front IoU before pulling, mean", "", 1,
            objects(kBefore, "front", &mapping::ComparedElement::overlap), mean_of, kNone);
     spread("front IoU after, mean", "", 1, objects(kAfter, "front", &mapping::ComparedElement::overlap),
@@ -112,6 +113,18 @@ class Table {
     }
     const bool handles = std::string(kind) == "handle";
     add(name, "%", percent(right, all), handles ? least(95) : kNone);
+  }
+
+  /// Of the fronts asked for, in percent, before pulling.
+  void fronts_overlapping(double min_overlap) {
+    size_t good = 0, all = 0;
+    for (const mapping::Comparison* comparison : comparisons(kBefore)) {
+      const mapping::Comparison::Counts counts = comparison->counts("front");
+      all += counts.matched + counts.missed;
+      for (const double overlap : comparison->errors("front", &mapping::ComparedElement::overlap))
+        good += overlap >= min_overlap ? 1 : 0;
+    }
+    add("fronts with IoU of 0.75 or more", "%", percent(good, all), kNone);
   }
 
   void joint_types(const char* name, When when, double aim) {

@@ -4,7 +4,9 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/fusion/fusion.h"
 #include "mapping/interpretation/furniture/map_links.h"
+#include "mapping/orthophoto/photo_interpretation.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 
@@ -57,6 +59,22 @@ nbv::SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings
   return result;
 }
 
+/// The map of a recording: fused, interpreted, with fronts from its colour frames.
+nbv::SurveyResult map_of_recording(const Run& run, Progress& progress) {
+  nbv::SurveyResult result;
+  const auto recording = mapping::open_recording(run.world);
+  mapping::FusionOptions fusion;
+  fusion.threads = run.threads;
+  mapping::InterpretationOptions options = run.survey.interpretation;
+  options.threads = run.threads;
+  const Stopwatch watch;
+  result.scans = fuse(*recording, fusion, progress).scans;
+  result.map = interpret(result.scans, options, progress);
+  interpret_photos(*recording, run.threads, progress, result.map);
+  result.seconds = watch.seconds();
+  return result;
+}
+
 nbv::SurveyResult survey_by_exploring(const Run& run, Progress& progress, Warnings& warnings) {
   mapping::SimulatedRobot robot(run.world, world_of(run), {}, warnings);
   const mapping::PlanarPose start = run.start ? *run.start : robot.open_place();
@@ -77,8 +95,9 @@ MappedWorld map_world(const Run& run, Progress& progress, Warnings& warnings) {
   MappedWorld mapped;
   mapped.world = run.world;
   mapped.seed = run.seed;
-  nbv::SurveyResult made = run.poses.empty() ? survey_by_exploring(run, progress, warnings)
-                                             : survey_from_poses(run, progress, warnings);
+  nbv::SurveyResult made = std::filesystem::is_directory(run.world) ? map_of_recording(run, progress)
+                           : run.poses.empty() ? survey_by_exploring(run, progress, warnings)
+                                               : survey_from_poses(run, progress, warnings);
   mapped.seconds = made.seconds;
   mapped.scans = made.scans.scans.size();
   mapped.pulls = made.interactions.size();

@@ -12,7 +12,8 @@
 
 namespace loci::apps::mapping_claim {
 
-/// One run: a world is mapped by a simulated robot that has not seen the truth, and compared with it.
+/// One run: a world is mapped by a simulated robot that has not seen the truth, or from a recording (then
+/// `world` is its folder), and compared with it.
 struct Run {
   std::filesystem::path world, truth;
   std::filesystem::path folder;  ///< of the survey: scans, map, report
