@@ -1,6 +1,7 @@
 #include "mapping/orthophoto/bars.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <opencv2/imgproc.hpp>
@@ -218,7 +219,7 @@ class BarFinder {
     const FaceRect rect = {photo_.u(box.x - 0.5), photo_.u(box.x + box.width - 0.5),
                            photo_.v(box.y + box.height - 0.5), photo_.v(box.y - 0.5)};
     if (bar.beyond > kBars.max_continuation || surroundings(bar) < kBars.min_beside) return;
-    if (ends_at_edge(bar)) return;
+    if (divides_surfaces(bar) || ends_at_edges(bar)) return;
     double relief_sd = 0;
     const double relief = relief_of(bar, relief_sd);
     if (relief < -kBars.max_recess_sigmas * relief_sd) return;
@@ -233,9 +234,25 @@ class BarFinder {
     return {mean[0], mean[1], mean[2]};
   }
 
+  /// Whether the surfaces on both sides of a bar differ, as at the gap between a front and the slab above it.
+  bool divides_surfaces(const SeenBar& bar) const {
+    const double reach = kBars.surroundings_m / photo_.pixel_m;
+    SeenBar side = bar;
+    side.width = reach / 2;
+    std::array<cv::Vec3d, 2> colors;
+    for (size_t i = 0; i < 2; ++i) {
+      // The shadow of a handle is nearer.
+      side.across = bar.across + (i == 0 ? -1 : 1) * (bar.width / 2 + 0.75 * reach);
+      colors[i] = color_of(rect_of(side, 0));
+    }
+    const cv::Vec3d own = color_of(rect_of(bar, 0));
+    const double contrast = std::min(cv::norm(own - colors[0]), cv::norm(own - colors[1]));
+    return cv::norm(colors[0] - colors[1]) > kBars.max_side_change * contrast;
+  }
+
   /// Whether other surfaces begin where the bar ends, as at the ends of a seam: the face beyond a handle
   /// looks like the face beside it.
-  bool ends_at_edge(const SeenBar& bar) const {
+  bool ends_at_edges(const SeenBar& bar) const {
     const double reach = kBars.surroundings_m / photo_.pixel_m, gap = kBars.smooth_px / 2.0;
     SeenBar side = bar;
     side.width = reach / 2;

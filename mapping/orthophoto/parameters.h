@@ -53,6 +53,7 @@ struct BarParameters {
   double beyond_m = 0.06;                    ///< beyond each end, where seams and edges continue
   double max_continuation = 0.4;             ///< of its contrast there, over that of the bar
   double max_end_change = 0.7;       ///< of the face's colour beyond an end, over the contrast of the bar
+  double max_side_change = 1;        ///< between the colours on both sides, over the contrast of the bar
   double max_recess_sigmas = 2;      ///< by which a bar lies behind its flanks: seams do
   double usual_protrusion_m = 0.03;  ///< of bars that depth does not resolve
   double max_protrusion_m = 0.06;    ///< of usual hardware
