@@ -21,8 +21,9 @@ struct SeenBar {
   double across = 0;              ///< middle line
   double width = 0;
   double length() const { return along1 - along0 + 1; }
-  double score = 0;   ///< mean contrast against both sides over its noise
-  double beyond = 0;  ///< the same beyond its ends, at the end where it is higher, over `score`
+  double score = 0;        ///< mean contrast against both sides over its noise
+  bool in_relief = false;  ///< seen there, not in colour
+  double beyond = 0;       ///< the same beyond its ends, at the end where it is higher, over `score`
 };
 
 /// How much each pixel differs from both flanks in the same sense, for a bar of `width` rows.
@@ -178,6 +179,14 @@ class BarFinder {
     std::vector<SeenBar> upright = seen_bars(image.t(), mask_.t(), photo_.pixel_m);
     for (SeenBar& bar : upright) bar.level = false;
     bars.insert(bars.end(), upright.begin(), upright.end());
+    // Thin bars seen from very different places vanish in the median of the colours.
+    for (const bool level : {true, false})
+      for (SeenBar bar : seen_bars(level ? relief_image() : cv::Mat(relief_image().t()),
+                                   level ? mask_ : cv::Mat(mask_.t()), photo_.pixel_m)) {
+        bar.level = level;
+        bar.in_relief = true;
+        bars.push_back(bar);
+      }
     std::stable_sort(bars.begin(), bars.end(),
                      [](const SeenBar& a, const SeenBar& b) { return a.score > b.score; });
     for (const SeenBar& bar : bars) consider(bar);
@@ -185,6 +194,16 @@ class BarFinder {
   }
 
  private:
+  /// The relief as an image like the colours: 1 is the farthest that handles reach.
+  cv::Mat relief_image() const {
+    cv::Mat relief = cv::max(cv::min(photo_.relief, kFaces.fixture_reach_m), 0) / kFaces.fixture_reach_m;
+    cv::patchNaNs(relief, 0);
+    cv::Mat image;
+    const std::array<cv::Mat, 3> parts = {relief, relief, relief};
+    cv::merge(parts.data(), 3, image);
+    return image;
+  }
+
   cv::Rect rect_of(const SeenBar& bar, double margin_m) const {
     const double margin = margin_m / photo_.pixel_m;
     const double half = bar.width / 2 + margin;
@@ -219,11 +238,12 @@ class BarFinder {
     const FaceRect rect = {photo_.u(box.x - 0.5), photo_.u(box.x + box.width - 0.5),
                            photo_.v(box.y + box.height - 0.5), photo_.v(box.y - 0.5)};
     if (bar.beyond > kBars.max_continuation || surroundings(bar) < kBars.min_beside) return;
-    if (divides_surfaces(bar) || ends_at_edges(bar)) return;
+    if (!bar.in_relief && (divides_surfaces(bar) || ends_at_edges(bar))) return;
     double relief_sd = 0;
     const double relief = relief_of(bar, relief_sd);
+    if (bar.in_relief && relief < kBars.min_relief_m) return;
     if (relief < -kBars.max_recess_sigmas * relief_sd) return;
-    add(bar, rect, relief);
+    add(bar, rect, relief, relief_sd);
   }
 
   /// Mean colour of a part of the image; NaN outside.
@@ -313,7 +333,7 @@ class BarFinder {
     return own - flanks;
   }
 
-  void add(const SeenBar& bar, const FaceRect& seen, double relief) {
+  void add(const SeenBar& bar, const FaceRect& seen, double relief, double relief_sd) {
     const double protrusion = std::clamp(relief, kBars.usual_protrusion_m, kBars.max_protrusion_m);
     FaceFixture found;
     found.box = seen;
@@ -329,7 +349,7 @@ class BarFinder {
     fixture.radius = std::clamp(bar.width * photo_.pixel_m / 2, 0.003, 0.03);
     fixture.protrusion = protrusion;
     fixture.confidence = bar.score / (bar.score + kBars.half_score);
-    fixture.evidence = {{"contrast", bar.score}, {"relief_m", relief}};
+    fixture.evidence = {{"contrast", bar.score}, {"relief_m", relief}, {"relief_sd_m", relief_sd}};
     bars_.push_back(std::move(found));
   }
 

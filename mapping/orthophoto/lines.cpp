@@ -58,11 +58,13 @@ PhotoLines::Direction PhotoLines::direction_of(const cv::Mat& color, const cv::M
   const int reach = kLines.core_px / 2 + 1 + kLines.flank_px / 2;
   const cv::Mat before = moved(side, reach), after = moved(side, -reach);
   const cv::Mat middle = masked_mean(grey, known, {kLines.core_px, kLines.chunk_px});
-  // cv::min and cv::max drop NaN; adding it times zero keeps it.
-  const cv::Mat dark =
-      standardised(cv::min(before, after) + 0 * (before + after) - middle, face, kLines.min_sd);
+  // cv::min and cv::max drop NaN; adding it times zero keeps it. Seams are dark, or light where they show a
+  // lit body.
+  const cv::Mat darker = cv::min(before, after) - middle, lighter = middle - cv::max(before, after);
+  const cv::Mat seam =
+      standardised(cv::max(darker, lighter) + 0 * (before + after + middle), face, kLines.min_sd);
   // A line that leans or is drawn by several fronts wanders by a pixel.
-  result.scores[kDark] = cv::max(dark, cv::max(moved(dark, 1), moved(dark, -1))) + 0 * dark;
+  result.scores[kSeam] = cv::max(seam, cv::max(moved(seam, 1), moved(seam, -1))) + 0 * seam;
   const int gap = kLines.flank_px / 2 + 1;
   for (size_t c = 0; c < 3; ++c) {
     const cv::Mat mean = masked_mean(parts[c], known, flank);
@@ -98,13 +100,13 @@ PhotoLine PhotoLines::line_in(size_t channel, bool upright, int position, int fr
   }
   result.strength = std::abs(result.strength);
   const auto known = static_cast<double>(values.size());
-  if (known < std::max(1.0, kLines.min_known * chunks) || (channel == kDark && sum < 0)) return result;
+  if (known < std::max(1.0, kLines.min_known * chunks) || (channel == kSeam && sum < 0)) return result;
   const float sign = sum < 0 ? -1 : 1;
   const auto shown =
       std::count_if(values.begin(), values.end(), [&](float z) { return sign * z > kLines.shown_z; });
   result.z = std::abs(sum) / std::sqrt(known);
   result.share = static_cast<double>(shown) / known;
-  result.kind = channel == kDark ? PhotoLine::Kind::seam : PhotoLine::Kind::step;
+  result.kind = channel == kSeam ? PhotoLine::Kind::seam : PhotoLine::Kind::step;
   return result;
 }
 
@@ -130,7 +132,7 @@ PhotoLine PhotoLines::strongest(bool upright, int first, int last, int from, int
        position <= std::min(last, best.position + reach); ++position)
     for (size_t channel = 0; channel < kChannels; ++channel) {
       const PhotoLine one = line_in(channel, upright, position, from, to);
-      PhotoLine& strongest = channel == kDark ? seam : step;
+      PhotoLine& strongest = channel == kSeam ? seam : step;
       if (one.strength > strongest.strength && cuts(one)) strongest = one;
     }
   return seam.kind != PhotoLine::Kind::none ? seam : step;

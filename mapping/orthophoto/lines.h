@@ -17,7 +17,7 @@ struct PhotoLine {
   double strength = 0;  ///< sum of the scores without limit: compares neighbouring positions
 };
 
-/// Upright and level lines of an orthophoto: dark lines (seams) and steps of colour. Along every
+/// Upright and level lines of an orthophoto: thin lines (seams) and steps of colour. Along every
 /// column and row, chunks of 4 cm are compared with their flanks; the scores are relative to the variation of
 /// the face itself, so that grain and reflections count little.
 class PhotoLines {
@@ -33,8 +33,8 @@ class PhotoLines {
   PhotoLine strongest(bool upright, int first, int last, int from, int to) const;
 
  private:
-  static constexpr size_t kChannels = 4;  ///< dark line; steps of blue, green, red
-  static constexpr size_t kDark = 0;
+  static constexpr size_t kChannels = 4;  ///< thin line; steps of blue, green, red
+  static constexpr size_t kSeam = 0;
   struct Direction {
     std::array<cv::Mat, kChannels> scores;  ///< CV_32F; NaN = unknown. Level lines: of the transposed images
   };

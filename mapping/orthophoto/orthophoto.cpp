@@ -470,14 +470,25 @@ class Photographer {
 
 }  // namespace
 
-Vector3d Orthophoto::in_map(const Vector2d& at, double depth) const {
-  const Vector2d middle(u0 + width() * pixel_m / 2, v0 + height() * pixel_m / 2);
-  Vector2d on_face = middle + Eigen::Rotation2Dd(-roll) * (at - middle);
+Vector2d Orthophoto::slope_at(const Vector2d& at) const {
   const int x = std::clamp(static_cast<int>(std::lround(column(at.x()))), 0, width() - 1);
   const int y = std::clamp(static_cast<int>(std::lround(row(at.y()))), 0, height() - 1);
   const cv::Vec2f& leaning = slope.at<cv::Vec2f>(y, x);
-  on_face += depth * Vector2d(static_cast<double>(leaning[0]), static_cast<double>(leaning[1]));
+  return {static_cast<double>(leaning[0]), static_cast<double>(leaning[1])};
+}
+
+Vector3d Orthophoto::in_map(const Vector2d& at, double depth) const {
+  const Vector2d on_face = middle() + Eigen::Rotation2Dd(-roll) * (at - middle()) + depth * slope_at(at);
   return face.at(on_face.x(), on_face.y(), depth);
+}
+
+Vector2d Orthophoto::seen_at(const Vector3d& point) const {
+  const Vector3d on_face = face.coordinates(point);
+  const auto turned = [&](const Vector2d& at) {
+    return middle() + Eigen::Rotation2Dd(roll) * (at - middle());
+  };
+  const Vector2d slope_there = slope_at(turned(on_face.head<2>()));
+  return turned(on_face.head<2>() - on_face.z() * slope_there);
 }
 
 Orthophoto make_orthophoto(const Recording& recording,

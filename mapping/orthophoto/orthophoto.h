@@ -32,6 +32,12 @@ struct Orthophoto {
   double row(double v) const { return height() - 0.5 - (v - v0) / pixel_m; }
   /// The point of the map that the images show at (u, v), when it stands `depth` before the plane.
   Vector3d in_map(const Vector2d& at, double depth = 0) const;
+  /// Where the images show a point of the map that is on or before the face: the inverse of in_map().
+  Vector2d seen_at(const Vector3d& point) const;
+
+ private:
+  Vector2d slope_at(const Vector2d& at) const;
+  Vector2d middle() const { return {u0 + width() * pixel_m / 2, v0 + height() * pixel_m / 2}; }
 };
 
 /// Projects the colour frames that see a face onto its plane and fuses them by a weighted median; sharp, near

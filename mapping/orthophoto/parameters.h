@@ -44,7 +44,7 @@ struct BarParameters {
   double min_noise = 0.004;                  ///< of contrasts: one grey level
   double min_score = 4;                      ///< contrast over its noise
   double max_gap_m = 0.02;                   ///< in a bar
-  double min_length_m = 0.06;                ///< shorter ones are knobs, which views do not show as bars
+  double min_length_m = 0.08;                ///< the shortest usual bars have 96 mm between their posts
   int max_wander_px = 2;                     ///< of a bar from its middle line
   double min_filled = 0.7;                   ///< of its length that is stronger than its surroundings
   double face_relief_m = kFaces.relief_m;    ///< nearer to the plane is face
@@ -55,6 +55,7 @@ struct BarParameters {
   double max_end_change = 0.7;       ///< of the face's colour beyond an end, over the contrast of the bar
   double max_side_change = 1;        ///< between the colours on both sides, over the contrast of the bar
   double max_recess_sigmas = 2;      ///< by which a bar lies behind its flanks: seams do
+  double min_relief_m = 0.01;        ///< of a bar that only the relief shows: half of it is measured
   double usual_protrusion_m = 0.03;  ///< of bars that depth does not resolve
   double max_protrusion_m = 0.06;    ///< of usual hardware
   double half_score = 8;             ///< twice the minimum: confidence 0.5
@@ -83,17 +84,19 @@ struct PhotoFrontParameters {
   double min_face = 0.5;       ///< of the known pixels of a row or column of a front
   double min_known = 0.3;      ///< of the pixels of a row or column of a front
   double hidden_m = 0.02;      ///< around bars: their shadows
+  double hidden_sigmas = 2;    ///< of the relief of such bars
   double bar_margin_m = 0.01;  ///< between a bar and the edge of its front
   double max_width_m = kFronts.max_width_m;
   double max_area_m2 = kFronts.max_area_m2;
-  double front_value = 2;    ///< of a front with a bar where bars are, against none
-  double extra_bar = 2;      ///< cost of a further bar in a front
-  double bare_cost = 1.5;    ///< of a part without a bar: fronts have one where others have
-  double bare_side_m = 0.2;  ///< of such a part: larger than plinths and slabs
-  double line_cost = 0.25;   ///< of a line across a front, per standard score
-  double max_line_z = 12;    ///< more makes a line no more certain: shadows are strong, too
-  int min_resolved = 2;      ///< edges of a front that are lines
-  int max_depth = 40;        ///< of the recursion
+  double front_value = 2;        ///< of a front with a bar where bars are, against none
+  double extra_bar = 2;          ///< cost of a further bar in a front
+  double bare_cost = 1.5;        ///< of a part without a bar: fronts have one where others have
+  double bare_side_m = 0.2;      ///< of such a part: larger than plinths and slabs
+  double line_cost = 0.25;       ///< of a line across a front, per standard score
+  double max_line_z = 12;        ///< more makes a line no more certain: shadows are strong, too
+  double same_fixture_m = 0.05;  ///< between two findings of one handle
+  int min_resolved = 2;          ///< edges of a front that are lines
+  int max_depth = 40;            ///< of the recursion
 };
 inline constexpr PhotoFrontParameters kPhotoFronts;
 

@@ -36,10 +36,15 @@ struct Part {
   cv::Rect rect() const { return {x0, y0, width(), height()}; }
 };
 
-/// Pixels of bars: a row of handles would look like a level seam.
+/// Pixels of bars that certainly stand before the face: a row of handles would look like a level seam.
 cv::Mat hidden(const Orthophoto& photo, const std::vector<FaceFixture>& bars) {
   cv::Mat mask(photo.color.size(), CV_8U, cv::Scalar(0));
   for (const FaceFixture& bar : bars) {
+    const Json& evidence = bar.fixture.evidence;
+    if (evidence.contains("relief_m") &&
+        evidence.at("relief_m").get<double>() <
+            kPhotoFronts.hidden_sigmas * evidence.at("relief_sd_m").get<double>())
+      continue;  // it may be a seam
     const FaceRect box = bar.box.grown(kPhotoFronts.hidden_m);
     cv::rectangle(mask, cv::Point2d(photo.column(box.u0), photo.row(box.v1)),
                   cv::Point2d(photo.column(box.u1), photo.row(box.v0)), 255, cv::FILLED);
@@ -47,11 +52,37 @@ cv::Mat hidden(const Orthophoto& photo, const std::vector<FaceFixture>& bars) {
   return mask;
 }
 
+/// The bars of the image, and fixtures that are known otherwise in place of those at the same spot.
+std::vector<FaceFixture> all_bars(const Orthophoto& photo, const std::vector<Fixture>& known) {
+  std::vector<FaceFixture> bars;
+  for (const Fixture& fixture : known) {
+    FaceFixture bar;
+    bar.fixture = fixture;
+    const Vector2d at = photo.seen_at(fixture.centre);
+    bar.u = at.x();
+    bar.v = at.y();
+    Vector2d half(fixture.radius, fixture.radius);
+    if (fixture.kind == Fixture::Kind::handle)
+      half[std::abs(fixture.axis.z()) > 0.7 ? 1 : 0] = fixture.length / 2;
+    bar.box = {bar.u - half.x(), bar.u + half.x(), bar.v - half.y(), bar.v + half.y()};
+    bars.push_back(std::move(bar));
+  }
+  const size_t count = bars.size();
+  for (FaceFixture& bar : find_bars(photo)) {
+    const auto same = [&](const FaceFixture& other) {
+      return other.box.grown(kBars.same_bar_m).intersects(bar.box);
+    };
+    if (std::none_of(bars.begin(), bars.begin() + static_cast<std::ptrdiff_t>(count), same))
+      bars.push_back(std::move(bar));
+  }
+  return bars;
+}
+
 class PhotoLayout {
  public:
-  PhotoLayout(const Orthophoto& photo)
+  PhotoLayout(const Orthophoto& photo, const std::vector<Fixture>& known)
       : photo_(photo),
-        bars_(find_bars(photo)),
+        bars_(all_bars(photo, known)),
         lines_(photo, hidden(photo, bars_)),
         min_side_(px(kPhotoFronts.min_side_m)) {
     known_ = (photo.relief == photo.relief) & (photo.weight > 0);
@@ -197,9 +228,9 @@ class PhotoLayout {
 
 }  // namespace
 
-std::vector<Front> find_photo_fronts(const Orthophoto& photo) {
+std::vector<Front> find_photo_fronts(const Orthophoto& photo, const std::vector<Fixture>& known) {
   if (photo.frames.empty()) return {};
-  return PhotoLayout(photo).run();
+  return PhotoLayout(photo, known).run();
 }
 
 }  // namespace loci::mapping

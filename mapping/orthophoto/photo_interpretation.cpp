@@ -39,22 +39,28 @@ bool is_on(const FurnitureFace& face, const Front& front) {
          at.y() > face.v_min - kFronts.same_wall_m && at.y() < face.v_max + kFronts.same_wall_m;
 }
 
-/// Drops fronts that overlap a better one of another face: two faces may cover the same furniture.
-void drop_duplicates(std::vector<Front>& fronts) {
-  std::stable_sort(fronts.begin(), fronts.end(),
-                   [](const Front& a, const Front& b) { return a.confidence > b.confidence; });
-  std::vector<Front> kept;
-  for (Front& front : fronts) {
-    const auto covers = [&](const Front& other) {
-      const Vector3d apart = front.centre - other.centre;
-      return front.normal.dot(other.normal) > kFaces.parallel_cosine &&
-             std::abs(other.normal.dot(apart)) < kFronts.same_wall_m &&
-             std::abs(other.right().dot(apart)) < std::max(front.width, other.width) / 2 &&
-             std::abs(other.up.dot(apart)) < std::max(front.height, other.height) / 2;
-    };
-    if (std::none_of(kept.begin(), kept.end(), covers)) kept.push_back(std::move(front));
-  }
-  fronts = std::move(kept);
+/// Whether one of two fronts in one plane has the middle of the other, or their fixtures are one.
+bool same_furniture(const Front& a, const Front& b) {
+  const Vector3d apart = a.centre - b.centre;
+  if (a.normal.dot(b.normal) < kFaces.parallel_cosine || std::abs(b.normal.dot(apart)) > kFronts.same_wall_m)
+    return false;
+  return (std::abs(b.right().dot(apart)) < std::max(a.width, b.width) / 2 &&
+          std::abs(b.up.dot(apart)) < std::max(a.height, b.height) / 2) ||
+         (a.fixture && b.fixture &&
+          (a.fixture->centre - b.fixture->centre).norm() < kPhotoFronts.same_fixture_m);
+}
+
+/// Appends fronts, but for those of which a better one is there.
+void unite(std::vector<Front>& fronts, const std::vector<Front>& more) {
+  for (const Front& front : more)
+    if (std::none_of(fronts.begin(), fronts.end(),
+                     [&](const Front& other) { return same_furniture(front, other); }))
+      fronts.push_back(front);
+}
+
+/// A handle or knob that many points show.
+bool is_certain(const Front& front) {
+  return front.fixture && front.fixture->confidence >= kFronts.min_wall_fixture_confidence;
 }
 
 }  // namespace
@@ -70,20 +76,30 @@ std::vector<PhotographedFace> interpret_photos(const Recording& recording, int t
     const FurnitureFace& face = map.faces[i];
     if (!face.wall && face.area >= kPhoto.min_area_m2) {
       PhotographedFace one{make_orthophoto(recording, poses, face, threads), {}};
-      one.fronts = find_photo_fronts(one.photo);
+      std::vector<Fixture> known;
+      for (const Front& front : map.fronts)
+        if (is_on(face, front) && is_certain(front)) known.push_back(*front.fixture);
+      one.fronts = find_photo_fronts(one.photo, known);
       fronts.insert(fronts.end(), one.fronts.begin(), one.fronts.end());
       if (!one.photo.frames.empty()) faces.push_back(std::move(one));
     }
     progress.check(0.1 + 0.9 * static_cast<double>(i + 1) / static_cast<double>(map.faces.size()),
                    "orthophotos");
   }
-  drop_duplicates(fronts);
-  for (Front& front : fronts) set_prior_joint(front);
-  for (const Front& front : map.fronts)
-    if (std::none_of(faces.begin(), faces.end(),
-                     [&](const PhotographedFace& one) { return is_on(one.photo.face, front); }))
-      fronts.push_back(front);
-  replace_fronts(std::move(fronts), map);
+  // Two faces may show the same furniture.
+  std::stable_sort(fronts.begin(), fronts.end(),
+                   [](const Front& a, const Front& b) { return a.confidence > b.confidence; });
+  std::vector<Front> all;
+  unite(all, fronts);
+  for (Front& front : all) set_prior_joint(front);
+  std::vector<Front> others = map.fronts;
+  std::erase_if(others, [&](const Front& front) {
+    return !is_certain(front) && std::any_of(faces.begin(), faces.end(), [&](const PhotographedFace& one) {
+      return is_on(one.photo.face, front);
+    });
+  });
+  unite(all, others);
+  replace_fronts(std::move(all), map);
   map.notes.push_back(fmt::format("fronts were taken from the orthophotos of {} faces", faces.size()));
   map.times.push_back({"orthophotos", watch.lap()});
   return faces;
@@ -94,12 +110,10 @@ cv::Mat drawn(const PhotographedFace& face) {
   cv::Mat image = photo.color.clone(), relief;
   photo.relief.convertTo(relief, CV_8U, 255 / 0.1, 128);
   cv::cvtColor(relief, relief, cv::COLOR_GRAY2BGR);
-  const Vector2d middle(photo.u(photo.width() / 2.0), photo.v(photo.height() / 2.0));
   const auto pixel = [&](const Vector3d& point) {
-    const Vector3d on_face = photo.face.coordinates(point);
-    const Vector2d turned = middle + Eigen::Rotation2Dd(photo.roll) * (on_face.head<2>() - middle);
-    return cv::Point(static_cast<int>(std::lround(photo.column(turned.x()))),
-                     static_cast<int>(std::lround(photo.row(turned.y()))));
+    const Vector2d at = photo.seen_at(point);
+    return cv::Point(static_cast<int>(std::lround(photo.column(at.x()))),
+                     static_cast<int>(std::lround(photo.row(at.y()))));
   };
   for (cv::Mat* one : {&image, &relief})
     for (const Front& front : face.fronts) {

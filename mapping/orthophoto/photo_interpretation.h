@@ -17,9 +17,11 @@ struct PhotographedFace {
 };
 
 /// Looks for fronts and handles in the colour frames of the recording that a map was made of: makes an
-/// orthophoto of each furniture face (not of walls) and replaces the map's fronts on it. Fronts on faces that
-/// no frame shows stay. Notes say what could not be used. Returns the faces that were photographed. Same
-/// result on any number of threads. Error when no frame of the recording has both a pose and colour.
+/// orthophoto of each furniture face (not of walls), cuts it into fronts around the handles that it shows and
+/// the certain ones of the map, and replaces the map's fronts there. Fronts with certain handles that no
+/// rectangle explains stay, and all on faces that no frame shows. Notes say what could not be used. Returns
+/// the faces that were photographed. Same result on any number of threads. Error when no frame of the
+/// recording has both a pose and colour.
 std::vector<PhotographedFace> interpret_photos(const Recording& recording, int threads, Progress& progress,
                                                InterpretedMap& map);
 
