@@ -11,6 +11,7 @@ namespace loci::mapping {
 /// steps of colour into the rectangles that best explain the bars before the face: each front has one, where
 /// usual furniture has it (front_log_likelihood()), and few lines cross it. Rectangles without a bar are no
 /// fronts.
-std::vector<Front> find_photo_fronts(const Orthophoto& photo);
+/// `known`: handles and knobs that are known otherwise, map frame; each takes the place of a bar.
+std::vector<Front> find_photo_fronts(const Orthophoto& photo, const std::vector<Fixture>& known = {});
 
 }  // namespace loci::mapping
