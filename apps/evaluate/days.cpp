@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "apps/evaluate/changes/answers.h"
 #include "apps/evaluate/changes/comparison.h"
 #include "apps/evaluate/changes/random_day.h"
 #include "apps/evaluate/changes/remember.h"
@@ -18,17 +19,24 @@ struct Arguments {
   int runs = 2, scenes = changes::kScenesOfADay;
   uint64_t seed = 1;
   std::string samples = "apps/samples", keep;
+  bool drawers = false;
+};
+
+/// What is measured of a day.
+struct DayResult {
+  std::vector<changes::Comparison> methods;
+  changes::AnswerScore answers;
 };
 
 /// One day in one of the kitchens, by the memory and by the baselines.
-std::vector<changes::Comparison> one_day(const Arguments& arguments, int run, const fs::path& folder,
-                                         Progress& progress, Session& session) {
+DayResult one_day(const Arguments& arguments, int run, const fs::path& folder, Progress& progress,
+                  Session& session) {
   const std::string kitchen = run % 2 == 0 ? "kitchen" : "kitchen_l";
   const fs::path urdf = fs::absolute(fs::path(arguments.samples) / (kitchen + ".urdf"));
   const fs::path day = folder / fmt::format("day_{}", run + 1), scenario = day.string() + ".yaml";
   const uint64_t seed = arguments.seed + static_cast<uint64_t>(run);
-  write_file_atomically(scenario,
-                        changes::random_day(changes::day_world(kitchen), urdf, seed, arguments.scenes));
+  write_file_atomically(scenario, changes::random_day(changes::day_world(kitchen), urdf, seed,
+                                                      arguments.scenes, arguments.drawers));
   mapping::RecordOptions record_options;
   record_options.seed = static_cast<int>(seed);
   record_options.threads = session.flags().threads;
@@ -42,7 +50,8 @@ std::vector<changes::Comparison> one_day(const Arguments& arguments, int run, co
   options.threads = session.flags().threads;
   fs::remove(options.memory);
   changes::remember(recording, options, remembering, session.warnings());
-  return changes::compare_all(day, *recording, memory::Store::open_read(options.memory));
+  const memory::Store store = memory::Store::open_read(options.memory);
+  return {changes::compare_all(day, *recording, store), changes::score_answers(day, store)};
 }
 
 void run(const Arguments& arguments, Session& session) {
@@ -50,11 +59,14 @@ void run(const Arguments& arguments, Session& session) {
   const fs::path folder = arguments.keep.empty() ? temporary.path() : fs::path(arguments.keep);
   make_folder(folder);
   std::vector<changes::Comparison> all;
+  changes::AnswerScore answers;
   std::string text;
   Json days = Json::array();
   for (int i = 0; i < arguments.runs; ++i) {
     PartialProgress progress(session.progress(), double(i) / arguments.runs, double(i + 1) / arguments.runs);
-    const std::vector<changes::Comparison> day = one_day(arguments, i, folder, progress, session);
+    const DayResult result = one_day(arguments, i, folder, progress, session);
+    const std::vector<changes::Comparison>& day = result.methods;
+    answers.add(result.answers);
     text += fmt::format("day {}: {} of {} right; identity F1 {:.3f}, {:.3f}, {:.3f}\n", i + 1, day[0].right(),
                         day[0].certain(), day[0].identity_f1(), day[1].identity_f1(), day[2].identity_f1());
     days.push_back(
@@ -65,7 +77,8 @@ void run(const Arguments& arguments, Session& session) {
   Json json = changes::to_json(all);
   json.erase("transitions");
   json["days"] = days;
-  session.answer(text + "\n" + changes::text(all, false), json);
+  json["answers"] = to_json(answers);
+  session.answer(text + "\n" + changes::text(all, false) + "\n" + changes::text(answers), json);
 }
 
 }  // namespace
@@ -82,6 +95,8 @@ Command days_command() {
         table.option("--scenes N", &arguments->scenes,
                      "Number of scenes per day; the middle cup is back after 12", {.min = 1, .max = 100});
         table.option("--seed N", &arguments->seed, "Seed of the first day; later days count on");
+        table.flag("--drawers", arguments->drawers,
+                   "Drawers are used, too, where the kitchen has any to look into");
         table.option("--samples FOLDER", &arguments->samples, "Folder of kitchen.urdf and kitchen_l.urdf");
         table.option("-o,--output FOLDER", &arguments->keep,
                      "Keep scenarios, recordings and memories in this folder");

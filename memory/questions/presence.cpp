@@ -1,5 +1,7 @@
-// An object that no scene of a period saw at a place is only a "no" where enough of the place was seen, or
-// the spot where the object stood if that is known.
+// An object that no scene of a period saw at a place is only a "no" where the looks of the period exclude
+// that it was there all along: they saw it elsewhere, or the place without it, and in between there was
+// hardly a chance that somebody put it there. What `where` says at the time of a look counts as well, so that
+// the two agree.
 
 #include "memory/questions/presence.h"
 
@@ -7,6 +9,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
 
 #include "memory/questions/answer_format.h"
 #include "memory/questions/question.h"
@@ -96,7 +101,9 @@ class Coverage {
     std::map<Id, double> stored;
     for (const VisibilityRow& row : snapshot_.store().visibility_of_place(place.id, from_, to_))
       if (row.fraction) stored[row.scene] = *row.fraction;
-    const std::vector<Vector3d> points = points_on(place);
+    // The outline of a place that moves is that of the closed joint: only the stored fractions know its
+    // joint.
+    const std::vector<Vector3d> points = place.joint ? std::vector<Vector3d>() : points_on(place);
     std::vector<bool> seen(points.size(), false);
     double max_stored = 0;
     for (const SceneRow& scene : scenes_) {
@@ -135,6 +142,125 @@ class Coverage {
   double fraction_sum_ = 0;
 };
 
+/// A verdict of no leaves at most this chance that the object was there.
+constexpr double kMaxChance = 0.2;
+/// Of what is handled, the share that is put on a certain other place.
+constexpr double kPutHere = 0.5;
+
+/// What the belief says of an object at the places asked about, in the period and around it.
+class Whereabouts {
+ public:
+  Whereabouts(const Store& store, Id object, const WasQuestion& question, const AsOf& as_of,
+              const std::vector<PlaceRow>& places)
+      : store_(store),
+        object_(object),
+        from_(question.from),
+        to_(std::min(question.to, as_of.at.value_or(question.to))),
+        as_of_(as_of),
+        places_(places) {
+    AsOf then = as_of;
+    then.at = to_;
+    rows_ = store.belief_history(object, then, from_);
+    if (rows_.empty()) rows_ = store.belief_history(object, as_of);
+    for (const BeliefRow& row : rows_)
+      if (row.fade_s && !fading_) fading_ = row;
+    if (!fading_ && !rows_.empty())  // gone all the time
+      for (const BeliefRow& row : store.belief_history(object, as_of))
+        if (row.fade_s) fading_ = row;
+    for (const ObjectObservation& other : store.alternative_observations(object, from_, then))
+      if (other.observation.place && is_asked(*other.observation.place))
+        mistaken_ = std::max(mistaken_, other.association.probability);
+    if (const auto next = store.first_observation_after(object, to_, {}, as_of)) seen_next_ = next->time;
+  }
+
+  /// The probability with which `where` says that it is there.
+  double believed_there(TimeNs time) const {
+    const auto next =
+        std::ranges::upper_bound(rows_, time, {}, [](const BeliefRow& row) { return row.clock.valid_from; });
+    if (next == rows_.begin() || !is_there(*std::prev(next))) return 0;
+    const std::optional<BeliefRow> then = store_.belief(object_, {time, as_of_.known_at});
+    return then && is_there(*then) ? then->probability : 0;
+  }
+
+  /// The probability that it is not where `where` says that it is, or that this is not known yet.
+  double unknown(TimeNs time) const {
+    const auto next =
+        std::ranges::upper_bound(rows_, time, {}, [](const BeliefRow& row) { return row.clock.valid_from; });
+    if (next == rows_.begin()) return 1;
+    const std::optional<BeliefRow> then = store_.belief(object_, {time, as_of_.known_at});
+    return !then || then->status == ObjectStatus::gone ? 1 : 1 - then->probability;
+  }
+
+  /// The probability that it was there at some time of the period, although no look showed it; `absent`:
+  /// looks that exclude it, in order of time; `before`, `after`: when it was seen there last before, and
+  /// first after.
+  double chance(const std::vector<TimeNs>& absent, const std::optional<SceneRef>& before,
+                const std::optional<SceneRef>& after) const {
+    if (absent.empty()) return std::max(believed_there(from_), believed_there(to_));
+    double never = (1 - mistaken_) * (1 - at_first(absent.front(), before));
+    for (size_t i = 1; i < absent.size(); ++i) never *= 1 - visit(absent[i] - absent[i - 1]);
+    return 1 - never * (1 - at_last(absent.back(), after));
+  }
+
+  /// The longest part of the period without a look that excludes it.
+  std::pair<TimeNs, TimeNs> longest_gap(const std::vector<TimeNs>& absent) const {
+    std::pair<TimeNs, TimeNs> longest{from_, absent.front()};
+    for (size_t i = 0; i < absent.size(); ++i) {
+      const TimeNs end = i + 1 < absent.size() ? absent[i + 1] : to_;
+      if (end - absent[i] > longest.second - longest.first) longest = {absent[i], end};
+    }
+    return longest;
+  }
+
+ private:
+  bool is_there(const BeliefRow& row) const {
+    return row.status != ObjectStatus::gone && row.place && is_asked(*row.place);
+  }
+  bool is_asked(Id place) const {
+    return std::ranges::any_of(places_, [&](const PlaceRow& row) { return row.id == place; });
+  }
+
+  /// The probability that somebody handles it within a time.
+  double handled(TimeNs duration) const {
+    if (duration <= 0) return 0;
+    if (!fading_) return 0;  // nothing of it ever fades
+    const double seconds = static_cast<double>(duration) / static_cast<double>(kSecond);
+    return (1 - *fading_->fade_to) * (1 - std::exp(-seconds / *fading_->fade_s));
+  }
+
+  /// It was put there and taken away again.
+  double visit(TimeNs duration) const { return kPutHere / 2 * handled(duration) * handled(duration); }
+
+  /// Before the first look that excludes it.
+  double at_first(TimeNs absent, const std::optional<SceneRef>& before) const {
+    if (absent <= from_) return 0;
+    const double believed = believed_there(from_);
+    if (!before || believed < kMaxChance)
+      return rows_.empty() || rows_.front().clock.valid_from > from_ ? kPutHere * handled(absent - from_)
+                                                                     : visit(absent - from_);
+    // It left between the two, whenever that was.
+    return static_cast<double>(absent - from_) / static_cast<double>(absent - before->time);
+  }
+
+  /// After the last look that excludes it.
+  double at_last(TimeNs absent, const std::optional<SceneRef>& after) const {
+    if (absent >= to_) return 0;
+    if (!seen_next_) return kPutHere * handled(to_ - absent);
+    if (!after || after->time != *seen_next_) return visit(to_ - absent);
+    return static_cast<double>(to_ - absent) / static_cast<double>(after->time - absent);
+  }
+
+  const Store& store_;
+  Id object_;
+  TimeNs from_, to_;
+  AsOf as_of_;
+  const std::vector<PlaceRow>& places_;
+  std::vector<BeliefRow> rows_;  ///< that hold in the period
+  std::optional<BeliefRow> fading_;
+  std::optional<TimeNs> seen_next_;  ///< anywhere, after the period
+  double mistaken_ = 0;  ///< probability of being what was seen there and taken for another object
+};
+
 class Judge {
  public:
   Judge(const Snapshot& snapshot, const WasQuestion& question, const std::vector<PlaceRow>& places,
@@ -145,7 +271,7 @@ class Judge {
     WasObject result{.object = snapshot_.object_ref(object)};
     collect_sightings(object, result);
     collect_views(object, result);
-    decide(result);
+    decide(object, result);
     return result;
   }
 
@@ -168,6 +294,8 @@ class Judge {
       result.after = snapshot_.scene_ref(after->association.scene);
       if (!spot_) spot_ = after->observation.position;
     }
+    // In the map, what is in a drawer stands elsewhere with each state of its joint.
+    spot_moves_ = std::ranges::any_of(places_, [](const PlaceRow& place) { return place.joint.has_value(); });
     for (const ObjectObservation& sighting :
          store.observations_of(object, snapshot_.as_of(), question_.from, question_.to)) {
       const auto ref = snapshot_.scene_ref(sighting.association.scene);
@@ -188,7 +316,8 @@ class Judge {
                      .fraction = coverage_.fraction_of(scene.id),
                      .spot = SpotStatus::no_camera};
       if (spot_) {
-        if (const DepthThumbnail* depth = coverage_.thumbnail(scene)) view.spot = depth->spot_status(*spot_);
+        if (const DepthThumbnail* depth = spot_moves_ ? nullptr : coverage_.thumbnail(scene))
+          view.spot = depth->spot_status(*spot_);
         // The belief used the full image, and was about this very spot.
         const auto found = stored.find(scene.id);
         if (view.spot == SpotStatus::no_camera && found != stored.end()) view.spot = found->second;
@@ -219,9 +348,10 @@ class Judge {
     return stored;
   }
 
-  void decide(WasObject& result) const {
+  void decide(Id object, WasObject& result) const {
     if (!result.seen_there.empty()) {
       result.verdict = Verdict::yes;
+      result.probability = 1;
     } else if (was_forgotten()) {
       result.reason = "what was seen in that time was forgotten on request";
     } else if (coverage_.scenes().empty()) {
@@ -229,7 +359,7 @@ class Judge {
     } else if (!coverage_.has_places()) {
       decide_anywhere(result);
     } else {
-      decide_at_place(result);
+      decide_at_place(object, result);
     }
   }
 
@@ -243,35 +373,81 @@ class Judge {
     return std::ranges::any_of(result.views, [&](const PlaceView& view) { return view.spot == status; });
   }
 
-  void decide_at_place(WasObject& result) const {
-    const double fraction = coverage_.fraction();
-    const std::string part = fmt::format("{:.0f} % of {}", 100 * fraction, question_.place);
-    const bool spot_empty = spot_was(result, SpotStatus::seen_empty);
-    const auto no = [&](std::string reason) {
+  void decide_at_place(Id object, WasObject& result) const {
+    const Whereabouts whereabouts(snapshot_.store(), object, question_, snapshot_.as_of(), places_);
+    const std::vector<TimeNs> absent = looks_without_it(whereabouts, result);
+    result.probability = whereabouts.chance(absent, result.before, result.after);
+    if (!absent.empty() && result.probability <= kMaxChance) {
       result.verdict = Verdict::no;
-      result.reason = std::move(reason);
-    };
-    if (!result.seen_elsewhere.empty() && (fraction >= kMinSeenFraction || spot_empty)) {
-      no(fmt::format("it was seen elsewhere, and {} was seen without it", part));
-    } else if (!result.seen_elsewhere.empty()) {
-      no("it was seen elsewhere");
-    } else if (spot_empty) {
-      no("the spot where it stood was seen without it");
-    } else if (spot_ && spot_was(result, SpotStatus::hidden)) {
-      result.reason = "the spot where it stood was hidden behind something";
-    } else if (fraction >= kMinSeenFraction &&
-               !(spot_ && spot_was(result, SpotStatus::out_of_view) && !spot_was(result, SpotStatus::seen))) {
-      no(fmt::format("{} was seen and it was not there", part));
-    } else if (spot_ && fraction > 0) {
-      result.reason = fmt::format("only {} was seen, and not the spot where it stood", part);
-    } else if (fraction > 0) {
-      result.reason = fmt::format("only {} was seen", part);
+      result.reason = reason_of_no(result);
+    } else if (!absent.empty()) {
+      result.reason = what_was_seen(whereabouts, absent, result);
     } else {
-      const size_t count = coverage_.scenes().size();
-      result.reason = fmt::format("nobody looked {}{}: it was out of view in the {} of that time",
-                                  places_[0].container ? "into " : "at ", question_.place,
-                                  count == 1 ? "one scene" : fmt::format("{} scenes", count));
+      result.reason = reason_not_observed(whereabouts, result);
     }
+  }
+
+  /// Times of the scenes that saw it elsewhere, or the place or its spot there without it.
+  std::vector<TimeNs> looks_without_it(const Whereabouts& whereabouts, const WasObject& result) const {
+    std::set<TimeNs> times;
+    for (const auto& [scene, place] : result.seen_elsewhere) times.insert(scene.time);
+    const bool enough = coverage_.fraction() >= kMinSeenFraction;
+    for (const PlaceView& view : result.views) {
+      const bool place_seen =
+          enough && view.fraction > 0 &&
+          (!spot_ || view.spot == SpotStatus::seen || view.spot == SpotStatus::no_camera) &&
+          (1 - coverage_.fraction()) * whereabouts.unknown(view.scene.time) <= kMaxChance;
+      if ((view.spot == SpotStatus::seen_empty || place_seen) &&
+          whereabouts.believed_there(view.scene.time) < kMaxChance)
+        times.insert(view.scene.time);
+    }
+    return {times.begin(), times.end()};
+  }
+
+  std::string part_seen() const {
+    return fmt::format("{:.0f} % of {}", 100 * coverage_.fraction(), question_.place);
+  }
+
+  std::string reason_of_no(const WasObject& result) const {
+    const bool spot_empty = spot_was(result, SpotStatus::seen_empty);
+    if (!result.seen_elsewhere.empty())
+      return spot_empty || coverage_.fraction() >= kMinSeenFraction
+                 ? fmt::format("it was seen elsewhere, and {} was seen without it", part_seen())
+                 : "it was seen elsewhere";
+    return spot_empty ? "the spot where it stood was seen without it"
+                      : fmt::format("{} was seen and it was not there", part_seen());
+  }
+
+  /// "seen there at T1; not there at T2; not observed from T3 to T4".
+  std::string what_was_seen(const Whereabouts& whereabouts, const std::vector<TimeNs>& absent,
+                            const WasObject& result) const {
+    const TimeWriter times(snapshot_.store());
+    std::string text;
+    if (result.before) text = fmt::format("seen there at {}; ", times.text(result.before->time));
+    const std::string first = times.text(absent.front()), last = times.text(absent.back());
+    text += first == last ? "not there at " + first
+                          : fmt::format("not there at {} looks from {} to {}", absent.size(), first, last);
+    const auto [from, to] = whereabouts.longest_gap(absent);
+    if (times.text(from) != times.text(to))
+      text += fmt::format("; not observed from {} to {}", times.text(from), times.text(to));
+    if (result.after) text += fmt::format("; seen there again at {}", times.text(result.after->time));
+    return text;
+  }
+
+  std::string reason_not_observed(const Whereabouts& whereabouts, const WasObject& result) const {
+    const double believed = whereabouts.believed_there(question_.from), fraction = coverage_.fraction();
+    const std::string still =
+        believed >= 0.5 ? fmt::format("; it is believed to have been there ({})", percent(believed)) : "";
+    if (spot_ && spot_was(result, SpotStatus::hidden))
+      return "the spot where it stood was hidden behind something" + still;
+    if (spot_ && fraction > 0)
+      return fmt::format("only {} was seen, and not the spot where it stood", part_seen()) + still;
+    if (fraction > 0) return fmt::format("only {} was seen", part_seen()) + still;
+    const size_t count = coverage_.scenes().size();
+    return fmt::format("nobody looked {}{}: it was out of view in the {} of that time",
+                       places_[0].container ? "into " : "at ", question_.place,
+                       count == 1 ? "one scene" : fmt::format("{} scenes", count)) +
+           still;
   }
 
   static void decide_anywhere(WasObject& result) {
@@ -288,6 +464,7 @@ class Judge {
   const std::vector<PlaceRow>& places_;
   Coverage& coverage_;
   std::optional<Vector3d> spot_;  ///< where the object stood on the place asked about, before or after
+  bool spot_moves_ = false;
 };
 
 std::string verdict_text(const WasObject& object, const std::string& where, const std::string& period) {

@@ -28,6 +28,7 @@ struct PlaceView {
 struct WasObject {
   ObjectRef object = {};
   Verdict verdict = Verdict::not_observed;
+  double probability = 0;   ///< that it was there at some time of the period, as looks and belief show it
   std::string reason = {};  ///< of any verdict but yes
   std::vector<SceneRef> seen_there = {};
   std::vector<std::pair<SceneRef, std::string>> seen_elsewhere = {};  ///< with the place's name, or ""

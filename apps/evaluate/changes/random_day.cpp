@@ -27,6 +27,13 @@ struct Support {
   std::vector<View> views;
 };
 
+/// Something that opens, and the place from where one sees into it.
+struct Drawer {
+  const char* name;
+  double open_m;
+  View view;
+};
+
 struct Model {
   const char* name;
   double radius;     ///< metres, of the space it needs
@@ -55,6 +62,7 @@ constexpr int kCupLeaves = 5, kCupReturns = 11;  ///< scenes before which the mi
 
 struct DayWorld {
   std::vector<Support> supports;  ///< the row of cups stands on the first
+  std::vector<Drawer> drawers;
 };
 
 const DayWorld& day_world(const std::string& name) {
@@ -69,7 +77,9 @@ const DayWorld& day_world(const std::string& name) {
           0.28,
           {{{2.0, 1.7, 1.45}, {2.0, 0.62, 0.74}},
            {{1.5, 1.55, 1.5}, {1.95, 0.62, 0.74}},
-           {{2.5, 1.6, 1.4}, {2.05, 0.62, 0.74}}}}}}},
+           {{2.5, 1.6, 1.4}, {2.05, 0.62, 0.74}}}}},
+        {{"drawer_1", 0.45, {{0.85, 1.38, 1.6}, {0.8, 2.2, 0.72}}},
+         {"drawer_2", 0.42, {{1.62, 1.38, 1.6}, {1.6, 2.2, 0.72}}}}}},
       {"kitchen_l",
        {{{"counter_2", 0.2, 0.75, {{{5.1, 1.25, 1.6}, {5.1, 0.3, 0.9}}, {{4.6, 1.2, 1.5}, {5.0, 0.3, 0.9}}}},
          {"island_1",
@@ -81,7 +91,8 @@ const DayWorld& day_world(const std::string& name) {
          {"table_1",
           0.48,
           0.28,
-          {{{5.25, 0.95, 1.6}, {5.25, 1.9, 0.74}}, {{4.3, 1.5, 1.6}, {5.2, 1.9, 0.74}}}}}}}};
+          {{{5.25, 0.95, 1.6}, {5.25, 1.9, 0.74}}, {{4.3, 1.5, 1.6}, {5.2, 1.9, 0.74}}}}},
+        {}}}};
   const auto found = worlds.find(name);
   if (found == worlds.end())
     throw Error("no days are simulated in '" + name + "'", {}, "take kitchen or kitchen_l");
@@ -93,7 +104,8 @@ namespace {
 /// Makes up the day, scene by scene.
 class Day {
  public:
-  Day(const DayWorld& world, uint64_t seed) : world_(world), random_(seed) {
+  Day(const DayWorld& world, uint64_t seed, bool drawers)
+      : world_(world), random_(seed), drawer_random_(~seed), drawers_(drawers && !world.drawers.empty()) {
     for (size_t i = 0; i < kObjects; ++i) {
       const Model& model = kModels[random_.index(std::size(kModels))];
       true_objects_.push_back(
@@ -113,10 +125,12 @@ class Day {
     int minute = 7 * 60;
     for (int scene = 0; scene < scenes; ++scene) {
       text += fmt::format("  - time: \"2026-05-03T{:02}:{:02}:00Z\"\n    views:\n", minute / 60, minute % 60);
-      for (const View& view : views(scene == 0))
+      std::vector<View> all_views = views(scene == 0);
+      std::vector<std::string> actions = actions_before(scene);
+      if (drawers_) use_drawers(scene, all_views, actions);
+      for (const View& view : all_views)
         text += fmt::format("      - {{from: [{:.3f}], at: [{:.3f}]}}\n", fmt::join(view.from, ", "),
                             fmt::join(view.at, ", "));
-      const std::vector<std::string> actions = actions_before(scene);
       if (!actions.empty()) text += fmt::format("    do:\n      - {}\n", fmt::join(actions, "\n      - "));
       constexpr int kPauses[] = {5, 10, 20, 40, 60};
       minute += kPauses[random_.index(std::size(kPauses))];
@@ -197,7 +211,8 @@ class Day {
   /// One object that happens to one of the objects, the cups aside.
   std::string something() {
     std::vector<Object*> here, away;
-    for (size_t i = 0; i < kObjects; ++i) (true_objects_[i].at ? here : away).push_back(&true_objects_[i]);
+    for (size_t i = 0; i < kObjects; ++i)
+      if (!in_drawer(true_objects_[i])) (true_objects_[i].at ? here : away).push_back(&true_objects_[i]);
     const double what = random_.uniform();
     if (what >= 0.85 || here.size() <= 5)
       return away.empty() ? std::string() : put_anywhere(*away[random_.index(away.size())]);
@@ -211,6 +226,10 @@ class Day {
     }
     true_object.at.reset();
     return fmt::format("{{remove: {}}}", true_object.name);
+  }
+
+  bool in_drawer(const Object& true_object) const {
+    return std::ranges::any_of(in_drawer_, [&](const auto& one) { return one.second == &true_object; });
   }
 
   /// From somewhere near a known place; at first everything is looked at.
@@ -233,15 +252,49 @@ class Day {
     return list;
   }
 
+  /// Every third scene one drawer is open: an object is put into it or taken out. In the next it is shut.
+  void use_drawers(int scene, std::vector<View>& views, std::vector<std::string>& actions) {
+    if (open_ != nullptr) actions.push_back(fmt::format("{{close: {}}}", open_->name));
+    open_ = nullptr;
+    if (scene % 3 != 1) return;
+    open_ = &world_.drawers[drawer_random_.index(world_.drawers.size())];
+    actions.push_back(fmt::format("{{open: {}, to: {}}}", open_->name, open_->open_m));
+    views.push_back(open_->view);
+    if (const auto inside = in_drawer_.find(open_); inside != in_drawer_.end()) {
+      if (drawer_random_.index(2) != 0) return;
+      actions.push_back(put_anywhere(*inside->second));
+      in_drawer_.erase(inside);
+      return;
+    }
+    std::vector<Object*> small;
+    for (size_t i = 0; i < kObjects; ++i)
+      if (true_objects_[i].at && true_objects_[i].model.radius < 0.07 && !in_drawer(true_objects_[i]))
+        small.push_back(&true_objects_[i]);
+    if (small.empty()) return;
+    Object* chosen = small[drawer_random_.index(small.size())];
+    if (std::ranges::any_of(actions, [&](const std::string& action) {
+          return action.find(chosen->name) != std::string::npos;
+        }))
+      return;  // something else happens to it now
+    actions.push_back(fmt::format("{{move: {}, in: {}, at: [{:.3f}, {:.3f}]}}", chosen->name, open_->name,
+                                  drawer_random_.uniform(-0.14, -0.08), drawer_random_.uniform(-0.08, 0.08)));
+    chosen->at.reset();
+    in_drawer_[open_] = chosen;
+  }
+
   const DayWorld& world_;
-  Random random_;
+  Random random_, drawer_random_;
+  const bool drawers_;
+  const Drawer* open_ = nullptr;  ///< in this scene
+  std::map<const Drawer*, Object*> in_drawer_;
   std::vector<Object> true_objects_;
 };
 
 }  // namespace
 
-std::string random_day(const DayWorld& world, const std::filesystem::path& urdf, uint64_t seed, int scenes) {
-  return Day(world, seed).write(urdf, scenes);
+std::string random_day(const DayWorld& world, const std::filesystem::path& urdf, uint64_t seed, int scenes,
+                       bool drawers) {
+  return Day(world, seed, drawers).write(urdf, scenes);
 }
 
 }  // namespace loci::apps::changes
