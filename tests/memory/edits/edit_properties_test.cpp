@@ -19,6 +19,7 @@
 #include "memory/questions/facts.h"
 #include "memory/questions/location.h"
 #include "memory/questions/objects.h"
+#include "memory/questions/presence.h"
 #include "memory/reasoning/reason.h"
 #include "memory/recorder/checkpoint.h"
 
@@ -283,6 +284,54 @@ TEST_F(EditProperties, UndoReachesScenesThatCameLater) {
     };
     EXPECT_EQ(contents(file_), contents(never)) << "seed " << seed;
     expect_sound();
+  }
+}
+
+/// Every question that says where an object is says the same, at the time of every scene, corrected or not.
+TEST_F(EditProperties, AllQuestionsAgreeOnWhereAnObjectIs) {
+  for (const unsigned seed : {31U, 32U, 33U}) {
+    std::filesystem::remove(file_);
+    RandomHome home(seed);
+    std::mt19937 random(seed);
+    add_scenes(home, 20, file_);
+    for (int i = 0; i < 4; ++i) random_edit(random);
+    expect_sound();
+    const Store store = Store::open_read(file_);
+    for (const SceneRow& scene : store.scenes()) {
+      const AsOf now{scene.time, {}};
+      std::map<Id, std::set<Id>> listed;
+      for (const PlaceRow& place : store.places()) {
+        const ContentsAnswer on = ask(store, ContentsQuestion{place.name, now, {}});
+        for (const ObjectBelief& one : on.places.at(0).there) listed[one.object.id].insert(place.id);
+      }
+      for (const ObjectBelief& object : ask(store, ObjectsQuestion{{}, now}).objects) {
+        const std::string where_asked =
+            fmt::format("seed {} scene {} {}", seed, scene.id, object.object.name);
+        const ObjectBelief where = ask(store, WhereQuestion{object.object.name, now}).objects.at(0);
+        EXPECT_EQ(where.status, object.status) << where_asked;
+        EXPECT_EQ(where.probability, object.probability) << where_asked;
+        ASSERT_TRUE(where.place && object.place) << where_asked;
+        EXPECT_EQ(where.place->id, object.place->id) << where_asked;
+        const bool gone = where.status == ObjectStatus::gone;
+        EXPECT_EQ(listed[object.object.id], gone ? std::set<Id>() : std::set<Id>{where.place->id})
+            << where_asked;
+        const ObjectHistory history =
+            ask(store, HistoryQuestion{.subject = object.object.name, .as_of = now}).objects.at(0);
+        EXPECT_EQ(history.now.probability, where.probability) << where_asked;
+        ASSERT_FALSE(history.stays.empty()) << where_asked;
+        EXPECT_EQ(history.stays.back().place->id, where.place->id) << where_asked;
+        EXPECT_EQ(history.now.last_seen->time, history.stays.back().scenes.back().time) << where_asked;
+        for (const PlaceRow& place : store.places()) {
+          const Verdict was =
+              ask(store, WasQuestion{object.object.name, place.name, scene.time, scene.time, now})
+                  .objects.at(0)
+                  .verdict;
+          const bool there = !gone && where.place->id == place.id && where.probability >= 0.5;
+          EXPECT_FALSE(there ? was == Verdict::no : was == Verdict::yes)
+              << where_asked << " on " << place.name;
+        }
+      }
+    }
   }
 }
 

@@ -189,6 +189,16 @@ TEST_F(Questions, WasIsNoWhereItWasSeenElsewhere) {
   EXPECT_EQ(red.seen_elsewhere[0].second, "counter_1");
 }
 
+/// A look elsewhere at the end of a period says nothing of its beginning.
+TEST_F(Questions, WasIsNoOnlyWhereThePeriodIsCovered) {
+  const WasObject red = was("red", "table_1", "08:30", "09:40");
+  EXPECT_EQ(red.verdict, Verdict::not_observed);
+  EXPECT_THAT(red.reason, HasSubstr("seen there at 08:00; not there at 2 looks from 09:00 to 09:30"));
+  EXPECT_GT(red.probability, 0.2);
+  EXPECT_EQ(was("red", "table_1", "09:00", "09:30").verdict, Verdict::no) << "covered from end to end";
+  EXPECT_LE(was("red", "table_1", "09:00", "09:30").probability, 0.2);
+}
+
 TEST_F(Questions, WasIsNotObservedWithoutScenesOutOfViewOrBehindSomething) {
   const WasObject no_scene = was("red", "table_1", "11:00", "12:00");
   EXPECT_EQ(no_scene.verdict, Verdict::not_observed);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
 
 #include "mapping/base/error.h"
 
@@ -92,6 +93,69 @@ TEST(PeopleTime, WhatDoesNotFitIsRefused) {
   for (const TimeNs last : {std::numeric_limits<TimeNs>::min(), std::numeric_limits<TimeNs>::max()})
     for (const char* text : {"now", "yesterday", "last week", "12:30 am", "300 days ago", "last night"})
       TimeReader(last, 14 * 60).try_read(text);  // no overflow, which a sanitizer sees
+}
+
+/// What a memory whose last scene is at `now` in a zone makes of a time: "FIRST LAST", UTC.
+std::string span_of(const char* now, int zone_minutes, const char* text) {
+  const TimeSpan span = TimeReader(parse_time(now), zone_minutes).read(text);
+  return format_time(span.first) + " " + format_time(span.last);
+}
+
+/// The memory keeps the zone in which it was made, all year: 2:30 in the night in which clocks are set back
+/// is one moment, and the same clock time is an hour later in summer's zone than in winter's.
+TEST(PeopleTime, ClocksThatAreSetForwardOrBackDoNotMoveTheMemorysZone) {
+  // Central Europe, 2026: back on 25 October at 01:00 UTC, forward on 29 March at 01:00 UTC.
+  const char* after_back = "2026-10-25T12:00:00Z";
+  EXPECT_EQ(span_of(after_back, 120, "02:30"), "2026-10-25T00:30:00Z 2026-10-25T00:30:59.999999999Z");
+  EXPECT_EQ(span_of(after_back, 60, "02:30"), "2026-10-25T01:30:00Z 2026-10-25T01:30:59.999999999Z");
+  EXPECT_EQ(span_of(after_back, 120, "today"), "2026-10-24T22:00:00Z 2026-10-25T21:59:59.999999999Z");
+  EXPECT_EQ(span_of(after_back, 60, "yesterday"), "2026-10-23T23:00:00Z 2026-10-24T22:59:59.999999999Z");
+  EXPECT_EQ(span_of(after_back, 120, "last night"), "2026-10-24T18:00:00Z 2026-10-25T03:59:59.999999999Z");
+  const char* after_forward = "2026-03-29T10:00:00Z";
+  EXPECT_EQ(span_of(after_forward, 60, "02:30"), "2026-03-29T01:30:00Z 2026-03-29T01:30:59.999999999Z")
+      << "a time that clocks on the wall skip";
+  EXPECT_EQ(span_of(after_forward, 60, "yesterday 9:00"),
+            "2026-03-28T08:00:00Z 2026-03-28T08:00:59.999999999Z");
+  EXPECT_EQ(span_of(after_forward, 120, "this week"), "2026-03-22T22:00:00Z 2026-03-29T21:59:59.999999999Z");
+  // A zone in the text says which of the two it was.
+  EXPECT_EQ(span_of(after_back, 120, "2026-10-25T02:30:00+02:00"),
+            "2026-10-25T00:30:00Z 2026-10-25T00:30:00Z");
+  EXPECT_EQ(span_of(after_back, 120, "2026-10-25T02:30:00+01:00"),
+            "2026-10-25T01:30:00Z 2026-10-25T01:30:00Z");
+  EXPECT_EQ(span_of(after_back, 120, "12 hours ago"), "2026-10-25T00:00:00Z 2026-10-25T00:00:00Z");
+}
+
+TEST(PeopleTime, TheDayBeginsAtMidnightOfTheMemorysZone) {
+  // Five past midnight in Berlin is yesterday in UTC, and a quarter to six in Kathmandu today already.
+  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", 120, "today"),
+            "2026-05-01T22:00:00Z 2026-05-02T21:59:59.999999999Z");
+  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", 120, "yesterday 23:55"),
+            "2026-05-01T21:55:00Z 2026-05-01T21:55:59.999999999Z");
+  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", 120, "10 minutes ago"),
+            "2026-05-01T21:55:00Z 2026-05-01T21:55:00Z");
+  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", 120, "midnight"),
+            "2026-05-01T22:00:00Z 2026-05-01T22:00:59.999999999Z");
+  EXPECT_EQ(span_of("2026-05-01T21:59:59Z", 120, "midnight"),
+            "2026-04-30T22:00:00Z 2026-04-30T22:00:59.999999999Z");
+  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", 120, "24:00"),
+            "2026-05-02T22:00:00Z 2026-05-02T22:00:59.999999999Z");
+  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", 120, "last night"),
+            "2026-05-01T18:00:00Z 2026-05-02T03:59:59.999999999Z");
+  EXPECT_EQ(span_of("2026-05-01T20:00:00Z", 345, "this morning"),
+            "2026-05-01T23:15:00Z 2026-05-02T06:14:59.999999999Z");
+  EXPECT_EQ(span_of("2026-05-01T03:00:00Z", -480, "today"),
+            "2026-04-30T08:00:00Z 2026-05-01T07:59:59.999999999Z");
+  EXPECT_EQ(span_of("2026-05-01T03:00:00Z", -480, "Thursday"),
+            "2026-04-30T08:00:00Z 2026-05-01T07:59:59.999999999Z")
+      << "it is still Thursday there";
+  EXPECT_EQ(local_hour(parse_time("2026-05-01T22:05:00Z"), 120), 0);
+  EXPECT_EQ(local_weekday(parse_time("2026-05-01T22:05:00Z"), 120), 5) << "Saturday";
+  EXPECT_EQ(local_weekday(parse_time("1969-12-31T23:59:00Z"), 0), 2) << "before the epoch";
+  // Years and leap days.
+  EXPECT_EQ(span_of("2028-03-01T00:30:00Z", 0, "yesterday"),
+            "2028-02-29T00:00:00Z 2028-02-29T23:59:59.999999999Z");
+  EXPECT_EQ(span_of("2026-01-01T00:30:00Z", 60, "yesterday 23:30"),
+            "2025-12-31T22:30:00Z 2025-12-31T22:30:59.999999999Z");
 }
 
 }  // namespace
