@@ -12,6 +12,7 @@
 #include "mapping/base/output_file.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/text.h"
+#include "memory/edits/edits.h"
 #include "memory/identity/vector_file.h"
 #include "memory/questions/snapshot.h"
 #include "memory/reasoning/reason.h"
@@ -53,8 +54,8 @@ Command reason_command() {
           if (arguments->output.empty() && arguments->compare_with.empty())
             throw UsageError("--output or --compare-with is required");
           if (!arguments->output.empty()) {
-            const memory::ReasonResult result =
-                reason(store, arguments->output, arguments->options, write, session.progress());
+            const memory::ReasonResult result = reason(store, arguments->output, arguments->options, write,
+                                                       session.progress(), memory::known_identities(store));
             text = result.summary() + "\n";
             json = result.report();
           }
@@ -356,8 +357,9 @@ Command merge_command() {
                                 result.reasoning);
           Json reasoned;
           if (!arguments->reason.empty()) {
-            const memory::ReasonResult reasons = reason(memory::Store::open_read(arguments->output),
-                                                        arguments->reason, {}, {}, session.progress());
+            const memory::Store merged = memory::Store::open_read(arguments->output);
+            const memory::ReasonResult reasons = reason(merged, arguments->reason, {}, {}, session.progress(),
+                                                        memory::known_identities(merged));
             text += "\n" + reasons.summary();
             reasoned = reasons.report();
           } else if (result.scenes > 0)

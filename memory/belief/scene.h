@@ -46,7 +46,8 @@ struct Observation {
   std::string place;  ///< supporting place; empty = unknown
   std::vector<Descriptor> descriptors;
   /// Which object it is of where that is settled beforehand, by people or by an earlier decision; 0 = a false
-  /// cluster. Of two observations with a number, equal ones are of one object and different ones are not.
+  /// cluster, -1 = a new object. Of two observations with a number, equal ones are of one object and
+  /// different ones are not.
   std::optional<int64_t> known_object = {};
   int64_t former_object = 0;  ///< number of an object that it founds, unless another has it; 0 = a new one
 };

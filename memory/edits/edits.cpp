@@ -14,7 +14,7 @@
 #include "memory/questions/facts.h"
 #include "memory/questions/map_names.h"
 #include "memory/questions/snapshot.h"
-#include "memory/reasoning/revise.h"
+#include "memory/reasoning/reason.h"
 #include "memory/recorder/checkpoint.h"
 #include "memory/store/scene_transaction.h"
 
@@ -115,13 +115,11 @@ KnownIdentities known_identities(const Store& store, const std::vector<Edit>& li
   KnownIdentities known;
   std::map<Id, std::string> configurations;
   for (RunRow& run : store.runs()) configurations[run.id] = std::move(run.configuration);
-  for (const Edit& edit : list) {
-    const Json configuration = parse_json(configurations[edit.run], "run.configuration");
-    if (!configuration.contains("identity")) continue;
-    for (const Json& one : configuration["identity"])
-      for (const Json& observation : one.at("observations"))
-        known[observation.get<Id>()] = one.at("object").get<Id>();
-  }
+  for (const RunRow& run : store.runs())  // that came along from the memory that was reasoned about
+    if (run.program == kReasonProgram)
+      read_identities(parse_json(run.configuration, "run.configuration"), known);
+  for (const Edit& edit : list)
+    read_identities(parse_json(configurations[edit.run], "run.configuration"), known);
   return known;
 }
 
@@ -461,12 +459,11 @@ Edit correct_identity(Store& store, const IdentityEdit& edit,
   const EditList before = edits(store);
   Revision revision{store.scenes({}, edit.from, edit.from).front().id, 0,
                     known_identities(store, before.done)};
-  Json configuration = {{"text", edit.text}, {"identity", Json::array()}};
+  Json configuration = identity_json(edit.groups);
+  configuration["text"] = edit.text;
   if (with_evidence) configuration["last_scene"] = store.last_scene()->id;
-  for (const auto& [object, observations] : edit.groups) {
-    configuration["identity"].push_back({{"object", object}, {"observations", observations}});
+  for (const auto& [object, observations] : edit.groups)
     for (const Id observation : observations) revision.known[observation] = object;
-  }
   EditRun run(store, configuration);
   {
     SceneTransaction rows(store, run.id());
@@ -496,6 +493,10 @@ Edit correct_identity(Store& store, const IdentityEdit& edit,
 Progress& no_progress() {
   static NoProgress silent;
   return silent;
+}
+
+KnownIdentities known_identities(const Store& store) {
+  return known_identities(store, edits(store).done);
 }
 
 EditList edits(const Store& store) {

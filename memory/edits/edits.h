@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "memory/store/store.h"
+#include "memory/reasoning/revise.h"
 
 namespace loci::memory {
 
@@ -32,6 +32,8 @@ struct EditList {
   std::vector<Edit> undone = {};  ///< the last one is redone first
 };
 EditList edits(const Store& store);
+/// What they say of identities; later ones over earlier ones.
+KnownIdentities known_identities(const Store& store);
 
 /// Two objects are one: all observations of the younger become those of the elder, whose id remains. Error
 /// when they were seen in one scene, or are the same.

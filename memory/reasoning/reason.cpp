@@ -1,6 +1,7 @@
 #include "memory/reasoning/reason.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -85,17 +86,81 @@ SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoni
   return record;
 }
 
+/// Which observation and object of the first memory is which of the second.
+class Translation {
+ public:
+  explicit Translation(const KnownIdentities& known) : known_(known) {}
+
+  /// What is known of the observations of a scene, in numbers of the second memory.
+  void identify(SceneRecord& record) const {
+    for (ObservationRecord& one : record.observations) {
+      const auto known = known_.find(one.row.id);
+      if (known == known_.end()) continue;
+      const auto number = stated_.find(known->second);
+      one.evidence.known_object = number == stated_.end() ? -1 : number->second;
+    }
+  }
+
+  void add(const Store& from, Id scene, const std::vector<ObservationRecord>& observations,
+           const RecordedScene& recorded) {
+    std::map<Id, Id> object_of;
+    for (const AssociationRow& row : from.associations(scene))
+      if (row.chosen && row.observation && row.object && row.probability > 0)
+        object_of[*row.observation] = *row.object;
+    for (size_t k = 0; k < observations.size(); ++k) {
+      const Id before = observations[k].row.id, object = recorded.update.observations[k].object;
+      if (const auto known = known_.find(before); known != known_.end()) {
+        stated_[known->second] = object;
+        groups_[object].push_back(recorded.observations[k]);
+      }
+      if (const auto was = object_of.find(before); was != object_of.end() && object != 0)
+        ++common_[was->second][object];
+    }
+  }
+
+  /// The object with most observations of one of the first memory.
+  std::optional<Id> object(Id before) const {
+    const auto counts = common_.find(before);
+    if (counts == common_.end()) return std::nullopt;
+    return std::ranges::max_element(counts->second, {}, [](const auto& one) { return one.second; })->first;
+  }
+  const std::map<Id, std::vector<Id>>& groups() const { return groups_; }
+
+ private:
+  const KnownIdentities& known_;
+  std::map<Id, Id> stated_;               ///< by the number of the first memory
+  std::map<Id, std::vector<Id>> groups_;  ///< observations of the second memory
+  std::map<Id, std::map<Id, size_t>> common_;
+};
+
+/// What people state of objects.
+void copy_object_facts(const Store& from, const Translation& translation, Store& to, Id run,
+                       ReasonResult& result) {
+  for (FactRow fact : from.facts()) {
+    if (!fact.object) continue;
+    if (const std::optional<Id> object = translation.object(*fact.object)) {
+      fact.object = object;
+      fact.clock.supersedes.reset();
+      to.add_fact(fact, run);
+      ++result.facts;
+    } else {
+      result.unplaced.push_back(fmt::format("{}: {} {}", object_name(*fact.object), fact.key, *fact.value));
+    }
+  }
+}
+
 /// reason() into a file that nobody else knows yet.
 void reason_into(const Store& from, const std::vector<SceneRow>& scenes, const std::filesystem::path& other,
                  const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress,
-                 ReasonResult& result) {
+                 const KnownIdentities& known, ReasonResult& result) {
   Store to = Store::open_write(other, write);
   const Numbers numbers = copy_sources(from, to);
-  const Id run = to.begin_run("loci-memory reason", Json{{"from", from.path().filename().string()}}.dump());
+  const Id run = to.begin_run(kReasonProgram, Json{{"from", from.path().filename().string()}}.dump());
   std::vector<PlaceRow> places = from.places();
   for (PlaceRow& place : places) place.map = translated(numbers.maps, place.map);
   copy_place_facts(from, places, to, run);
   Recorder recorder(to, run, options);
+  Translation translation(known);
   for (const SceneRow& scene : scenes) {
     progress.check(double(result.scenes + result.skipped) / double(scenes.size()), "reasoning anew");
     const std::optional<SceneReasoning> reasoning = load_reasoning(from, scene.id);
@@ -104,11 +169,16 @@ void reason_into(const Store& from, const std::vector<SceneRow>& scenes, const s
       continue;
     }
     if (!result.from) result.from = scene.time;
-    const RecordedScene recorded = recorder.record(record_of(from, scene, *reasoning, places, numbers));
+    SceneRecord record = record_of(from, scene, *reasoning, places, numbers);
+    translation.identify(record);
+    const RecordedScene recorded = recorder.record(record);
+    translation.add(from, scene.id, record.observations, recorded);
     ++result.scenes;
     result.observations += recorded.observations.size();
   }
+  copy_object_facts(from, translation, to, run, result);
   to.finish_run(run);
+  if (!known.empty()) to.finish_run(to.begin_run(kReasonProgram, identity_json(translation.groups()).dump()));
 }
 
 std::map<std::pair<TimeNs, std::optional<int64_t>>, SceneRow> by_moment(const Store& store) {
@@ -156,6 +226,7 @@ std::string ReasonResult::summary() const {
     text += fmt::format("; {} scenes left out, of which no evidence was kept", skipped - let_go);
   if (let_go > 0 && from)
     text += fmt::format("; from {} on: the evidence of {} scenes was let go", format_time(*from), let_go);
+  if (!unplaced.empty()) text += fmt::format("; without a place: {}", fmt::join(unplaced, ", "));
   return text;
 }
 
@@ -164,11 +235,14 @@ Json ReasonResult::report() const {
           {"observations", observations},
           {"skipped", skipped},
           {"let_go", let_go},
+          {"facts", facts},
+          {"unplaced", unplaced},
           {"from", from ? Json(format_time(*from)) : Json()}};
 }
 
 ReasonResult reason(const Store& from, const std::filesystem::path& other,
-                    const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress) {
+                    const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress,
+                    const KnownIdentities& known) {
   const std::vector<SceneRow> scenes = from.scenes();
   ReasonResult result;
   for (const SceneRow& scene : scenes) result.let_go += from.reasoning_discarded(scene.id) ? 1 : 0;
@@ -176,7 +250,7 @@ ReasonResult reason(const Store& from, const std::filesystem::path& other,
     throw Error("the evidence of all scenes was let go: nothing can be reasoned about anew",
                 {from.path().string(), 0, {}}, "loci-memory retain --keep-reasoning erased it");
   create_atomically(other, {from.path()}, [&](const std::filesystem::path& made) {
-    reason_into(from, scenes, made, options, write, progress, result);
+    reason_into(from, scenes, made, options, write, progress, known, result);
   });
   return result;
 }

@@ -6,7 +6,7 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 #include "memory/belief/options.h"
-#include "memory/store/store.h"
+#include "memory/reasoning/revise.h"
 
 namespace loci::memory {
 
@@ -14,7 +14,9 @@ struct ReasonResult {
   size_t scenes = 0, observations = 0;
   size_t skipped = 0;  ///< scenes of which no evidence was kept, those that were let go among them
   size_t let_go = 0;   ///< scenes whose evidence was let go by a rule of retention
-  std::optional<TimeNs> from = {};  ///< of the first scene that was reasoned about
+  std::optional<TimeNs> from = {};         ///< of the first scene that was reasoned about
+  size_t facts = 0;                        ///< about objects, that came along
+  std::vector<std::string> unplaced = {};  ///< others: "object_7: alias tea cup"
 
   std::string summary() const;
   Json report() const;
@@ -22,11 +24,15 @@ struct ReasonResult {
 
 /// Runs the identity reasoning again over everything that a memory observed, into a new memory. Depth is that
 /// of the thumbnails. Observations, images, searchable annotations, places and what is said of them come
-/// along; feature structures and facts about objects, whose numbers change, stay behind. Where evidence was
-/// let go it begins with what is left, which the result says. Error when `other` exists, or when no evidence
-/// is left; `other` is there as a whole or not at all.
+/// along, and what people stated of objects goes with the object that has most of their observations. Feature
+/// structures stay behind. `known`: what corrections say of identities; it holds in the new memory, too.
+/// Where evidence was let go it begins with what is left, which the result says. Error when `other` exists,
+/// or when no evidence is left; `other` is there as a whole or not at all.
 ReasonResult reason(const Store& from, const std::filesystem::path& other,
-                    const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress);
+                    const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress,
+                    const KnownIdentities& known = {});
+
+inline constexpr const char* kReasonProgram = "loci-memory reason";
 
 /// What two histories of the same observations say differently.
 struct HistoryDifference {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/json.h"
 #include "memory/reasoning/stored_scene.h"
 #include "memory/recorder/belief_rows.h"
 #include "memory/recorder/checkpoint.h"
@@ -260,7 +261,23 @@ class Reviser {
   std::map<Id, OpenScene> open_;  ///< scenes to which rows may still be added
 };
 
+constexpr const char* kIdentity = "identity";
+
 }  // namespace
+
+Json identity_json(const std::map<Id, std::vector<Id>>& observations_of) {
+  Json list = Json::array();
+  for (const auto& [object, observations] : observations_of)
+    list.push_back({{"object", object}, {"observations", observations}});
+  return {{kIdentity, list}};
+}
+
+void read_identities(const Json& configuration, KnownIdentities& known) {
+  if (!configuration.contains(kIdentity)) return;
+  for (const Json& one : configuration[kIdentity])
+    for (const Json& observation : one.at("observations"))
+      known[observation.get<Id>()] = one.at("object").get<Id>();
+}
 
 void revise(const Store& store, SceneTransaction& transaction, const Revision& revision, Progress& progress) {
   Reviser(store, transaction, revision).run(progress);

@@ -1,11 +1,16 @@
 #pragma once
 
+#include "mapping/base/json_fwd.h"
 #include "memory/store/scene_transaction.h"
 
 namespace loci::memory {
 
 /// What people's corrections say: the object that an observation is of.
 using KnownIdentities = std::map<Id, Id>;
+
+/// What a run states of identities, in its configuration.
+Json identity_json(const std::map<Id, std::vector<Id>>& observations_of);
+void read_identities(const Json& configuration, KnownIdentities& known);
 
 /// How the belief is revised.
 struct Revision {

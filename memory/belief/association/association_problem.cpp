@@ -72,7 +72,7 @@ class ProblemBuilder {
   /// clutter.
   std::optional<size_t> known_partner(size_t k) const {
     const int64_t id = scene_.observations[k].known_object.value_or(0);
-    if (id == 0) return std::nullopt;
+    if (id <= 0) return std::nullopt;
     const auto found = std::ranges::find(state_.objects, id, &ProtoObject::id);
     if (found == state_.objects.end()) return std::nullopt;
     return static_cast<size_t>(found - state_.objects.begin());

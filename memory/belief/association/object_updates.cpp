@@ -124,7 +124,7 @@ void SceneUpdate::create_object(size_t k) {
 
 void SceneUpdate::confirm(ProtoObject& object, std::optional<size_t> k) {
   object.status = Status::present;
-  const bool keeps_number = object.former_id != 0 && state_.find(object.former_id) == nullptr;
+  const bool keeps_number = object.former_id > 0 && state_.find(object.former_id) == nullptr;
   object.id = keeps_number ? object.former_id : state_.next_id++;
   state_.next_id = std::max(state_.next_id, object.id + 1);
   std::vector<PendingObservation> earlier = std::move(object.pending);

@@ -165,6 +165,37 @@ TEST_F(Reasoning, WhatIsSaidOfPlacesComesAlong) {
   EXPECT_EQ(facts[0].place, other.places().front().id);
 }
 
+TEST_F(Reasoning, WhatIsSaidOfObjectsGoesWithThem) {
+  {
+    Store store = Store::open_write(folder / "memory.loci");
+    const Id run = store.begin_run("test", "{}");
+    store.add_fact({.object = 2, .key = "alias", .value = "muesli"}, run);
+    store.add_fact({.object = 1, .key = "owner", .value = "Ada"}, run);
+  }
+  belief::BeliefOptions nobody_home;
+  nobody_home.move_time_s = 1e9;  // the mug on the counter is another one
+  const ReasonResult result = reason(memory(), folder / "other.loci", nobody_home, {}, progress);
+  EXPECT_EQ(result.facts, 2U);
+  EXPECT_TRUE(result.unplaced.empty());
+  const Store other = Store::open_read(folder / "other.loci");
+  for (const FactRow& fact : other.facts())
+    EXPECT_EQ(other.observations_of(*fact.object).front().observation.number, fact.key == "alias" ? 1 : 0);
+}
+
+TEST_F(Reasoning, CorrectionsHoldAfterwards) {
+  // Nobody is home: without the correction the mug on the counter is another one.
+  belief::BeliefOptions nobody_home;
+  nobody_home.move_time_s = 1e9;
+  const Id here = memory().observations(1).at(0).id, there = memory().observations(2).at(0).id;
+  reason(memory(), folder / "other.loci", nobody_home, {}, progress, {{here, 7}, {there, 7}});
+  const Store other = Store::open_read(folder / "other.loci");
+  EXPECT_EQ(other.objects().size(), 2U);
+  EXPECT_EQ(other.observations_of(1).size(), 2U);
+  KnownIdentities known;
+  for (const RunRow& run : other.runs()) read_identities(parse_json(run.configuration, "run"), known);
+  EXPECT_EQ(known.size(), 2U);
+}
+
 TEST_F(Reasoning, OverwritesNothing) {
   EXPECT_THROW(reason(memory(), folder / "memory.loci", {}, {}, progress), Error);
 }
