@@ -148,10 +148,10 @@ constexpr double kMaxChance = 0.2;
 constexpr double kPutHere = 0.5;
 
 /// What the belief says of an object at the places asked about, in the period and around it.
-class Whereabouts {
+class PresenceChance {
  public:
-  Whereabouts(const Store& store, Id object, const WasQuestion& question, const AsOf& as_of,
-              const std::vector<PlaceRow>& places)
+  PresenceChance(const Store& store, Id object, const WasQuestion& question, const AsOf& as_of,
+                 const std::vector<PlaceRow>& places)
       : store_(store),
         object_(object),
         from_(question.from),
@@ -374,21 +374,21 @@ class Judge {
   }
 
   void decide_at_place(Id object, WasObject& result) const {
-    const Whereabouts whereabouts(snapshot_.store(), object, question_, snapshot_.as_of(), places_);
-    const std::vector<TimeNs> absent = looks_without_it(whereabouts, result);
-    result.probability = whereabouts.chance(absent, result.before, result.after);
+    const PresenceChance presence(snapshot_.store(), object, question_, snapshot_.as_of(), places_);
+    const std::vector<TimeNs> absent = looks_without_it(presence, result);
+    result.probability = presence.chance(absent, result.before, result.after);
     if (!absent.empty() && result.probability <= kMaxChance) {
       result.verdict = Verdict::no;
       result.reason = reason_of_no(result);
     } else if (!absent.empty()) {
-      result.reason = what_was_seen(whereabouts, absent, result);
+      result.reason = what_was_seen(presence, absent, result);
     } else {
-      result.reason = reason_not_observed(whereabouts, result);
+      result.reason = reason_not_observed(presence, result);
     }
   }
 
   /// Times of the scenes that saw it elsewhere, or the place or its spot there without it.
-  std::vector<TimeNs> looks_without_it(const Whereabouts& whereabouts, const WasObject& result) const {
+  std::vector<TimeNs> looks_without_it(const PresenceChance& presence, const WasObject& result) const {
     std::set<TimeNs> times;
     for (const auto& [scene, place] : result.seen_elsewhere) times.insert(scene.time);
     const bool enough = coverage_.fraction() >= kMinSeenFraction;
@@ -396,9 +396,9 @@ class Judge {
       const bool place_seen =
           enough && view.fraction > 0 &&
           (!spot_ || view.spot == SpotStatus::seen || view.spot == SpotStatus::no_camera) &&
-          (1 - coverage_.fraction()) * whereabouts.unknown(view.scene.time) <= kMaxChance;
+          (1 - coverage_.fraction()) * presence.unknown(view.scene.time) <= kMaxChance;
       if ((view.spot == SpotStatus::seen_empty || place_seen) &&
-          whereabouts.believed_there(view.scene.time) < kMaxChance)
+          presence.believed_there(view.scene.time) < kMaxChance)
         times.insert(view.scene.time);
     }
     return {times.begin(), times.end()};
@@ -419,7 +419,7 @@ class Judge {
   }
 
   /// "seen there at T1; not there at T2; not observed from T3 to T4".
-  std::string what_was_seen(const Whereabouts& whereabouts, const std::vector<TimeNs>& absent,
+  std::string what_was_seen(const PresenceChance& presence, const std::vector<TimeNs>& absent,
                             const WasObject& result) const {
     const TimeWriter times(snapshot_.store());
     std::string text;
@@ -427,15 +427,15 @@ class Judge {
     const std::string first = times.text(absent.front()), last = times.text(absent.back());
     text += first == last ? "not there at " + first
                           : fmt::format("not there at {} looks from {} to {}", absent.size(), first, last);
-    const auto [from, to] = whereabouts.longest_gap(absent);
+    const auto [from, to] = presence.longest_gap(absent);
     if (times.text(from) != times.text(to))
       text += fmt::format("; not observed from {} to {}", times.text(from), times.text(to));
     if (result.after) text += fmt::format("; seen there again at {}", times.text(result.after->time));
     return text;
   }
 
-  std::string reason_not_observed(const Whereabouts& whereabouts, const WasObject& result) const {
-    const double believed = whereabouts.believed_there(question_.from), fraction = coverage_.fraction();
+  std::string reason_not_observed(const PresenceChance& presence, const WasObject& result) const {
+    const double believed = presence.believed_there(question_.from), fraction = coverage_.fraction();
     const std::string still =
         believed >= 0.5 ? fmt::format("; it is believed to have been there ({})", percent(believed)) : "";
     if (spot_ && spot_was(result, SpotStatus::hidden))
