@@ -68,8 +68,8 @@ struct FixtureParameters {
   double min_shown_at_ends = 0.25;     ///< of the cells beyond a bar's ends that are face
   double long_bar_m = 0.3;             ///< may be as long as its front …
   double min_shown_beside_long = 0.7;  ///< … if so much beside it is face
-  double max_rib_spacing_m = 0.16;     ///< between upright bars of one radiator: no fronts are so narrow …
-  size_t min_ribs = 4;                 ///< … in a row of so many
+  double max_rib_spacing_m = 0.22;     ///< between upright bars of one radiator: no fronts are so narrow …
+  size_t min_ribs = 3;                 ///< … in a row of so many
   double rib_overlap = 0.6;            ///< of the shorter one's height
   double min_hit_depth = 0.6;          ///< of its distance from the face; nearer, a ray passed by it
   double core = 0.38;                  ///< of length and width to each side that rays certainly meet
