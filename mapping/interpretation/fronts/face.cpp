@@ -385,8 +385,6 @@ FaceGrid::FaceGrid(const FurnitureFace& face)
       width(static_cast<int>((face.u_max - face.u_min + 2 * kFaces.margin_m) / kFaces.cell_m) + 1),
       height(static_cast<int>((face.v_max - face.v_min + 2 * kFaces.margin_m) / kFaces.cell_m) + 1) {}
 
-namespace {}  // namespace
-
 FaceGround::FaceGround(const FaceRays& rays)
     : grid_(rays.face),
       width_(grid_.width / kFaces.ground_cells + 1),
