@@ -1,4 +1,5 @@
 #include "mapping/exchange/compare_furniture.h"
+#include "mapping/base/files.h"
 #include "mapping/base/math.h"
 
 #include <gmock/gmock.h>
@@ -151,6 +152,29 @@ TEST(CompareFurniture, SampleKitchenBySidecarEqualsItselfByGeometry) {
   EXPECT_THAT(result.errors("front", &ComparedElement::overlap), testing::Each(testing::Gt(0.99)));
   EXPECT_THAT(result.errors("handle", &ComparedElement::centre_error), testing::Each(testing::Lt(0.002)));
   EXPECT_EQ(result.joints().rate(), 1);
+}
+
+TEST(CompareFurniture, MeasuredFrontsJudgeTheirFacesOnly) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "measured_fronts.json";
+  write_file_atomically(file, R"({"fronts": [{"name": "door", "centre": [2, 0, 0.5], "normal": [-1, 0, 0],
+    "up": [0, 0, 1], "width": 0.6, "height": 0.7, "tolerance": 0.03,
+    "handle": {"name": "bar", "centre": [1.97, 0, 0.8], "axis": [0, 1, 0], "length": 0.2}}]})");
+  Warnings warnings;
+  const MapStructure truth = read_structure(file, {}, warnings);
+  MapStructure map = truth;
+  map.fixtures[0].fixture.centre.z() += 0.07;  // within 5 cm and the tolerance of the truth
+  KnownFront beside = map.fronts[0], elsewhere = map.fronts[0];
+  beside.front.centre.y() += 0.5;
+  elsewhere.front.centre.y() += 3;
+  map.fronts.push_back(beside);
+  map.fronts.push_back(elsewhere);
+  ComparisonOptions options;
+  options.handle_tolerance_m = 0.05;
+  const Comparison result = compare(map, truth, options);
+  EXPECT_EQ(result.counts("handle").matched, 1U);
+  EXPECT_EQ(result.counts("front").matched, 1U);
+  EXPECT_EQ(result.counts("front").extra, 1U);
+  EXPECT_EQ(result.counts("front").minor, 1U);
 }
 
 TEST(CompareFurniture, ApartmentTruthSaysWhatIsAskedFor) {
