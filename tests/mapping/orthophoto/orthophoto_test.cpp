@@ -28,7 +28,7 @@ int red_at(const Orthophoto& photo, double u, double v) {
                                    static_cast<int>(std::lround(photo.column(u))))[2];
 }
 
-/// Overlap of a front with the rectangle [u0, u1] × [0.15, 0.85].
+/// Intersection over union of a front and the rectangle [u0, u1] × [0.15, 0.85].
 double overlap(const Front& front, double u0, double u1) {
   const double w =
       std::min(front.centre.y() + front.width / 2, u1) - std::max(front.centre.y() - front.width / 2, u0);
