@@ -11,6 +11,7 @@ Command resolve_command();
 Command catalogue_command();
 Command fact_command();
 Command taxonomy_command();
+Command teach_command();
 Command edit_command();
 Command verify_command();
 Command backup_command();

@@ -5,6 +5,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
+#include "memory/catalogue/catalogue.h"
 #include "memory/edits/edits.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/snapshot.h"
@@ -142,6 +143,29 @@ Command fact_command() {
                                          : remove_fact(store, word(0), word(1), word(2));
               }
               session.answer(to_text(answer), to_json(answer));
+            };
+          }};
+}
+
+Command teach_command() {
+  return {"teach",
+          "Teach a class by example: what looks like the object is called so, too",
+          {"loci-memory teach object_1 mug -m demo-output/memory.loci",
+           "loci-memory teach object_2 \"cereal box\" -m demo-output/memory.loci --json"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string memory, object, class_name;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("OBJECT", &arguments->object, "The example, by name or description");
+            table.positional("CLASS", &arguments->class_name, "What it is");
+            table.memory(arguments->memory);
+            return [arguments](Session& session) {
+              memory::Store store = open_to_change(arguments->memory, session);
+              set_fact(store, arguments->object, "class", arguments->class_name);
+              set_fact(store, arguments->object, memory::kTaughtKey, arguments->class_name);
+              const memory::CatalogueResult result = apply_catalogues(store);
+              session.answer(result.summary(), result.report());
             };
           }};
 }

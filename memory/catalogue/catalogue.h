@@ -65,7 +65,11 @@ struct CatalogueResult {
 /// "catalogue" and a probability to the objects that match an entry. Facts of people take precedence.
 /// Importing again changes nothing. Error for the catalogue of this memory's own home.
 CatalogueResult import_catalogue(Store& store, const Catalogue& catalogue);
-/// Matches again, after new observations. Without catalogues nothing happens.
+/// Matches again, after new observations or new examples. Examples are the objects of this memory with a fact
+/// `taught`, whose value is a class: what looks like them gets the class, with a probability; of what is
+/// unlike all of them nothing is stated. Without catalogues and examples nothing happens.
 CatalogueResult apply_catalogues(Store& store);
+/// The key of the facts that make an object an example of a class.
+inline constexpr const char* kTaughtKey = "taught";
 
 }  // namespace loci::memory

@@ -18,6 +18,7 @@ namespace {
 constexpr const char* kCheckpoint = "catalogue/";  ///< and the home: checkpoints with the catalogues
 constexpr const char* kHabitsCheckpoint = "catalogue habits/";
 constexpr const char* kSource = "catalogue";
+constexpr const char* kOwnHome = "";  ///< of the examples that were taught
 /// Prior probability that an object has an equal in the catalogue of another home.
 constexpr double kKnown = 0.5;
 /// Facts are stated from this probability on, and changed by at least that much.
@@ -125,6 +126,7 @@ void match(const Catalogue& catalogue, const std::vector<Seen>& objects,
     }
     want_class(catalogue, seen.object, of_object, prior, facts);
   }
+  if (catalogue.home == kOwnHome) return;  // which of its objects these are is for the belief to say
   IdentityOptions options;
   options.best = 1;
   options.priors.stay = options.priors.newview = kNever;
@@ -192,6 +194,31 @@ void settle(Store& store, Facts wanted, CatalogueResult& result) {
   store.finish_run(run);
 }
 
+/// The examples that people taught classes with.
+Catalogue examples_of(const Store& store, const std::vector<Seen>& objects) {
+  Catalogue examples;
+  examples.home = kOwnHome;
+  for (const FactRow& fact : store.facts()) {
+    if (!fact.object || !fact.value || fact.key != kTaughtKey || fact.clock.source == kSource) continue;
+    const auto seen = std::ranges::find(objects, *fact.object, &Seen::object);
+    if (seen == objects.end()) continue;
+    CatalogueEntry& entry = examples.entries.emplace_back();
+    entry.name = object_name(seen->object);
+    entry.class_name = *fact.value;
+    entry.terms = seen->terms;
+    entry.terms.erase("label");  // the class itself is no evidence for it
+    entry.views = seen->views;
+  }
+  return examples;
+}
+
+/// Whether facts depend on catalogues or examples, or did.
+bool has_known_objects(const Store& store) {
+  return std::ranges::any_of(store.facts(), [](const FactRow& fact) {
+    return fact.object && (fact.key == kTaughtKey || fact.clock.source == kSource);
+  });
+}
+
 /// Adds the habits of the other home to the belief, once.
 void add_habits(Store& store, const Catalogue& catalogue) {
   const std::optional<SceneRow> last = store.last_scene();
@@ -230,7 +257,7 @@ CatalogueResult import_catalogue(Store& store, const Catalogue& catalogue) {
 CatalogueResult apply_catalogues(Store& store) {
   CatalogueResult result;
   const std::map<std::string, Store::Checkpoint> stored = store.checkpoints(kCheckpoint);
-  if (stored.empty()) return result;
+  if (stored.empty() && !has_known_objects(store)) return result;
   std::vector<Seen> objects;
   ViewReader views(store);
   for (const BeliefRow& belief : store.beliefs())
@@ -245,13 +272,16 @@ CatalogueResult apply_catalogues(Store& store) {
     match(catalogue, objects, corrections, facts);
     add_habits(store, catalogue);
   }
+  const Catalogue examples = examples_of(store, objects);
+  result.entries += examples.entries.size();
+  match(examples, objects, corrections, facts);
   settle(store, std::move(facts), result);
   return result;
 }
 
 std::string CatalogueResult::summary() const {
   std::string text = fmt::format(
-      "{} objects and {} entries of catalogues: {} facts known ({} new, {} changed, "
+      "{} objects and {} entries of catalogues or examples: {} facts known ({} new, {} changed, "
       "{} retracted)",
       objects, entries, known.size(), added, changed, taken_back);
   for (const Match& match : known)

@@ -134,6 +134,7 @@ Json scene_json(const SceneRef& scene) {
 
 Json object_json(const ObjectRef& object) {
   Json json = {{"object", object.name}};
+  if (object.label) json["label"] = *object.label;
   if (!object.aliases.empty()) json["aliases"] = object.aliases;
   if (object.color) json["color"] = *object.color;
   put(json, "size", object.size, vector_json);
@@ -226,8 +227,11 @@ std::string to_text(const ObjectRef& object) {
   std::vector<std::string> notes;
   if (object.color) notes.push_back(*object.color);
   if (object.size) notes.push_back(size_text(*object.size));
-  for (const std::string& alias : object.aliases) notes.push_back("called " + alias);
-  return notes.empty() ? object.name : fmt::format("{} ({})", object.name, fmt::join(notes, ", "));
+  for (const std::string& alias : object.aliases)
+    if (alias != object.label) notes.push_back("called " + alias);
+  if (object.label) notes.insert(notes.begin(), object.name);
+  const std::string& name = object.label ? *object.label : object.name;
+  return notes.empty() ? name : fmt::format("{} ({})", name, fmt::join(notes, ", "));
 }
 
 std::string to_text(const Change& change) {

@@ -24,6 +24,9 @@ struct ObjectRef {
   std::vector<std::string> aliases = {};
   std::optional<std::string> color = {};
   std::optional<Vector3d> size = {};  ///< metres
+  /// The best name known: alias, else product, else class; what people state before what annotators do. Unset
+  /// = none.
+  std::optional<std::string> label = {};
 };
 
 struct PlaceRef {

@@ -534,7 +534,7 @@ Json to_json(const NaturalLanguageAnswer& answer) {
 std::vector<std::string> suggested_questions(const Store& store) {
   std::vector<std::string> suggestions;
   const auto name = [](const ObjectRef& object) {
-    return object.aliases.empty() ? object.name : "the " + object.aliases.front();
+    return object.label ? "the " + *object.label : object.name;
   };
   const std::vector<ObjectBelief> objects = ask(store, ObjectsQuestion{}).objects;
   if (!objects.empty()) suggestions.push_back(fmt::format("Where is {}?", name(objects.front().object)));

@@ -32,8 +32,10 @@ std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times) {
   std::vector<std::vector<std::string>> rows = {
       {"object", "colour", "size", "place", "status", "seen", "last seen"}};
   for (const ObjectBelief& object : answer.objects) {
-    const auto& [id, name, aliases, color, size] = object.object;
-    rows.push_back({name + (aliases.empty() ? "" : fmt::format(" ({})", fmt::join(aliases, ", "))),
+    const auto& [id, name, aliases, color, size, label] = object.object;
+    std::vector<std::string> names = aliases;
+    if (label && aliases.empty()) names.push_back(*label);
+    rows.push_back({name + (names.empty() ? "" : fmt::format(" ({})", fmt::join(names, ", "))),
                     color.value_or("-"), size ? size_text(*size) : "-",
                     object.place ? place_text(*object.place) : "-", status_text(object.status),
                     std::to_string(object.sightings),

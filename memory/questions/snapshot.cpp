@@ -195,13 +195,39 @@ std::optional<SceneRef> Snapshot::scene_ref(std::optional<Id> id) const {
 
 ObjectRef Snapshot::object_ref(Id object) const {
   ObjectRef ref{.id = object, .name = object_name(object)};
-  for (const FactRow& fact : facts_)
-    if (fact.object == object && fact.key == "alias") ref.aliases.push_back(*fact.value);
+  std::optional<std::string> product, class_name;
+  for (const FactRow& fact : facts_) {
+    if (fact.object != object) continue;
+    if (fact.key == "alias") ref.aliases.push_back(*fact.value);
+    if (fact.key == "product") product = fact.value;
+    if (fact.key == "class") class_name = fact.value;
+  }
+  ref.label = !ref.aliases.empty() ? ref.aliases.front() : product ? product : class_name;
+  if (!ref.label) ref.label = annotated_name(object);
   if (const BeliefRow* row = belief(object)) {
     ref.color = row->color;
     ref.size = row->size;
   }
   return ref;
+}
+
+std::optional<std::string> Snapshot::annotated_name(Id object) const {
+  constexpr size_t kMaxObservations = 20;  // the latest
+  if (!annotated_) {
+    annotated_.emplace();
+    for (const char* type : {"loci.annotation.ProductAnnotation", "loci.annotation.ClassificationAnnotation"})
+      annotated_->emplace_back(type, store_.objects_annotated_by(type, as_of_));
+  }
+  for (const auto& [type, objects] : *annotated_) {
+    if (!std::ranges::binary_search(objects, object)) continue;
+    std::vector<ObjectObservation> observations = store_.observations_of(object, as_of_);
+    if (observations.size() > kMaxObservations)
+      observations.erase(observations.begin(),
+                         observations.end() - static_cast<std::ptrdiff_t>(kMaxObservations));
+    for (const AnnotationSupport& name : annotation_support(store_, observations))
+      if (name.type == type) return name.value;
+  }
+  return std::nullopt;
 }
 
 std::optional<PlaceRef> Snapshot::place_ref(std::optional<Id> place) const {

@@ -63,6 +63,8 @@ class Snapshot {
 
  private:
   FileLocation file() const { return {store_.path().string(), 0, {}}; }
+  /// The product, else the class, that most of the latest observations of an object are annotated with.
+  std::optional<std::string> annotated_name(Id object) const;
   std::vector<Id> find_at_place(const std::string& name) const;
   std::vector<Id> find_by_word(const std::string& word) const;
   /// The one that "biggest red" means; unset when no word is a superlative.
@@ -84,6 +86,8 @@ class Snapshot {
   mutable std::optional<std::vector<BeliefRow>> beliefs_;
   mutable std::unordered_map<Id, std::optional<BeliefRow>> belief_of_;
   mutable std::optional<PartNames> part_names_;
+  /// By type of annotation, the best first: objects with a name of this type, sorted.
+  mutable std::optional<std::vector<std::pair<std::string, std::vector<Id>>>> annotated_;
   mutable std::optional<std::vector<SceneRow>> scenes_;
   mutable std::unordered_map<Id, std::optional<SceneRow>> scene_of_;
 };

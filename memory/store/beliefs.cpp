@@ -254,6 +254,10 @@ std::vector<Id> Store::objects_annotated(const std::string& value, const AsOf& a
                             as_of);
 }
 
+std::vector<Id> Store::objects_annotated_by(const std::string& type, const AsOf& as_of) const {
+  return objects_with_terms(*connection_, "SELECT id FROM term WHERE type = ?1", type, as_of);
+}
+
 std::vector<Id> Store::objects_with_text(const std::string& words, const AsOf& as_of) const {
   std::string match = "\"";  // each word quoted: nothing in it is an operator
   for (const char c : words) match += c == '"' ? "\"\"" : c == ' ' ? "\" \"" : std::string(1, c);

@@ -229,6 +229,31 @@ TEST_F(CatalogueTest, HabitsComeAlongOnce) {
   EXPECT_NEAR(load_belief(store).interaction.statistics().by_class.at("mug").found, 30, 1e-9);
 }
 
+TEST_F(CatalogueTest, WhatLooksLikeAnExampleIsCalledSoAndTheRestStaysUnknown) {
+  const std::filesystem::path memory = home("first", 0, {kRedMug, kBlueBox, kRedMug});
+  {
+    Store store = Store::open_write(memory);
+    set_fact(store, "object_1", "class", "mug");
+    set_fact(store, "object_1", kTaughtKey, "mug");
+    const CatalogueResult result = apply_catalogues(store);
+    ASSERT_EQ(result.known.size(), 1U);
+    EXPECT_EQ(result.known[0].object, 3);
+    EXPECT_GT(result.known[0].probability, 0.7);
+    EXPECT_EQ(apply_catalogues(store).added, 0U);
+  }
+  EXPECT_THAT(facts(memory), Contains("object_3 class mug catalogue"));
+  EXPECT_EQ(ask(Store::open_read(memory), WhereQuestion{"mug"}).objects.size(), 2U);
+  // New objects are compared, too.
+  home("first", 10, {kRedMug, kBlueBox, kRedMug, kGreenCan, kRedMug});
+  EXPECT_THAT(facts(memory), Contains("object_5 class mug catalogue"));
+  EXPECT_THAT(facts(memory), Not(Contains("object_2 class mug catalogue")));
+  EXPECT_THAT(facts(memory), Not(Contains("object_4 class mug catalogue")));
+  // Without its example nothing is left of the class.
+  Store store = Store::open_write(memory);
+  remove_fact(store, "object_1", kTaughtKey, "");
+  EXPECT_EQ(apply_catalogues(store).taken_back, 2U);
+}
+
 TEST_F(CatalogueTest, RefusesItsOwnHomeAndWhatIsNone) {
   const Catalogue made = catalogue();
   Store store = Store::open_write(folder_ / "first.loci");

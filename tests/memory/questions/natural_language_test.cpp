@@ -26,7 +26,7 @@ TEST_F(NaturalLanguage, AnswersAsTheCommandWould) {
   const auto& where = answer.answer->get<WhereAnswer>();
   ASSERT_EQ(where.objects.size(), 1U);
   EXPECT_EQ(where.objects[0].place->name, "counter_1");
-  EXPECT_THAT(text(answer), HasSubstr("= loci-memory where 'tea cup'\nobject_1"));
+  EXPECT_THAT(text(answer), HasSubstr("= loci-memory where 'tea cup'\ntea cup (object_1"));
   EXPECT_EQ(to_json(answer)["answer"]["objects"][0]["place"], "counter_1");
 }
 

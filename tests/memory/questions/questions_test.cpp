@@ -50,7 +50,7 @@ TEST_F(Questions, WhereFollowsAnObjectThroughTheDay) {
   EXPECT_EQ(where("red").place->name, "counter_1");
   EXPECT_EQ(where("red").last_seen->scene, 6);
   EXPECT_THAT(text(ask(*store_, WhereQuestion{"red"})),
-              HasSubstr("object_1 (red, 8 x 8 x 10 cm, called tea cup) is on counter_1 at (3.60, 0.40, 0.80) "
+              HasSubstr("tea cup (object_1, red, 8 x 8 x 10 cm) is on counter_1 at (3.60, 0.40, 0.80) "
                         "(98 % sure), last seen at 10:30"));
 }
 
@@ -87,6 +87,48 @@ TEST_F(Questions, WhereListsAlternativeLocations) {
   EXPECT_THAT(text(answer), HasSubstr("or else"));
   EXPECT_NEAR(to_json(answer)["objects"][0]["alternatives"][0]["probability"].get<double>(), 0.35, 1e-12);
   EXPECT_TRUE(where("object_2").alternatives.empty());
+}
+
+TEST_F(Questions, AnObjectIsCalledByTheBestNameKnown) {
+  const auto label = [&] { return where("object_2").object.label.value_or("none"); };
+  const auto write = [&](auto add) {
+    store_.reset();
+    {
+      Store store = Store::open_write(file_);
+      SceneTransaction scene(store, store.begin_run("test", "{}"));
+      add(scene);
+      scene.commit();
+    }
+    store_.emplace(Store::open_read(file_));
+  };
+  const auto state = [&](const std::string& key, const std::string& value) {
+    write([&](SceneTransaction& scene) {
+      scene.add_fact({.object = 2, .key = key, .value = value, .clock = {.source = "user"}});
+    });
+  };
+  const ObjectObservation seen = store_->observations_of(2).front();
+  const auto annotate = [&](const std::string& type, const std::string& value) {
+    write([&](SceneTransaction& scene) {
+      scene.add_annotation({.scene = seen.observation.scene,
+                            .observation = seen.observation.id,
+                            .type = type,
+                            .value = value});
+    });
+  };
+  EXPECT_EQ(label(), "none");
+  annotate("loci.annotation.ClassificationAnnotation", "jar");
+  EXPECT_EQ(label(), "jar");
+  annotate("loci.annotation.ProductAnnotation", "Blue's jam");
+  EXPECT_EQ(label(), "Blue's jam");
+  state("class", "jam jar");
+  EXPECT_EQ(label(), "jam jar");
+  EXPECT_THAT(text(ask(*store_, WhereQuestion{"object_2"})), HasSubstr("jam jar (object_2, blue"));
+  EXPECT_THAT(text(ask(*store_, ObjectsQuestion{})), HasSubstr("object_2 (jam jar)"));
+  EXPECT_EQ(to_json(ask(*store_, WhereQuestion{"object_2"}))["objects"][0]["label"], "jam jar");
+  state("product", "Plum jam");
+  EXPECT_EQ(label(), "Plum jam");
+  state("alias", "grandma's jam");
+  EXPECT_EQ(label(), "grandma's jam");
 }
 
 TEST_F(Questions, WhatIsOutOfViewStaysRemembered) {
@@ -235,7 +277,7 @@ TEST_F(Questions, ChangesAreListedInOrderAndCanBeNarrowed) {
   EXPECT_THAT(kinds(ask(*store_, ChangesQuestion{.place = "drawer_1"})),
               ElementsAre("joint_changed", "appeared"));
   const std::string all = text(ask(*store_, ChangesQuestion{}));
-  EXPECT_THAT(all, HasSubstr("09:30 (after 08:00)  object_1 (red, 8 x 8 x 10 cm, called tea cup) moved from "
+  EXPECT_THAT(all, HasSubstr("09:30 (after 08:00)  tea cup (object_1, red, 8 x 8 x 10 cm) moved from "
                              "table_1 to counter_1 by 3.3 m (90 % sure) [scene 4, frame 3]"));
   EXPECT_THAT(all, HasSubstr("drawer_1_joint opened from 0.00 to 0.35"));
 }
