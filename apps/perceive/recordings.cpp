@@ -366,6 +366,12 @@ perception::Pipeline read_pipeline(const RunArguments& arguments,
   return perception::Pipeline::parse(config, registry);
 }
 
+/// Whether few frames that do not follow each other: pictures of different scenes rather than a video.
+bool is_series_of_pictures(const mapping::TrackingResult& result) {
+  constexpr size_t kMinVideo = 30;
+  return result.frames.size() < kMinVideo && 2 * result.good() < result.frames.size();
+}
+
 /// The recording, with tracked poses when it has none of its own and its camera moves.
 std::unique_ptr<mapping::Recording> with_known_poses(std::unique_ptr<mapping::Recording> recording,
                                                      bool fixed_camera, Session& session) {
@@ -374,7 +380,7 @@ std::unique_ptr<mapping::Recording> with_known_poses(std::unique_ptr<mapping::Re
   options.threads = session.flags().threads;
   const mapping::TrackingResult result = track(*recording, options, session.progress());
   session.timing("track", result.seconds);
-  if (result.still) return recording;
+  if (result.still || is_series_of_pictures(result)) return recording;
   const FileLocation location{recording->info().path, 0, {}};
   require_usable(result, location.file);
   recording = with_tracked_poses(std::move(recording), result, false, session.warnings());
