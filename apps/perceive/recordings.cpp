@@ -366,8 +366,8 @@ perception::Pipeline read_pipeline(const RunArguments& arguments,
   return perception::Pipeline::parse(config, registry);
 }
 
-/// Whether few frames that do not follow each other: pictures of different scenes rather than a video.
-bool is_series_of_pictures(const mapping::TrackingResult& result) {
+/// Whether the frames are few and do not follow each other: images of different scenes.
+bool is_no_video(const mapping::TrackingResult& result) {
   constexpr size_t kMinVideo = 30;
   return result.frames.size() < kMinVideo && 2 * result.good() < result.frames.size();
 }
@@ -380,7 +380,7 @@ std::unique_ptr<mapping::Recording> with_known_poses(std::unique_ptr<mapping::Re
   options.threads = session.flags().threads;
   const mapping::TrackingResult result = track(*recording, options, session.progress());
   session.timing("track", result.seconds);
-  if (result.still || is_series_of_pictures(result)) return recording;
+  if (result.still || is_no_video(result)) return recording;
   const FileLocation location{recording->info().path, 0, {}};
   require_usable(result, location.file);
   recording = with_tracked_poses(std::move(recording), result, false, session.warnings());

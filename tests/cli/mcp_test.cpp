@@ -19,7 +19,7 @@ TEST(Mcp, TheProtocolsOwnClientGetsItsAnswers) {
   if (run("npm install --no-audit --no-fund --prefix " + folder + " @modelcontextprotocol/sdk@1").exit_code !=
       0)
     GTEST_SKIP() << "needs npm and its registry";
-  std::filesystem::copy("tests/cli/mcp_client.mjs", folder);
+  std::filesystem::copy(std::filesystem::path(LOCI_SOURCE_DIR) / "tests/cli/mcp_client.mjs", folder);
   const std::string memory = folder + "/m.loci";
   ASSERT_EQ(run("loci-memory ingest apps/samples/detections.jsonl -m " + memory).exit_code, 0);
   const Outcome outcome = run("node " + folder + "/mcp_client.mjs \"$(command -v loci-memory)\" " + memory);

@@ -25,14 +25,14 @@ class MemoryCli : public testing::Test {
 
 TEST_F(MemoryCli, AnswersEveryQuestionInWordsAndAsJson) {
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {"where red", "object_1 (red"},
+      {"where red", "tea cup (object_1, red"},
       {"where tea cup --at 08:10", "on table_1"},
       {"history red", "from 09:30 to 10:30, on counter_1"},
       {"on table_1", "1 object is on table_1"},
       {"in drawer_1", "in drawer_1_bottom"},
-      {"was red on table_1 --between 07:50 08:10", "Yes: object_1"},
-      {"was red on table_1 --between 08:50 09:10", "No: object_1"},
-      {"was red on table_1 --between 11:00 12:00", "Not observed: whether object_1"},
+      {"was red on table_1 --between 07:50 08:10", "Yes: tea cup (object_1"},
+      {"was red on table_1 --between 08:50 09:10", "No: tea cup (object_1"},
+      {"was red on table_1 --between 11:00 12:00", "Not observed: whether tea cup (object_1"},
       {"changes --between 08:50 09:10", "has gone from table_1"},
       {"objects", "object_4"},
       {"scenes --from 10:00", "scene 5, frame 4 of day"},

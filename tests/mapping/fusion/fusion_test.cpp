@@ -141,8 +141,8 @@ TEST(Fusion, ColourComesFromTheColourCamera) {
   const FusionResult result = fused(SmallRecording(4));
   for (const ScanPoint& point : result.scans.scans[0].points)
     if (point.r != 0) {
-      EXPECT_EQ(point.r, 200);
-      EXPECT_EQ(point.b, 0);
+      EXPECT_EQ(point.r, 120);
+      EXPECT_EQ(point.b, 20);
     }
 }
 
