@@ -52,19 +52,14 @@ void write_room(const mapping::ColoredMesh& mesh, const std::filesystem::path& f
 }
 
 /// room.ply and room.glb beside the scans.
-Json write_mesh(const mapping::Recording& recording, mapping::MeshOptions options,
-                const mapping::FusionOptions& fusion, const std::string& folder, Session& session) {
-  options.every = fusion.every;
-  options.range_max_m = fusion.range_max_m;
-  options.edge_filter = fusion.edge_filter;
-  options.threads = fusion.threads;
-  const mapping::RoomMesh room = mesh_room(recording, options, session.progress());
+Json write_mesh(const mapping::Recording& recording, const FuseArguments& arguments, Session& session) {
+  const mapping::RoomMesh room = mesh_room(recording, arguments.options, arguments.mesh, session.progress());
   session.timing("mesh", room.seconds);
   if (room.mesh.triangles.empty()) {
     session.warnings().add("no surface was seen often enough to be meshed", {recording.info().path, 0, {}});
     return nullptr;
   }
-  write_room(room.mesh, folder);
+  write_room(room.mesh, arguments.out);
   return {{"triangles", room.mesh.triangles.size()}, {"voxel_m", room.voxel_m}, {"seconds", room.seconds}};
 }
 
@@ -80,7 +75,7 @@ void run(FuseArguments& arguments, Session& session) {
   json["out"] = arguments.out;
   std::string text = result.summary() + " in " + arguments.out;
   if (arguments.mesh.mesh_voxel_m > 0) {
-    json["mesh"] = write_mesh(*recording, arguments.mesh, arguments.options, arguments.out, session);
+    json["mesh"] = write_mesh(*recording, arguments, session);
     if (!json["mesh"].is_null())
       text += fmt::format(", and a mesh of {} triangles in room.ply and room.glb",
                           json["mesh"]["triangles"].get<size_t>());

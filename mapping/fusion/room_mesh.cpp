@@ -8,20 +8,19 @@
 
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/fusion/fusion.h"
 #include "mapping/fusion/signed_distances.h"
 
 namespace loci::mapping {
 namespace {
 
 /// The frames that can be integrated, as the depth camera sees them; empty depth where one cannot.
-RgbdFrame prepared(const Recording& recording, size_t number, const MeshOptions& options) {
+RgbdFrame prepared(const Recording& recording, size_t number, bool edge_filter) {
   RgbdFrame frame = recording.frame(number);
   if (!frame.map_from_camera || cv::countNonZero(frame.depth > 0) == 0) {
     frame.depth.release();
     return frame;
   }
-  if (options.edge_filter) drop_flying_pixels(frame.depth);
+  if (edge_filter) drop_flying_pixels(frame.depth);
   frame.color = color_in_depth(frame);
   return frame;
 }
@@ -35,20 +34,22 @@ void MeshOptions::declare(OptionTable& table) {
                "Memory of the voxels; where it does not suffice they become larger.", 16, 100000);
 }
 
-RoomMesh mesh_room(const Recording& recording, const MeshOptions& options, Progress& progress) {
+RoomMesh mesh_room(const Recording& recording, const FusionOptions& fusion, const MeshOptions& options,
+                   Progress& progress) {
   const Stopwatch watch;
   RoomMesh result;
-  SignedDistances distances(options.mesh_voxel_m, options.range_max_m, options.mesh_memory_mb * 1e6,
-                            options.threads);
-  const auto every = static_cast<size_t>(options.every);
+  SignedDistances distances(options.mesh_voxel_m, fusion.range_max_m, options.mesh_memory_mb * 1e6,
+                            fusion.threads);
+  const auto every = static_cast<size_t>(fusion.every);
   const size_t taken = (recording.size() + every - 1) / every;
-  const auto batch = static_cast<size_t>(2 * thread_count(options.threads));
+  const auto batch = static_cast<size_t>(2 * thread_count(fusion.threads));
   for (size_t begin = 0; begin < taken; begin += batch) {
     progress.check(static_cast<double>(begin) / static_cast<double>(taken),
                    fmt::format("meshing frame {} of {}", begin, taken));
     std::vector<RgbdFrame> frames(std::min(batch, taken - begin));
-    parallel_each(frames.size(), options.threads,
-                  [&](size_t i) { frames[i] = prepared(recording, (begin + i) * every, options); });
+    parallel_each(frames.size(), fusion.threads, [&](size_t i) {
+      frames[i] = prepared(recording, (begin + i) * every, fusion.edge_filter);
+    });
     for (const RgbdFrame& frame : frames) {
       if (frame.depth.empty()) continue;
       distances.integrate(frame);

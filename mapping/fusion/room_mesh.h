@@ -1,21 +1,15 @@
 #pragma once
 
-#include "mapping/base/options.h"
-#include "mapping/base/progress.h"
-#include "mapping/recording/recording.h"
+#include "mapping/fusion/fusion.h"
 #include "mapping/sensor/colored_mesh.h"
 
 namespace loci::mapping {
 
 struct MeshOptions {
-  int every = 1;
   double mesh_voxel_m = 0.01;
   double mesh_memory_mb = 1024;
-  double range_max_m = 4.0;
-  bool edge_filter = true;
-  int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
 
-  void declare(OptionTable& table);  ///< what fusion does not declare
+  void declare(OptionTable& table);
 };
 
 struct RoomMesh {
@@ -28,8 +22,9 @@ struct RoomMesh {
 /// The surfaces that posed frames show, as one coloured mesh: a truncated signed distance function in blocks
 /// of voxels around the measured points (Curless and Levoy 1996; Nießner et al. 2013), whose zero is meshed
 /// by surface nets (Gibson 1998). Differences of exposure and white balance between frames are estimated
-/// against what was integrated before. Frames without pose or depth are skipped. Same result on any number of
-/// threads.
-RoomMesh mesh_room(const Recording& recording, const MeshOptions& options, Progress& progress);
+/// against what was integrated before. Frames, range, filter and threads are those of the fusion; frames
+/// without pose or depth are skipped. Same result on any number of threads.
+RoomMesh mesh_room(const Recording& recording, const FusionOptions& fusion, const MeshOptions& options,
+                   Progress& progress);
 
 }  // namespace loci::mapping

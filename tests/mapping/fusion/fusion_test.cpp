@@ -176,9 +176,11 @@ TEST(Fusion, FlyingPixelsAreDropped) {
   EXPECT_TRUE(std::isnan(lone.at<float>(5, 5)));
 }
 
-RoomMesh meshed(const Recording& recording, MeshOptions options = {}) {
+RoomMesh meshed(const Recording& recording, MeshOptions options = {}, int threads = 0) {
   NoProgress progress;
-  return mesh_room(recording, options, progress);
+  FusionOptions fusion;
+  fusion.threads = threads;
+  return mesh_room(recording, fusion, options, progress);
 }
 
 /// At the border the colour camera does not see what the depth camera does.
@@ -237,10 +239,7 @@ TEST(RoomMesh, LittleMemoryGivesLargerVoxels) {
 }
 
 TEST(RoomMesh, SameMeshOnAnyNumberOfThreads) {
-  MeshOptions one, three;
-  one.threads = 1;
-  three.threads = 3;
-  const ColoredMesh a = meshed(SmallRecording(10), one).mesh, b = meshed(SmallRecording(10), three).mesh;
+  const ColoredMesh a = meshed(SmallRecording(10), {}, 1).mesh, b = meshed(SmallRecording(10), {}, 3).mesh;
   EXPECT_EQ(a.positions, b.positions);
   EXPECT_EQ(a.colors, b.colors);
   EXPECT_EQ(a.triangles, b.triangles);
