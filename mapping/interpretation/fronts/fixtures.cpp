@@ -493,6 +493,8 @@ class FixtureFinder {
     if (surface < 0.9 * kFixtures.min_protrusion_m)
       return fmt::format("it protrudes by {:.3f} m only", surface);
     FaceFixture found = placed(points, shape, bar, ground, surface);
+    if (bar && found.fixture.protrusion - found.fixture.radius < kFixtures.min_grip_m)
+      return "there is no room for fingers behind it";
     const FurnitureFace& face = rays_.face;
     if (!FaceRect{face.u_min, face.u_max, face.v_min, face.v_max}.contains(found.u, found.v))
       return "it is beside the face";

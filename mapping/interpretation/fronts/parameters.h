@@ -50,11 +50,12 @@ inline constexpr FaceParameters kFaces;
 
 /// Handles and knobs: sizes of usual hardware.
 struct FixtureParameters {
-  double line_tolerance_m = 0.012;            ///< registration of the scans and half a bar
-  int thin_cells = 8;                         ///< patches of one bar are no thicker
-  int join_gap_cells = 11;                    ///< a bar may be hidden or missed over this length
-  int join_bars_cells = 14;                   ///< where one of them is long: a bar
-  int join_offset_cells = 2;                  ///< between the middle lines of patches of one bar
+  double line_tolerance_m = 0.012;  ///< registration of the scans and half a bar
+  int thin_cells = 8;               ///< patches of one bar are no thicker
+  int join_gap_cells = 11;          ///< a bar may be hidden or missed over this length
+  int join_bars_cells = 14;         ///< where one of them is long: a bar
+  int join_offset_cells = 2;        ///< between the middle lines of patches of one bar
+  double min_grip_m = 0.008;        ///< free behind a bar: a slim fingertip needs 10 mm, less 2 mm of noise
   double min_protrusion_m = 3 * kRangeSigma;  ///< nearer to the face is noise
   double max_bar_m = 1.3;                     ///< of a fridge
   double min_bar_m = 0.045;                   ///< shorter is a knob

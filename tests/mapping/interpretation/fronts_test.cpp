@@ -203,6 +203,20 @@ TEST(Fronts, RibsOfARadiatorAreNoHandles) {
   for (const uint64_t seed : {1, 2}) EXPECT_EQ(fronts_of_furniture(radiator, seed).size(), 0U);
 }
 
+TEST(Fronts, ABarWithoutRoomForFingersBehindItIsNoHandle) {
+  for (const bool is_free : {false, true}) {
+    Furniture block;
+    block.add_body(-0.3, 0.3, 0.1, 0.85);
+    block.add_panel(-0.297, 0.297, 0.103, 0.847);
+    const double behind = is_free ? 0.024 : 0.0;
+    block.parts.push_back({{behind, -0.006, 0.4}, {behind + 0.010, 0.006, 0.6}});
+    const std::vector<Front> fronts = fronts_of_furniture(block, 1);
+    const bool has_handle =
+        std::ranges::any_of(fronts, [](const Front& front) { return front.fixture.has_value(); });
+    EXPECT_EQ(has_handle, is_free);
+  }
+}
+
 TEST(Fronts, ABarAsLongAsItsFrontIsAHandle) {
   Furniture block;
   block.add_body(-0.3, 0.3, 0.1, 0.85);
