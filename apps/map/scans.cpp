@@ -246,10 +246,6 @@ std::string answer_text(const mapping::InterpretedMap& map, const std::string& f
   return text + "in " + folder + "/map.urdf\n";
 }
 
-}  // namespace
-
-namespace {
-
 /// The mesh beside the scans, moved as they were to level them, beside the map.
 void move_room(const std::filesystem::path& scans, const mapping::SemanticMap& map,
                const std::filesystem::path& folder) {
@@ -270,7 +266,8 @@ struct InterpretArguments {
 
 /// Fronts and handles from the colour frames of the recording that the scans were fused from.
 void add_photos(const InterpretArguments& arguments, mapping::InterpretedMap& map, Session& session) {
-  const auto recording = mapping::open_recording(arguments.recording, arguments.reading);
+  const auto recording =
+      with_known_poses(mapping::open_recording(arguments.recording, arguments.reading), session);
   for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
   const std::vector<mapping::PhotographedFace> faces =
       interpret_photos(*recording, arguments.options.threads, session.progress(), map);

@@ -15,15 +15,14 @@ namespace {
 
 constexpr size_t kMaxMessage = 4'000'000;  ///< bytes
 
-/// Lines from standard input until it ends; `answer` gives the reply to each.
+/// Replies to lines from standard input until it ends.
 class LineServer {
  public:
   explicit LineServer(const memory::ToolServer& server) : server_(server) {}
 
-  void run(Session& session) {
+  void run() {
     std::string bytes(65536, '\0');
-    while (true) {
-      session.progress().check(0, "");  // Ctrl-C
+    while (!interrupted()) {
       pollfd input{STDIN_FILENO, POLLIN, 0};
       if (poll(&input, 1, 200) <= 0) continue;
       const ssize_t count = read(STDIN_FILENO, bytes.data(), bytes.size());
@@ -81,9 +80,9 @@ Command serve_command() {
         table.flag("--mcp", arguments->mcp,
                    "Read messages from standard input and write replies to standard output, a line each",
                    {.required = true});
-        return [arguments](Session& session) {
+        return [arguments](Session&) {
           const memory::ToolServer server(arguments->memory, kVersion);
-          LineServer(server).run(session);
+          LineServer(server).run();
         };
       }};
 }

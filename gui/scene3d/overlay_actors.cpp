@@ -207,7 +207,7 @@ void FrameActors::set_pixels(double pixels) {
   frustum_->GetProperty()->SetLineWidth(static_cast<float>(kFrustumWidth * pixels));
 }
 
-// ---- Guides.
+// ---- Room.
 
 RoomActor::RoomActor(vtkRenderer* renderer) : actor_(vtkSmartPointer<vtkActor>::New()) {
   actor_->SetMapper(vtkNew<vtkPolyDataMapper>());
@@ -221,6 +221,7 @@ void RoomActor::set_mesh(const mapping::ColoredMesh& mesh) {
   vtkNew<vtkPoints> points;
   vtkNew<vtkUnsignedCharArray> colors;
   colors->SetNumberOfComponents(3);
+  box_.setEmpty();
   for (const Eigen::Vector3f& position : mesh.positions) {
     points->InsertNextPoint(position.data());
     box_.extend(position.cast<double>());
@@ -233,7 +234,6 @@ void RoomActor::set_mesh(const mapping::ColoredMesh& mesh) {
   data->SetPolys(cells);
   data->GetPointData()->SetScalars(colors);
   show(*actor_, data);
-  actor_->SetVisibility(!mesh.triangles.empty());
 }
 
 void RoomActor::set_visible(bool visible) {
@@ -244,6 +244,8 @@ void RoomActor::set_section(vtkPlane* plane) {
   actor_->GetMapper()->RemoveAllClippingPlanes();
   if (plane != nullptr) actor_->GetMapper()->AddClippingPlane(plane);
 }
+
+// ---- Guides.
 
 GuideActors::GuideActors(vtkRenderer* renderer) {
   trace_.actor = line_actor(renderer);

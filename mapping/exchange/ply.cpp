@@ -58,7 +58,8 @@ std::string ply_text(const ColoredMesh& mesh) {
 
 ColoredMesh read_ply_mesh(const std::filesystem::path& path) {
   const std::string bytes = read_file(path);
-  const Error other("this is no mesh that loci-map fuse made", {path.string(), 0, {}}, "give its room.ply");
+  const Error other("this is not a mesh that loci-map fuse made", {path.string(), 0, {}},
+                    "give its room.ply");
   const auto count_of = [&](const std::string& element) -> size_t {
     const size_t at = bytes.find("element " + element + " ");
     size_t count = 0;

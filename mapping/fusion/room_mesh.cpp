@@ -53,7 +53,6 @@ RoomMesh mesh_room(const Recording& recording, const FusionOptions& fusion, cons
     for (const RgbdFrame& frame : frames) {
       if (frame.depth.empty()) continue;
       distances.integrate(frame);
-      ++result.frames;
     }
   }
   result.mesh = distances.mesh();

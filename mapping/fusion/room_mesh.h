@@ -15,7 +15,6 @@ struct MeshOptions {
 struct RoomMesh {
   ColoredMesh mesh;    ///< in the map frame
   double voxel_m = 0;  ///< larger than asked for where the memory did not suffice
-  size_t frames = 0;   ///< integrated
   double seconds = 0;
 };
 

@@ -206,7 +206,7 @@ Catalogue examples_of(const Store& store, const std::vector<Seen>& objects) {
     entry.name = object_name(seen->object);
     entry.class_name = *fact.value;
     entry.terms = seen->terms;
-    entry.terms.erase("label");  // the class itself is no evidence for it
+    entry.terms.erase("label");  // the class itself does not count as evidence for it
     entry.views = seen->views;
   }
   return examples;

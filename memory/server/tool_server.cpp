@@ -44,7 +44,7 @@ Json error_reply(const Json& id, Code code, const std::string& text) {
 
 std::string text_of(const Json& params, const char* key) {
   if (!params.contains(key) || !params[key].is_string())
-    throw ProtocolError{invalid_params, fmt::format("'{}' is missing or is no string", key)};
+    throw ProtocolError{invalid_params, fmt::format("'{}' is missing or is not a string", key)};
   return params[key].get<std::string>();
 }
 
@@ -92,7 +92,7 @@ Json tools() {
   return list;
 }
 
-/// People's words, and the same as data. Data that is no object becomes one, as the protocol asks.
+/// People's words, and the same as data. Data that is not an object becomes one, as the protocol asks.
 Json tool_result(const std::string& text, const Json& data, bool is_error = false) {
   return {{"content", Json::array({{{"type", "text"}, {"text", text}}})},
           {"structuredContent", data.is_object() ? data : Json{{"answer", data}}},
@@ -125,10 +125,10 @@ Json ask_in_words(const Store& store, const Json& arguments) {
 Json call_tool(const Store& store, const Json& params) {
   const std::string name = text_of(params, "name");
   const Json arguments = params.contains("arguments") ? params["arguments"] : Json::object();
-  if (!arguments.is_object()) throw ProtocolError{invalid_params, "'arguments' is no object"};
+  if (!arguments.is_object()) throw ProtocolError{invalid_params, "'arguments' is not an object"};
   const Question* question = find_question(name);
   if (question == nullptr && name != "ask")
-    throw ProtocolError{invalid_params, fmt::format("there is no tool '{}'", name)};
+    throw ProtocolError{invalid_params, fmt::format("unknown tool '{}'", name)};
   // What a question objects to is a result that the model can learn from, not an error of the protocol.
   try {
     if (question == nullptr) return ask_in_words(store, arguments);
@@ -221,7 +221,7 @@ Json read_resource(const Store& store, const Json& params) {
   } catch (const Error& error) {
     throw ProtocolError{no_resource, error.what()};
   }
-  if (content.is_null()) throw ProtocolError{no_resource, fmt::format("there is no resource '{}'", uri)};
+  if (content.is_null()) throw ProtocolError{no_resource, fmt::format("unknown resource '{}'", uri)};
   return {{"contents", Json::array({content})}};
 }
 
@@ -283,7 +283,7 @@ std::optional<std::string> ToolServer::reply(std::string_view message) const {
 
 std::optional<Json> ToolServer::answer(const Json& message) const {
   if (!message.is_object() || message.value("jsonrpc", Json()) != "2.0")
-    return error_reply(nullptr, invalid_request, "this is no message of JSON-RPC 2.0");
+    return error_reply(nullptr, invalid_request, "this is not a message of JSON-RPC 2.0");
   if (!message.contains("method")) return std::nullopt;  // A reply; this server asks for nothing.
   if (!message.contains("id")) return std::nullopt;
   const Json& id = message["id"];
@@ -293,7 +293,7 @@ std::optional<Json> ToolServer::answer(const Json& message) const {
   const auto method =
       message["method"].is_string() ? methods().find(message["method"].get<std::string>()) : methods().end();
   if (method == methods().end()) return error_reply(id, unknown_method, "this server has no such method");
-  if (!params.is_object()) return error_reply(id, invalid_params, "'params' is no object");
+  if (!params.is_object()) return error_reply(id, invalid_params, "'params' is not an object");
   try {
     const Store store = Store::open_read(memory_);
     Json result = method->second(store, params);

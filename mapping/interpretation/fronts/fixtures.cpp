@@ -372,8 +372,9 @@ class FixtureFinder {
     }
     if (ribs.empty()) return;
     const Vector3d& at = all[*ribs.begin()].fixture.centre;
-    result_.notes.push_back(fmt::format("{} upright bars in a row at ({:.2f}, {:.2f}, {:.2f}) are no handles",
-                                        ribs.size(), at.x(), at.y(), at.z()));
+    result_.notes.push_back(
+        fmt::format("{} upright bars in a row at ({:.2f}, {:.2f}, {:.2f}) are not handles", ribs.size(),
+                    at.x(), at.y(), at.z()));
     // What else is among the ribs is a part of the same.
     FaceRect row = all[*ribs.begin()].box;
     for (const size_t i : ribs) {

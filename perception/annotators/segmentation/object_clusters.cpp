@@ -312,7 +312,7 @@ class ClusterMaker {
   }
 
   /// Looks along the outline of a cluster: whether something nearer begins along a good part of it, and
-  /// across which share of it the same surface goes on in what is no object.
+  /// across which share of it the same surface goes on in what is not an object.
   void look_around(ObjectCluster& cluster, const cv::Mat& shows) const {
     const int cols = points_.cols;
     const auto* point = points_.ptr<cv::Vec3f>();

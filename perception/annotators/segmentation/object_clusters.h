@@ -59,8 +59,8 @@ struct ClusterImages {
 };
 
 /// Objects on supports: connected points above a plane, split where they are concave, put together again
-/// where one object only looks like several. Left out is what is no object: surfaces that go on beyond their
-/// outline in the surroundings, that protrude from a surface of the map by no more than noise, or that
+/// where one object only looks like several. Left out is what is not an object: surfaces that go on beyond
+/// their outline in the surroundings, that protrude from a surface of the map by no more than noise, or that
 /// nothing holds up. The same on any number of threads (0 = all cores).
 std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const mapping::PinholeCamera& camera,
                                             const std::vector<SupportPlane>& supports,
