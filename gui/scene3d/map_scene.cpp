@@ -75,7 +75,7 @@ struct MapScene::Impl {
   vtkNew<vtkRenderer> renderer;
   WorldActors world{renderer.Get()};
   RoomActor mesh{renderer.Get()};  ///< of the room
-  vtkNew<vtkRenderer> overlay;  ///< labels: before everything, and not blurred by anti-aliasing
+  vtkNew<vtkRenderer> overlay;     ///< labels: before everything, and not blurred by anti-aliasing
   ObjectActors objects{renderer.Get(), overlay.Get()};
   FrameActors frame{renderer.Get()};
   FrameActors chosen{renderer.Get()};  ///< the selected object's points
