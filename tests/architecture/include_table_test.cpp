@@ -70,7 +70,8 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"bullet/", "Bullet"},
                                                                      {"BulletDynamics/", "Bullet"},
                                                                      {"btBullet", "Bullet"},
-                                                                     {"benchmark/", "benchmark"}};
+                                                                     {"benchmark/", "benchmark"},
+                                                                     {"pybind11/", "pybind11"}};
 const std::set<std::string> kBaseLibraries = {"fmt", "yaml-cpp", "nlohmann-json", "Eigen"};
 
 std::string trimmed(std::string text) {
@@ -166,7 +167,7 @@ bool is_standard_or_system(const std::string& header) {
 
 std::vector<fs::path> sources() {
   std::vector<fs::path> files;
-  for (const char* wing : {"mapping", "nbv", "perception", "memory", "gui", "apps", "tests"}) {
+  for (const char* wing : {"mapping", "nbv", "perception", "memory", "gui", "apps", "python", "tests"}) {
     if (!fs::exists(kRoot / wing)) continue;
     for (const auto& entry : fs::recursive_directory_iterator(kRoot / wing)) {
       const auto ending = entry.path().extension();
@@ -242,6 +243,7 @@ TEST(SourceTree, TopLevelHoldsOnlyWhatTheDesignLists) {
                                          "memory",
                                          "gui",
                                          "apps",
+                                         "python",
                                          "tests",
                                          ".git",
                                          ".gitignore",

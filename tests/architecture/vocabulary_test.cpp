@@ -80,7 +80,7 @@ std::string read(const fs::path& path) {
 bool is_source(const fs::path& path) {
   const std::string extension = path.extension().string();
   return extension == ".h" || extension == ".cpp" || extension == ".sql" || extension == ".cmake" ||
-         extension == ".txt" || extension == ".xml";
+         extension == ".txt" || extension == ".xml" || extension == ".py";
 }
 
 std::string output_of(const std::string& command) {
@@ -93,7 +93,8 @@ std::string output_of(const std::string& command) {
 }
 
 TEST(Vocabulary, OfSources) {
-  for (const char* folder : {"apps", "cmake", "gui", "mapping", "memory", "nbv", "perception", "tests"})
+  for (const char* folder :
+       {"apps", "cmake", "gui", "mapping", "memory", "nbv", "perception", "python", "tests"})
     for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {
       const std::string name = fs::relative(entry.path(), kRoot).string();
       if (!is_source(entry.path()) || name == "tests/architecture/vocabulary_test.cpp" ||

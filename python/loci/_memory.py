@@ -1,0 +1,218 @@
+"""Questions as methods, and what they return. Their declarations are those of the C++ library."""
+
+import datetime
+import inspect
+import io
+import json
+import keyword
+import os
+import tempfile
+from typing import Any, Callable, Iterable, Iterator, List, Optional, Sequence, Union
+
+from . import _loci
+from ._loci import Error, Memory, Scene
+
+
+class Record(dict):
+    """Named values, also as attributes: `answer.objects[0].place` is `answer["objects"][0]["place"]`."""
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(f"there is no '{name}'; there are: {', '.join(self)}") from None
+
+    def __dir__(self):
+        return [*super().__dir__(), *self]
+
+
+class Answer(Record):
+    """The answer to a question: its values, and as str() the same in words."""
+
+    def __init__(self, values: dict, text: str):
+        super().__init__(values)
+        super().__setattr__("_text", text)
+
+    def __str__(self) -> str:
+        return self._text
+
+    def _repr_pretty_(self, printer, cycle):
+        printer.text(self._text.rstrip())
+
+
+class NotUnderstood(Error):
+    """A sentence that is no known question; `nearest` are sentences that are."""
+
+    nearest: List[str]
+
+    def __init__(self, text: str, nearest: List[str]):
+        super().__init__(text)
+        self.nearest = nearest
+
+
+def _read(text):
+    return json.loads(text, object_hook=Record)
+
+
+def _answer(text, data):
+    values = _read(data)
+    return Answer(values if isinstance(values, dict) else {"answer": values}, text)
+
+
+def _argument(value):
+    """A value as people write it."""
+    if isinstance(value, datetime.datetime):
+        if value.tzinfo is None:
+            raise Error("a time needs a zone: datetime(..., tzinfo=timezone.utc)")
+        return value.isoformat()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, str):
+        return value
+    if hasattr(value, "__iter__"):
+        return ",".join(repr(float(each)) for each in value)
+    return str(value)
+
+
+def _python_name(name):
+    name = name.replace("-", "_")
+    return name + "_" if keyword.iskeyword(name) else name
+
+
+_Time = Union[datetime.datetime, str]
+_TYPES = {
+    "file": Union[str, os.PathLike],
+    "length": Union[str, float],
+    "number": Union[str, int],
+    "point": Union[str, Sequence[float]],
+    "spot": Union[str, Sequence[float]],
+    "time": _Time,
+}
+
+
+def _signature(parameters, result):
+    """Required parameters by position or name, the others by name."""
+    kinds = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_OR_KEYWORD)]
+    for parameter in sorted(parameters, key=lambda each: not each.required):
+        name = _python_name(parameter.name)
+        annotation = _TYPES.get(parameter.type, str)
+        if parameter.required:
+            kinds.append(inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=annotation))
+        else:
+            kinds.append(
+                inspect.Parameter(
+                    name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Optional[annotation]
+                )
+            )
+    return inspect.Signature(kinds, return_annotation=result)
+
+
+def _documentation(declared):
+    lines = [f"{declared.description}.", ""]
+    for parameter in declared.parameters:
+        default = f"; default: {parameter.default}" if "default" in parameter else ""
+        choices = f"; one of {', '.join(parameter.choices)}" if "choices" in parameter else ""
+        lines.append(f"{_python_name(parameter.name)}: {parameter.help} ({parameter.type}{default}{choices})")
+    return "\n".join(lines)
+
+
+def _add_method(declared, result, call):
+    """Makes a declaration a method of Memory; `call(memory, arguments)` gets its arguments as text by name."""
+    signature = _signature(declared.parameters, result)
+    names = {_python_name(parameter.name): parameter.name for parameter in declared.parameters}
+
+    def method(*args, **keywords):
+        bound = signature.bind(*args, **keywords).arguments
+        given = {names[name]: _argument(value) for name, value in bound.items() if name != "self" and value is not None}
+        return call(bound["self"], given)
+
+    method.__name__ = _python_name(declared.name)
+    method.__qualname__ = f"Memory.{method.__name__}"
+    method.__module__ = "loci"
+    method.__doc__ = _documentation(declared)
+    method.__signature__ = signature
+    setattr(Memory, method.__name__, method)
+
+
+def _add_question(declared):
+    _add_method(declared, Answer, lambda memory, given: _answer(*memory._answer(declared.name, given)))
+
+
+for _question in _read(_loci._questions()).questions:
+    _add_question(_question)
+
+
+def _ask(
+    self: Memory, sentence: str, *, before: Sequence[str] = (), at: _Time = "", known_at: _Time = ""
+) -> Answer:
+    """Answers a question in English: `memory.ask("Where is the red cup?")`.
+
+    before: sentences that were asked before it, for what "it" means
+    at, known_at: as for the other questions
+
+    NotUnderstood when the sentence is no known question.
+    """
+    text, data = self._answer_sentences([*before, sentence], _argument(at), _argument(known_at))[-1]
+    answer = _answer(text, data)
+    if not answer.understood:
+        raise NotUnderstood(f"'{sentence}' is not understood; ask for example: {answer.nearest[0]}", answer.nearest)
+    return answer
+
+
+def _teach(self: Memory, object: str, class_name: str) -> Record:
+    """Teaches a class by example: what looks like the object is called so, too. The memory is open for writing.
+
+    Returns what it led to: the objects that were named, with probabilities.
+    """
+    return _read(self._teach(object, class_name))
+
+
+def _iterate(self: Memory) -> Iterator[Scene]:
+    """All scenes in order of time."""
+    return self.iter_scenes()
+
+
+Memory.ask = _ask
+Memory.teach = _teach
+Memory.__iter__ = _iterate
+
+
+def open(
+    path: Union[str, os.PathLike], write: bool = False, *, now: Optional[_Time] = None
+) -> Memory:
+    """Opens a memory, a file *.loci: for reading, or for writing, too.
+
+    Use it in a `with` statement, or close() it. A memory that is opened for writing is made where it is missing.
+    now: transaction time of what is written; the clock without it
+    """
+    return Memory(path, write, now=now)
+
+
+def ingest(
+    detections: Union[str, os.PathLike, Iterable[dict]],
+    memory: Union[str, os.PathLike],
+    *,
+    map: Union[str, os.PathLike] = "",
+    recording: Union[str, os.PathLike] = "",
+    progress: Optional[Callable[[float, str], Optional[bool]]] = None,
+    now: Optional[_Time] = None,
+    **options: Any,
+) -> Record:
+    """Adds the detections of another system to a memory (docs/detections.md), which is not open meanwhile.
+
+    detections: a file of JSON Lines, COCO or YOLO, or an iterable of scenes as dictionaries
+    memory: the file, made where it is missing
+    map: URDF for the places; recording: what was detected in, where detections have no positions
+    progress: called with a fraction and a text; False stops
+    options: as of `loci-memory ingest`: strict, resume, noise_m, ...
+
+    Returns the report.
+    """
+    if isinstance(detections, (str, os.PathLike)):
+        return _read(_loci._ingest(detections, memory, map, recording, progress, now, **options))
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "detections.jsonl")
+        with io.open(file, "w", encoding="utf-8") as lines:
+            for scene in detections:
+                lines.write(json.dumps(scene) + "\n")
+        return ingest(file, memory, map=map, recording=recording, progress=progress, now=now, **options)

@@ -1,0 +1,192 @@
+"""Memories: questions, scenes, tables, ingest."""
+
+import datetime
+import json
+import os
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+import loci
+from support import SAMPLES, FolderTest, SampleMemoryTest
+
+UTC = datetime.timezone.utc
+
+
+def command(*arguments):
+    """What loci-memory prints."""
+    program = os.path.join(os.environ["LOCI_BIN_DIR"], "loci-memory")
+    return subprocess.run([program, *map(str, arguments)], check=True, capture_output=True, text=True).stdout
+
+
+class Questions(SampleMemoryTest):
+    def test_every_question_is_a_method_with_its_parameters(self):
+        for question in json.loads(command("questions", "--json"))["questions"]:
+            name = question["name"].replace("-", "_")
+            method = getattr(loci.Memory, name, None) or getattr(loci.Memory, name + "_")
+            self.assertTrue(method.__doc__.startswith(question["description"]))
+            for parameter in question["parameters"]:
+                self.assertIn(parameter["help"], method.__doc__)
+
+    def test_answers_are_those_of_the_command(self):
+        with loci.open(self.file) as memory:
+            answer = memory.where("mug", at="08:00")
+        self.assertEqual(str(answer), command("where", "mug", "--at", "08:00", "-m", self.file))
+        data = json.loads(command("where", "mug", "--at", "08:00", "-m", self.file, "--json"))
+        self.assertEqual(dict(answer), data)
+        self.assertEqual(answer.objects[0].place, data["objects"][0]["place"])
+        with self.assertRaisesRegex(AttributeError, "there is no 'zebra'; there are: .*objects"):
+            answer.zebra
+
+    def test_arguments_may_be_values(self):
+        with loci.open(self.file) as memory:
+            at = datetime.datetime(2026, 5, 1, 8, tzinfo=UTC)
+            self.assertEqual(memory.where("mug", at=at), memory.where("mug", at="2026-05-01T08:00:00Z"))
+            self.assertEqual(memory.near((2.5, 0.6), radius=0.5, at=at), memory.near("2.5,0.6", radius="50 cm", at=at))
+            self.assertEqual(memory.scene_type(scene=3), memory.scene_type(scene="3"))
+            with self.assertRaisesRegex(loci.Error, "needs a zone"):
+                memory.where("mug", at=datetime.datetime(2026, 5, 1, 8))
+
+    def test_wrong_arguments_are_refused(self):
+        with loci.open(self.file) as memory:
+            with self.assertRaisesRegex(loci.Error, "nothing is known as 'zebra'"):
+                memory.where("zebra")
+            for wrong in (lambda: memory.where(), lambda: memory.where("mug", colour="red")):
+                self.assertRaises(TypeError, wrong)
+
+    def test_sentences(self):
+        with loci.open(self.file) as memory:
+            self.assertIn("counter_1", str(memory.ask("Where is the mug?")))
+            self.assertEqual(
+                memory.ask("When was it last seen?", before=["Where is the bowl?"]).answer,
+                memory.ask("When was the bowl last seen?").answer,
+            )
+            with self.assertRaises(loci.NotUnderstood) as caught:
+                memory.ask("Fribble the gromp?")
+            self.assertTrue(caught.exception.nearest)
+            self.assertIsInstance(caught.exception, loci.Error)
+
+
+class Contents(SampleMemoryTest):
+    def test_scenes_with_their_observations(self):
+        with loci.open(self.file) as memory:
+            scenes = list(memory)
+            self.assertEqual(len(scenes), 12)
+            self.assertEqual(scenes[0].time, datetime.datetime(2026, 5, 1, 7, 10, tzinfo=UTC))
+            self.assertEqual([scene.id for scene in scenes], sorted(scene.id for scene in scenes))
+            morning = list(memory.iter_scenes(to=datetime.datetime(2026, 5, 1, 8, tzinfo=UTC)))
+            self.assertEqual([scene.id for scene in morning], [1, 2, 3, 4, 5])
+            mug = memory.scene(1).observations()[0]
+            self.assertEqual((mug.object, mug.place, mug.color), ("object_1", "counter_1", "red"))
+            self.assertEqual(mug.position.shape, (3,))
+            self.assertIn(("loci.annotation.ClassificationAnnotation", "mug", 0.86), mug.annotations())
+            self.assertIsNone(scenes[0].image())
+            with self.assertRaisesRegex(loci.Error, "99"):
+                memory.scene(99)
+
+    def test_tables_are_columns(self):
+        with loci.open(self.file) as memory:
+            objects = memory.table("objects")
+            self.assertEqual({len(column) for column in objects.values()}, {4})
+            self.assertIsInstance(objects["probability"][0], float)
+            self.assertEqual(len(memory.table("scenes")["scene"]), 12)
+            with self.assertRaisesRegex(loci.Error, "no view v_zebra"):
+                memory.table("zebra")
+
+    def test_what_was_closed_answers_no_more(self):
+        memory = loci.open(self.file)
+        scene = memory.scene(1)
+        memory.close()
+        memory.close()
+        for use in (memory.objects, scene.observations, lambda: memory.table("objects")):
+            with self.assertRaisesRegex(loci.Error, "is closed"):
+                use()
+
+    def test_reading_changes_nothing(self):
+        before = self.file.read_bytes()
+        with loci.open(self.file) as memory:
+            memory.objects()
+            with self.assertRaises(loci.Error):
+                memory.teach("mug", "cup")
+        self.assertEqual(self.file.read_bytes(), before)
+
+    def test_other_threads_go_on(self):
+        """With an interval that never ends, another thread runs only when this one gives up the lock."""
+        interval = sys.getswitchinterval()
+        self.addCleanup(sys.setswitchinterval, interval)
+        stop, turns = threading.Event(), [0]
+
+        def count():
+            while not stop.is_set():
+                turns[0] += 1
+                time.sleep(0.0001)
+
+        with loci.open(self.file) as memory:
+            thread = threading.Thread(target=count)
+            sys.setswitchinterval(1000)
+            thread.start()
+            went_on = False
+            for _ in range(2000):
+                before = turns[0]
+                memory.objects()
+                went_on = turns[0] > before
+                if went_on:
+                    break
+            stop.set()
+            thread.join()
+        self.assertTrue(went_on)
+
+    def test_threads_share_a_memory(self):
+        with loci.open(self.file) as memory:
+            expected, answers = str(memory.objects()), []
+            threads = [threading.Thread(target=lambda: answers.append(str(memory.objects()))) for _ in range(8)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+        self.assertEqual(answers, [expected] * 8)
+
+
+class Writing(FolderTest):
+    def test_ingests_scenes_from_python(self):
+        file = self.folder / "own.loci"
+        scene = {"time": "2026-05-01T08:30:00Z", "detections": [{"position": [1, 2, 0.9], "class": {"mug": 0.9}}]}
+        fractions = []
+        report = loci.ingest([scene], file, progress=lambda fraction, text: fractions.append(fraction))
+        self.assertEqual((report.scenes, report.detections), (1, 1))
+        self.assertTrue(fractions)
+        with loci.open(file) as memory:
+            self.assertEqual(memory.objects().objects[0].label, "mug")
+
+    def test_options_of_ingest_are_checked(self):
+        with self.assertRaisesRegex(loci.Error, "strictt.*did you mean 'strict'"):
+            loci.ingest(SAMPLES / "detections.jsonl", self.folder / "m.loci", strictt=True)
+        with self.assertRaisesRegex(loci.Error, "no such file|cannot"):
+            loci.ingest("nothing.jsonl", self.folder / "m.loci")
+
+    def test_progress_stops_with_its_exception(self):
+        def fail(fraction, text):
+            raise ValueError("enough")
+
+        with self.assertRaisesRegex(ValueError, "enough"):
+            loci.ingest(SAMPLES / "detections.jsonl", self.folder / "m.loci", progress=fail)
+        with self.assertRaises(KeyboardInterrupt):
+            loci.ingest(SAMPLES / "detections.jsonl", self.folder / "n.loci", progress=lambda fraction, text: False)
+
+    def test_no_file_is_made_by_reading(self):
+        with self.assertRaises(loci.Error):
+            loci.open(self.folder / "missing.loci")
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_teaching_names_the_example(self):
+        file = self.folder / "own.loci"
+        loci.ingest(SAMPLES / "detections.jsonl", file)
+        with loci.open(file, write=True) as memory:
+            memory.teach("object_1", "beaker")
+            self.assertEqual(memory.where("object_1").objects[0].label, "beaker")
+
+
+if __name__ == "__main__":
+    unittest.main()
