@@ -14,5 +14,6 @@ Command interpret_command();
 Command register_command();
 Command next_view_command();
 Command track_command();
+Command update_command();
 
 }  // namespace loci::apps

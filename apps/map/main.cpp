@@ -12,5 +12,6 @@ int main(int argc, char** argv) {
   program.add(loci::apps::next_view_command());
   program.add(loci::apps::register_command());
   program.add(loci::apps::articulate_command());
+  program.add(loci::apps::update_command());
   return program.run(argc, argv);
 }

@@ -1,0 +1,94 @@
+// A map and new scans of the same room: update.
+
+#include "mapping/update/update.h"
+#include "apps/map/commands.h"
+#include "mapping/base/files.h"
+#include "mapping/base/json.h"
+#include "mapping/exchange/map_report.h"
+#include "mapping/fusion/fusion.h"
+#include "mapping/recording/recording.h"
+#include "mapping/world/urdf.h"
+
+namespace loci::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct UpdateArguments {
+  std::string map, scans, out, earlier;
+  mapping::UpdateOptions options;
+};
+
+/// A scan set, or a recording with poses, which is fused.
+mapping::ScanSet read_new(const std::string& path, Session& session) {
+  if (fs::exists(fs::path(path) / "scans.yaml") || fs::path(path).extension() == ".pcd")
+    return mapping::read_scan_set(path);
+  const auto recording = mapping::open_recording(path);
+  for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
+  if (recording->info().frames_with_pose == 0)
+    throw Error("the recording has no poses", {path, 0, {}},
+                "run loci-map track, then loci-map fuse, and give the scans");
+  mapping::FusionOptions options;
+  options.threads = session.flags().threads;
+  return fuse(*recording, options, session.progress()).scans;
+}
+
+mapping::ScanSet read_earlier(const UpdateArguments& arguments) {
+  const fs::path folder = arguments.earlier.empty() ? fs::path(arguments.map).parent_path() / "scans"
+                                                    : fs::path(arguments.earlier);
+  if (!fs::exists(folder))
+    throw Error("the scans that the map was made from are not there", {folder.string(), 0, {}},
+                "give their folder with --scans-before");
+  return mapping::read_scan_set(folder);
+}
+
+void write_update(const mapping::UpdateResult& result, const std::string& out) {
+  const fs::path folder = out;
+  make_folder(folder);
+  write_urdf(result.map.world, folder / "map.urdf");
+  write_semantic_map(result.map.semantics, mapping::sidecar_path(folder / "map.urdf"));
+  write_scan_set(result.scans, folder / "scans");
+  write_json(folder / "changes.json", result.report());
+  write_file_atomically(folder / "changes.svg", change_plan_svg(result));
+  write_file_atomically(folder / "report.html", map_report(result.map, result.scans, out));
+}
+
+void run(UpdateArguments& arguments, Session& session) {
+  if (fs::exists(arguments.out) && fs::equivalent(arguments.out, fs::absolute(arguments.map).parent_path()))
+    throw Error("the new map would replace the old one", {arguments.out, 0, {}},
+                "give another folder with -o");
+  arguments.options.threads = session.flags().threads;
+  const mapping::World world = mapping::read_urdf(arguments.map);
+  const mapping::SemanticMap semantics = mapping::read_semantic_map(mapping::sidecar_path(arguments.map));
+  const mapping::UpdateResult result =
+      update(world, semantics, read_earlier(arguments), read_new(arguments.scans, session), arguments.options,
+             session.progress());
+  session.timing("update", result.seconds);
+  for (const std::string& note : result.notes) session.warnings().add(note);
+  write_update(result, arguments.out);
+  session.answer(result.text() + "in " + arguments.out + "/map.urdf, see " + arguments.out + "/changes.svg\n",
+                 result.report());
+}
+
+}  // namespace
+
+Command update_command() {
+  return {"update",
+          "Compare new scans of a room with its map: furniture that moved, came or went, joints; write the "
+          "new map",
+          {"loci-map update demo-output/map.urdf demo-output/scans -o demo-output/updated",
+           "loci-map update demo-output/map.urdf demo-output/tour -o demo-output/updated --json"},
+          [](ArgumentTable& table) {
+            auto arguments = std::make_shared<UpdateArguments>();
+            table.positional("MAP", &arguments->map, "URDF of the map; the sidecar is found beside it");
+            table.positional("SCANS", &arguments->scans,
+                             "Folder of new scans in about the map's frame, or of a recording with poses");
+            table.output("FOLDER", &arguments->out, "Folder of the new map, its scans and the changes");
+            table.option("--scans-before FOLDER", &arguments->earlier, "Scans that the map was made from",
+                         {.default_text = "scans/ beside MAP"});
+            table.options(table_of(arguments->options), "Update");
+            return [arguments](Session& session) { run(*arguments, session); };
+          }};
+}
+
+}  // namespace loci::apps

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "mapping/registration/prepared_scan.h"
+#include "mapping/update/epoch.h"
+#include "mapping/update/pieces.h"
+
+namespace loci::mapping {
+
+/// How a piece's surfels are seen in the other epoch at some pose.
+struct PieceFit {
+  size_t same = 0, other = 0, free = 0, unknown = 0;
+
+  double score() const { return static_cast<double>(same) - static_cast<double>(free); }
+  size_t all() const { return same + other + free + unknown; }
+  /// Found over found and contradicted; 0 where neither.
+  double agreement() const;
+};
+
+/// A pose of a piece in the other epoch.
+struct PieceMotion {
+  Isometry3d now_from_before = Isometry3d::Identity();  ///< x, y and yaw, map frame
+  PieceFit fit;
+  double gain = 0;  ///< score above that of the old place, less the cost of the motion, surfels
+};
+
+/// A piece as it was seen before, to be searched in what is seen now.
+class PieceSearch {
+ public:
+  PieceSearch(const Epoch& before, const Epoch& now, const Piece& piece);
+
+  /// At its old place, with the surfels of `target` (those that may show it) counted as found.
+  PieceFit fit(const registration::Surfels& target, const Isometry3d& now_from_before) const;
+  /// The best pose: near the old place and at each of `components` (boxes of surface that is not explained).
+  std::optional<PieceMotion> find(const registration::PreparedScan& target,
+                                  const std::vector<Eigen::AlignedBox3f>& components) const;
+
+ private:
+  struct Start {
+    Isometry3d pose;
+    double score = 0;
+  };
+  void search(const registration::Surfels& target, const Vector2d& middle, double reach, double turn,
+              std::vector<Start>& starts) const;
+  double coarse_score(const registration::Surfels& target, const Isometry3d& pose) const;
+  Isometry3d refined(const registration::PreparedScan& target, const Isometry3d& pose) const;
+  Isometry3d pose_of(const Vector2d& middle, double yaw) const;
+
+  const Epoch& now_;
+  registration::PreparedScan source_;
+  std::vector<uint32_t> samples_;  ///< of the second level
+  Vector2d middle_;                ///< centre of rotation
+};
+
+}  // namespace loci::mapping

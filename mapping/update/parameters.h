@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "mapping/base/math.h"
+
+namespace loci::mapping {
+
+/// What is the same surface in two epochs.
+struct EpochParameters {
+  double cell_m = 0.025;            ///< of the surfels: half the leg of a table
+  double coarse_m = 0.05;           ///< of the registration of all new scans
+  double max_offset_m = 0.025;      ///< between planes of one surface: noise and registration
+  float free_margin_m = 0.05F;      ///< a ray that goes on by less may have ended on the surface
+  uint32_t min_points = 2;          ///< of a surfel that is no stray point
+  float same_plane_cosine = 0.94F;  ///< 20 degrees between normals of one plane
+  float same_plane_m = 0.015F;      ///< between neighbouring surfels of one plane
+  double max_conflict = 0.5;        ///< furniture that moved is no reason to refuse
+  double min_overlap = 0.5;         ///< of the smaller surface with the other: most of a room stays
+};
+inline constexpr EpochParameters kEpochs;
+
+/// Free-standing pieces of furniture.
+struct PieceParameters {
+  double floor_m = 0.04;           ///< lower surfels are floor
+  double top_m = 2.0;              ///< higher ones are lamps and ceilings
+  double wall_m = 0.06;            ///< nearer to a wall's plane is the wall
+  double link_m = 0.05;            ///< cells that touch are one component
+  double outline_margin_m = 0.02;  ///< around a support's outline
+  double slab_m = 0.05;            ///< below a support's height is its slab
+  double on_top_m = 0.5;           ///< what stands on a support belongs to it up to this height
+  double below_margin_m = 0.05;    ///< sides that were hidden are missing from an outline …
+  double below_share = 0.75;       ///< … of a component that carries the support
+  double inside_share = 0.85;      ///< of a component that stands within the outline of another
+  double stands_m = 0.3;           ///< a piece that hangs higher is fixed to something
+  double max_extent_m = 2.6;       ///< wider is a row of cabinets
+  double min_extent_m = 0.15;      ///< smaller is an object on the floor
+  double min_top_m = 0.18;         ///< lower is a rug or a threshold
+  size_t min_surfels = 40;         ///< about 0.025 m²
+  double beside_wall_m = 0.12;     ///< furniture so near to a wall …
+  double fixed_width_m = 0.9;      ///< … along so much of it …
+  double fixed_height_m = 1.5;     ///< … or so high does not move
+};
+inline constexpr PieceParameters kPieces;
+
+/// The search for the pose of a piece.
+struct MotionParameters {
+  double step_m = 0.05;              ///< of the grid of starting poses
+  double turn_step = 6 * kDegree;    ///< radians
+  double near_m = 0.4;               ///< of a search around the old place …
+  double near_turn = 36 * kDegree;   ///< … radians
+  double around_m = 0.25;            ///< of a search around another component
+  size_t samples = 160;              ///< surfels of a piece per starting pose
+  size_t starts = 6;                 ///< that are refined per search
+  double apart_m = 0.08;             ///< starts that are nearer descend to the same pose …
+  double apart_turn = 10 * kDegree;  ///< … and less turned
+  double min_share = 0.2;            ///< of a piece's surfels that must be found again
+  double min_agreement = 0.7;        ///< found over found and contradicted
+  double min_gain = 0.06;            ///< of a piece's surfels: found more than at its old place
+  size_t min_gain_surfels = 15;
+  double cost_per_m = 0.02;     ///< of a piece's surfels: of two poses the nearer one …
+  double cost_per_turn = 0.05;  ///< … and per half turn: shapes that look the same rotated
+  double left_share = 0.5;      ///< of what can be seen that must be contradicted: the place is empty
+  double correlated = 6;        ///< surfels that see the same error
+  double prior_log_odds = -2;   ///< that a piece moved between two visits
+};
+inline constexpr MotionParameters kMotion;
+
+/// Changes that are not motions.
+struct ChangeParameters {
+  double min_new_share = 0.6;        ///< of a component that the map does not explain
+  double min_free_share = 0.3;       ///< of it in space that was free: it came
+  double front_gap_m = 0.03;         ///< around a front's rectangle
+  double min_front_open = 0.4;       ///< of a closed front's surface that is not there any more
+  double swept_margin_m = 0.1;       ///< around what a front may sweep
+  size_t min_scan_points = 30;       ///< of a scan that shows a change
+  double known_piece_m = 0.15;       ///< a piece of the sidecar so near is the same one
+  double refresh_confidence = 0.02;  ///< a link that is known by so much better is written anew
+};
+inline constexpr ChangeParameters kChanges;
+
+}  // namespace loci::mapping

@@ -1,0 +1,201 @@
+#include "mapping/update/update.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "mapping/base/files.h"
+#include "mapping/base/math.h"
+#include "mapping/simulation/simulated_robot.h"
+#include "mapping/world/urdf.h"
+
+namespace loci::mapping {
+namespace {
+
+namespace fs = std::filesystem;
+
+Isometry3d planar_motion(double x, double y, double yaw_deg, const Vector3d& about) {
+  Isometry3d motion = Isometry3d::Identity();
+  motion.linear() = Eigen::AngleAxisd(yaw_deg * kDegree, Vector3d::UnitZ()).toRotationMatrix();
+  motion.translation() = about + Vector3d(x, y, 0) - motion.linear() * about;
+  return motion;
+}
+
+/// The sample kitchen, in which furniture is moved about.
+class Kitchen {
+ public:
+  Kitchen() : world_(read_urdf(fs::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf")) {}
+
+  /// Moves a link that hangs on the root.
+  void move(const std::string& link, const Isometry3d& now_from_before) {
+    for (Joint& joint : world_.joints)
+      if (joint.child == link) joint.parent_from_joint = now_from_before * joint.parent_from_joint;
+  }
+
+  void add_chair(const Vector2d& at) {
+    const std::string name = "chair_" + std::to_string(++chairs_);
+    Link chair{.name = name, .visuals = {}, .collisions = {}, .inertial = {}};
+    const auto box = [&](const Vector3d& centre, const Vector3d& size) {
+      Visual visual;
+      visual.link_from_visual.translation() = centre;
+      visual.geometry = Box{size};
+      visual.material = Material{"wood", Rgba(0.5F, 0.35F, 0.2F, 1), ""};
+      chair.visuals.push_back(visual);
+    };
+    box({0, 0, 0.45}, {0.42, 0.42, 0.03});
+    box({-0.2, 0, 0.74}, {0.025, 0.4, 0.28});
+    for (const double x : {-0.19, 0.19})
+      for (const double y : {-0.18, 0.18}) box({x, y, 0.22}, {0.03, 0.03, 0.44});
+    Joint joint;
+    joint.name = name + "_joint";
+    joint.parent = world_.root;
+    joint.child = name;
+    joint.parent_from_joint.translation() = Vector3d(at.x(), at.y(), 0);
+    world_.links.push_back(chair);
+    world_.joints.push_back(joint);
+  }
+
+  /// Scans from corners of the free floor, with exact poses and a coarse laser.
+  ScanSet scans(uint64_t seed, const JointState& joints = {}) const {
+    const fs::path urdf = fs::temp_directory_path() / fmt::format("loci_update_{}.urdf", ::getpid());
+    write_urdf(world_, urdf);
+    SimulatedRobotOptions options;
+    options.laser.azimuth_step_deg = options.laser.tilt_step_deg = 0.5;
+    options.odometry = {0, 0, 0};
+    options.ceiling = 2.5;
+    options.seed = seed;
+    Warnings warnings;
+    const std::vector<PlanarPose> poses = {
+        {1.0, 1.5, 0}, {1.0, 1.5, kPi}, {2.2, 1.7, kPi / 2}, {3.1, 1.4, -2.2}, {2.2, 1.6, -kPi / 2}};
+    SimulatedRobot robot(urdf, options, poses.front(), warnings);
+    robot.set_joints(joints);
+    ScanSet set;
+    set.sensor = "hokuyo";
+    set.range_max = options.laser.range_max_m;
+    for (const PlanarPose& pose : poses) set.scans.push_back(robot.scan_at(pose));
+    fs::remove(urdf);
+    return set;
+  }
+
+ private:
+  World world_;
+  int chairs_ = 0;
+};
+
+InterpretedMap interpreted(const ScanSet& scans) {
+  NoProgress progress;
+  return interpret(scans, {}, progress);
+}
+
+UpdateResult updated(const InterpretedMap& map, const ScanSet& before, const ScanSet& now) {
+  NoProgress progress;
+  return update(map.world, map.semantics, before, now, {}, progress);
+}
+
+const MapChange* find(const UpdateResult& result, MapChange::Kind kind, const std::string& name) {
+  for (const MapChange& change : result.changes)
+    if (change.kind == kind && change.name == name) return &change;
+  return nullptr;
+}
+
+/// The kitchen before, scanned and interpreted once.
+class UpdateTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    Kitchen kitchen;
+    kitchen.add_chair({3.0, 2.1});
+    before_ = new ScanSet(kitchen.scans(1));
+    map_ = new InterpretedMap(interpreted(*before_));
+  }
+  static void TearDownTestSuite() {
+    delete before_;
+    delete map_;
+  }
+
+  static ScanSet* before_;
+  static InterpretedMap* map_;
+};
+ScanSet* UpdateTest::before_ = nullptr;
+InterpretedMap* UpdateTest::map_ = nullptr;
+
+TEST_F(UpdateTest, NothingChanged) {
+  Kitchen kitchen;
+  kitchen.add_chair({3.0, 2.1});
+  const UpdateResult result = updated(*map_, *before_, kitchen.scans(2));
+  EXPECT_TRUE(result.changes.empty()) << result.text();
+  EXPECT_THAT(result.text(), testing::HasSubstr("nothing changed"));
+  EXPECT_EQ(result.map.semantics.links.size(), map_->semantics.links.size());
+  EXPECT_EQ(result.scans.scans.size(), 2 * before_->scans.size());
+  EXPECT_EQ(result.scans.scans.back().name, "update1_scan_004");
+}
+
+TEST_F(UpdateTest, TableAndChairMovedAndADrawerIsOpen) {
+  const Isometry3d table = planar_motion(0.1, 0.06, 8, {2, 0.62, 0});
+  Kitchen kitchen;
+  kitchen.move("table_1", table);
+  kitchen.add_chair({1.2, 2.0});
+  ScanSet now = kitchen.scans(2, {{"drawer_2_front_joint", 0.3}});
+  const Isometry3d offset = planar_motion(0.2, -0.15, 5, {0, 0, 0});  // Another start of the robot.
+  for (Scan& scan : now.scans) scan.map_from_scan = offset * scan.map_from_scan;
+  const UpdateResult result = updated(*map_, *before_, now);
+
+  const MapChange* moved = find(result, MapChange::Kind::moved, "table_1");
+  ASSERT_NE(moved, nullptr) << result.text();
+  const Vector3d corner(2.5, 0.9, 0);
+  EXPECT_LT((moved->now_from_before * corner - table * corner).norm(), 0.02);
+  EXPECT_NEAR(moved->turn_deg(), 8, 1);
+  EXPECT_GT(moved->probability, 0.9);
+  EXPECT_FALSE(moved->scans.empty());
+  EXPECT_THAT(moved->text(), testing::HasSubstr("table_1 moved 0.12 m and turned 8°"));
+  EXPECT_LT((result.map_from_new.inverse().translation() - offset.translation()).norm(), 0.02);
+
+  const MapChange* chair = find(result, MapChange::Kind::moved, "chair_1");
+  ASSERT_NE(chair, nullptr) << result.text();
+  EXPECT_NEAR(chair->distance(), Vector2d(1.8, 0.1).norm(), 0.03);
+
+  const MapChange* drawer = find(result, MapChange::Kind::opened, "drawer_2");
+  ASSERT_NE(drawer, nullptr) << result.text();
+  EXPECT_NEAR(drawer->joint_position, 0.3, 0.02);
+  EXPECT_EQ(result.changes.size(), 3U) << result.text();
+
+  // The new map has the table at its new place, under its name, and everything else as it was.
+  const Json& old_outline = map_->semantics.links.at("table_1").geometry.at("outline");
+  Vector2d then = Vector2d::Zero(), here = Vector2d::Zero();
+  for (const Json& p : old_outline) then += Vector2d(p[0], p[1]) / static_cast<double>(old_outline.size());
+  const Json& outline = result.map.semantics.links.at("table_1").geometry.at("outline");
+  for (const Json& p : outline) here += Vector2d(p[0], p[1]) / static_cast<double>(outline.size());
+  EXPECT_LT((here - (table * Vector3d(then.x(), then.y(), 0)).head<2>()).norm(), 0.03);
+  EXPECT_TRUE(result.map.semantics.links.contains("drawer_2_front"));
+  EXPECT_TRUE(result.map.semantics.extra.at("pieces").contains("chair_1"));
+  EXPECT_THAT(change_plan_svg(result), testing::HasSubstr("table_1"));
+}
+
+TEST_F(UpdateTest, AChairIsGone) {
+  const UpdateResult result = updated(*map_, *before_, Kitchen().scans(2));
+  ASSERT_EQ(result.changes.size(), 1U) << result.text();
+  EXPECT_EQ(result.changes.front().text(), "chair_1 is gone");
+}
+
+TEST_F(UpdateTest, AChairCame) {
+  Kitchen kitchen;
+  kitchen.add_chair({3.0, 2.1});
+  kitchen.add_chair({1.2, 2.0});
+  const UpdateResult result = updated(*map_, *before_, kitchen.scans(2));
+  ASSERT_EQ(result.changes.size(), 1U) << result.text();
+  EXPECT_EQ(result.changes.front().text(), "chair_2 is new: its place was free before");
+}
+
+TEST_F(UpdateTest, ScansThatDoNotFitAreRefused) {
+  ScanSet now = *before_;
+  for (Scan& scan : now.scans)
+    for (ScanPoint& point : scan.points) point.position *= 1.6F;  // A larger room.
+  EXPECT_THROW(updated(*map_, *before_, now), Error);
+  ScanSet blind = *before_;
+  blind.free_space = false;
+  EXPECT_THROW(updated(*map_, *before_, blind), Error);
+  EXPECT_THROW(updated(*map_, *before_, ScanSet{}), Error);
+}
+
+}  // namespace
+}  // namespace loci::mapping
