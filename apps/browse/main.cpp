@@ -40,7 +40,7 @@ std::function<void(loci::apps::Session&)> declare(loci::apps::ArgumentTable& tab
   table.option("--theme THEME", theme.get(), "Colours", {.choices = {"system", "light", "dark"}});
   table.begin_group("Screenshot");
   table.option("--screenshot FILE", &options->screenshot,
-               "Write an image of the window as PNG and exit; works without a screen");
+               "Write an image of the window as PNG and exit; works without a screen", {.replaces = true});
   table.option("--view VIEW", &options->view, "What the image shows", {.choices = {"window", "map"}});
   table.option("--hide LAYER", &options->hide, "Leave out a layer of the map; may be repeated",
                {.choices = {"map", "room", "objects", "labels", "cloud", "camera", "trace", "cameras"}});

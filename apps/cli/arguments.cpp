@@ -215,8 +215,10 @@ void ArgumentTable::memory(std::string& file) {
   arguments_.back().default_text = "$LOCI_MEMORY, or the only *.loci file here";
 }
 
-void ArgumentTable::output(std::string_view value_name, Variable variable, std::string description) {
-  option(fmt::format("-o,--output {}", value_name), variable, std::move(description), {.required = true});
+void ArgumentTable::output(std::string_view value_name, Variable variable, std::string description,
+                           ArgumentDetails details) {
+  details.required = true;
+  option(fmt::format("-o,--output {}", value_name), variable, std::move(description), std::move(details));
 }
 
 void ArgumentTable::package_path(Variable folders) {

@@ -44,6 +44,7 @@ struct ArgumentDetails {
   std::vector<std::string> excludes = {};  ///< arguments that cannot be given together with this one
   bool* given = nullptr;                   ///< set when the argument stands on the command line
   bool hidden = false;                     ///< not in help, completions and manual
+  bool replaces = false;                   ///< an output: --force replaces what loci did not write
 };
 
 /// One argument of a command.
@@ -79,7 +80,8 @@ class ArgumentTable {
   /// the current folder.
   void memory(std::string& file);
   /// "-o,--output VALUE_NAME", required.
-  void output(std::string_view value_name, Variable variable, std::string description);
+  void output(std::string_view value_name, Variable variable, std::string description,
+              ArgumentDetails details = {});
   /// "--package-path FOLDER".
   void package_path(Variable folders);
   /// Heading of the arguments declared from now on.

@@ -12,7 +12,6 @@
 
 #include "apps/cli/help.h"
 #include "mapping/base/json.h"
-#include "mapping/base/output_file.h"
 #include "mapping/base/terminal.h"
 
 namespace loci::apps {
@@ -36,6 +35,9 @@ void keep_freed_memory() {
 /// What every command takes; of a program without commands only help and version.
 void declare_common(ArgumentTable& arguments, CommonFlags& flags, bool alone) {
   static bool ignored = false;  // read before parsing
+  arguments.begin_group("");
+  if (std::ranges::any_of(arguments.all(), &Argument::replaces))
+    arguments.flag("--force", flags.force, "Replace an output that loci did not write");
   arguments.begin_group("Common options");
   arguments.flag("-h,--help", ignored, "Print this help");
   arguments.flag("--version", ignored, "Print the version");
@@ -59,6 +61,10 @@ std::vector<std::filesystem::path> paths_of(const Argument& argument) {
   return {};
 }
 
+bool is_output(const Argument& argument) {
+  return argument.replaces || argument.name == kOutput;
+}
+
 /// Whether a file is in SQLite's format.
 bool is_memory(const std::filesystem::path& file) {
   std::array<char, 16> head{};
@@ -66,27 +72,37 @@ bool is_memory(const std::filesystem::path& file) {
   return std::string_view(head.data(), head.size()).starts_with("SQLite format 3");
 }
 
-/// Before the work begins: whatever else the command line names and exists is an input, and the output must
-/// not replace it. It replaces no memory either, unless it is one, which has rules of its own.
-void check_outputs(const ArgumentTable& arguments) {
+/// What else the command line names and exists is an input.
+OutputOptions output_options(const ArgumentTable& arguments, bool force) {
+  OutputOptions options{.replace = force ? Replace::anything : Replace::own};
   std::error_code none;
-  std::vector<std::filesystem::path> inputs;
-  const auto exists = [&](const std::filesystem::path& path) {
-    return !path.empty() && std::filesystem::exists(path, none);
-  };
   for (const Argument& argument : arguments.all())
-    if (argument.name != kOutput)
+    if (!is_output(argument))
       for (const std::filesystem::path& path : paths_of(argument))
-        if (exists(path)) inputs.push_back(path);
-  const Argument* const output = arguments.find(kOutput);
-  if (output == nullptr) return;
-  for (const std::filesystem::path& path : paths_of(*output)) {
-    if (!exists(path)) continue;
-    for (const std::filesystem::path& input : inputs)
-      if (std::filesystem::equivalent(path, input, none)) refuse_inputs(path, {input});
-    if (output->value_name != "MEMORY" && std::filesystem::is_regular_file(path, none) && is_memory(path))
-      throw Error("is a memory, it is not replaced", {path.string(), 0, {}}, "write to another path");
-  }
+        if (!path.empty() && std::filesystem::exists(path, none)) options.inputs.push_back(path);
+  return options;
+}
+
+/// Before the work begins: an output must replace no input, no memory (unless it is one, which has rules of
+/// its own), and no file that loci did not write.
+void check_output(const Argument& output, const std::filesystem::path& path, const OutputOptions& options) {
+  std::error_code none;
+  const bool is_file = std::filesystem::is_regular_file(path, none);
+  if (!is_file && output.name != kOutput) return;  // label images may go beside those that they belong to
+  for (const std::filesystem::path& input : options.inputs)
+    if (std::filesystem::equivalent(path, input, none)) refuse_inputs(path, {input});
+  if (!is_file) return;
+  if (output.value_name != "MEMORY" && is_memory(path))
+    throw Error("is a memory, it is not replaced", {path.string(), 0, {}}, "write to another path");
+  if (output.replaces) loci::check_output(path, options);
+}
+
+void check_outputs(const ArgumentTable& arguments, const OutputOptions& options) {
+  std::error_code none;
+  for (const Argument& argument : arguments.all())
+    if (is_output(argument))
+      for (const std::filesystem::path& path : paths_of(argument))
+        if (!path.empty() && std::filesystem::exists(path, none)) check_output(argument, path, options);
 }
 
 /// The memory to use when none was named, and where its name comes from.
@@ -165,8 +181,9 @@ int Program::run_command(const Command& command, const std::vector<std::string>&
       install_interrupt_handler();
       keep_freed_memory();
     }
-    check_outputs(arguments);
-    Session session(flags);
+    const OutputOptions outputs = output_options(arguments, flags.force);
+    check_outputs(arguments, outputs);
+    Session session(flags, outputs);
     try {
       body(session);
     } catch (...) {

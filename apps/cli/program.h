@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -8,6 +9,7 @@
 #include "apps/cli/arguments.h"
 #include "mapping/base/error.h"
 #include "mapping/base/json_fwd.h"
+#include "mapping/base/output_file.h"
 #include "mapping/base/progress.h"
 
 namespace loci::apps {
@@ -18,16 +20,22 @@ struct CommonFlags {
   bool quiet = false;    ///< --quiet: no progress, no warnings
   bool verbose = false;  ///< --verbose: every warning
   bool timing = false;   ///< --timing: time of each stage, on stderr
+  bool force = false;    ///< --force: replace outputs that loci did not write
   int threads = 0;       ///< --threads: 0 = all cores
 };
 
 /// What a command uses while it runs.
 class Session {
  public:
-  explicit Session(const CommonFlags& flags);
+  Session(const CommonFlags& flags, OutputOptions outputs);
   ~Session();
 
   const CommonFlags& flags() const { return flags_; }
+  /// How the command may write: what it reads is never replaced, what loci did not write only with --force.
+  const OutputOptions& outputs() const { return outputs_; }
+  /// Throws Error when one of the files must not be written. Files that an argument names have been checked
+  /// when the command starts; this is for those that it writes beside them, or into a folder.
+  void check_outputs(const std::filesystem::path& folder, const std::vector<std::string>& names) const;
   /// A bar with rate and time left on a terminal, plain lines in a log, nothing with --quiet. It asks to stop
   /// after Ctrl-C.
   Progress& progress() { return *progress_; }
@@ -45,6 +53,7 @@ class Session {
 
  private:
   CommonFlags flags_;
+  OutputOptions outputs_;
   int exit_code_ = 0;
   std::unique_ptr<Progress> progress_;
   Warnings warnings_;

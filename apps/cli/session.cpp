@@ -62,10 +62,17 @@ class TerminalProgress : public Progress {
 
 }  // namespace
 
-Session::Session(const CommonFlags& flags)
-    : flags_(flags), progress_(std::make_unique<TerminalProgress>(flags.quiet)) {}
+Session::Session(const CommonFlags& flags, OutputOptions outputs)
+    : flags_(flags),
+      outputs_(std::move(outputs)),
+      progress_(std::make_unique<TerminalProgress>(flags.quiet)) {}
 
 Session::~Session() = default;
+
+void Session::check_outputs(const std::filesystem::path& folder,
+                            const std::vector<std::string>& names) const {
+  for (const std::string& name : names) check_output(folder / name, outputs_);
+}
 
 void Session::answer(const std::string& text, const Json& json) {
   progress_ = std::make_unique<TerminalProgress>(true);  // Clears the bar before the answer is printed.

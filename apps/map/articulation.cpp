@@ -41,6 +41,7 @@ void articulate_map(const ArticulateArguments& arguments, Session& session) {
                          after = mapping::read_scan_set(arguments.after);
   mapping::World world = mapping::read_urdf(arguments.map);
   mapping::SemanticMap semantics = mapping::read_semantic_map(mapping::sidecar_path(arguments.map));
+  if (!arguments.out.empty()) session.check_outputs({}, {mapping::sidecar_path(arguments.out)});
   std::string text;
   Json report = {{"fronts", Json::object()}};
   size_t asked = 0;
@@ -88,7 +89,7 @@ Command articulate_command() {
         table.option("--front NAME", &arguments->front, "Examine only this front",
                      {.default_text = "all", .needs = {"--map"}});
         table.option("-o,--output URDF", &arguments->out, "Write the map with the estimated joints",
-                     {.needs = {"--map"}});
+                     {.needs = {"--map"}, .replaces = true});
         table.options(table_of(arguments->options), "Tracks");
         table.options(table_of(arguments->difference), "Scans before and after");
         return [arguments](Session& session) {

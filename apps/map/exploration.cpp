@@ -47,6 +47,8 @@ void explore(ExploreArguments& arguments, Session& session) {
   if (!arguments.resume && std::filesystem::exists(earlier))
     session.warnings().add("the earlier exploration in " + arguments.out +
                            " is replaced; --resume would go on with it");
+  session.check_outputs(arguments.out, {"explore.json", "pulls.json", "map.urdf", "map.semantic.json",
+                                        "report.html", "scans/scans.yaml"});
   const nbv::SurveyResult result = survey(robot, start, arguments.out, arguments.resume, arguments.options,
                                           session.progress(), session.warnings());
   for (const std::string& note : result.map.notes) session.warnings().add(note);
@@ -71,7 +73,8 @@ Command explore_command() {
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<ExploreArguments>();
             table.positional("WORLD", &arguments->world, "URDF of the world to scan");
-            table.output("FOLDER", &arguments->out, "Folder of the map, its scans and the report");
+            table.output("FOLDER", &arguments->out, "Folder of the map, its scans and the report",
+                         {.replaces = true});
             table.package_path(&arguments->package_paths);
             table.option("--start POSE", &arguments->start,
                          "Pose of the first scan in the world frame: x,y,yaw_deg",
@@ -184,6 +187,7 @@ void next(NextViewArguments& arguments, Session& session) {
   Json json = view_json(plan.view);
   json["robot"] = pose_json(robot);
   if (!arguments.out.empty()) {
+    session.check_outputs(arguments.out, {"map.bt", "floor.pgm", "floor.yaml"});
     for (const auto& file : write_view_images(plan, robot, arguments.out))
       json["images"].push_back(file.string());
     map.write_bt(std::filesystem::path(arguments.out) / "map.bt");
@@ -209,7 +213,7 @@ Command next_view_command() {
             table.option("--pool SCANS", &arguments->pool,
                          "Choose among the posed scans in this folder that SCANS does not have");
             table.option("-o,--output FOLDER", &arguments->out,
-                         "Folder for images of the costmaps, map.bt and floor.pgm");
+                         "Folder for images of the costmaps, map.bt and floor.pgm", {.replaces = true});
             table.option("--seed N", &arguments->seed, "Seed of the samples", {.min = 0, .max = 1 << 30});
             table.options(table_of(arguments->occupancy), "Occupancy map");
             table.options(table_of(arguments->planner), "Planner");

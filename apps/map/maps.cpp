@@ -93,9 +93,11 @@ std::string format_of(const ExportArguments& arguments) {
 }
 
 /// PGM and YAML side by side. Returns what to tell.
-Json write_grid(const mapping::OccupancyGrid& grid, const std::filesystem::path& out) {
+Json write_grid(const mapping::OccupancyGrid& grid, const std::filesystem::path& out,
+                const Session& session) {
   const std::filesystem::path pgm = std::filesystem::path(out).replace_extension(".pgm");
   const std::filesystem::path yaml = std::filesystem::path(out).replace_extension(".yaml");
+  session.check_outputs({}, {pgm, yaml});
   write_file_atomically(pgm, pgm_text(grid));
   write_file_atomically(yaml, grid_yaml(grid, pgm.filename()));
   return {{"files", {pgm.string(), yaml.string()}},
@@ -134,12 +136,12 @@ Json export_map(const ExportArguments& arguments, const std::string& format, Ses
   const std::vector<mapping::WorldTriangle> triangles = triangles_of(world, search, session.warnings());
   if (format == "ply") return write_text(ply_text(triangles), arguments.out);
   if (format == "grid")
-    return write_grid(occupancy_grid(triangles, arguments.grid, session.warnings()), arguments.out);
+    return write_grid(occupancy_grid(triangles, arguments.grid, session.warnings()), arguments.out, session);
   write_surface_tree(triangles, arguments.grid.resolution_m, arguments.out);
   return {{"files", {arguments.out}}};
 }
 
-Json export_scans(const ExportArguments& arguments, const std::string& format) {
+Json export_scans(const ExportArguments& arguments, const std::string& format, const Session& session) {
   const mapping::ScanSet scans = mapping::read_scan_set(arguments.input);
   if (format == "ply") return write_text(ply_text(scans), arguments.out);
   if (format != "grid" && format != "bt")
@@ -150,7 +152,7 @@ Json export_scans(const ExportArguments& arguments, const std::string& format) {
   if (scans.range_max > 0) options.range_max_m = scans.range_max;
   mapping::OccupancyMap map(options);
   for (const mapping::Scan& scan : scans.scans) map.insert(scan);
-  if (format == "grid") return write_grid(occupancy_grid(map.tree(), arguments.grid), arguments.out);
+  if (format == "grid") return write_grid(occupancy_grid(map.tree(), arguments.grid), arguments.out, session);
   map.write_bt(arguments.out);
   return {{"files", {arguments.out}}};
 }
@@ -161,7 +163,7 @@ void run(const ExportArguments& arguments, Session& session) {
   if (!std::filesystem::exists(input)) throw Error("does not exist", {arguments.input, 0, ""});
   const bool scans = std::filesystem::is_directory(input) || input.extension() == ".pcd";
   Json answer = {{"format", format}};
-  answer.update(scans ? export_scans(arguments, format) : export_map(arguments, format, session));
+  answer.update(scans ? export_scans(arguments, format, session) : export_map(arguments, format, session));
   std::string text = format + ":";
   for (const Json& file : answer["files"]) text += " " + file.get<std::string>();
   session.answer(text + "\n", answer);
@@ -179,7 +181,7 @@ Command export_command() {
             auto arguments = std::make_shared<ExportArguments>();
             table.positional("MAP", &arguments->input,
                              "URDF of the map (the sidecar is found beside it), or a folder of scans");
-            table.output("FILE", &arguments->out, "File to write");
+            table.output("FILE", &arguments->out, "File to write", {.replaces = true});
             table.option(
                 "--format FORMAT", &arguments->format, "Format",
                 {.default_text = "by the file name", .choices = {"sdf", "owl", "ply", "grid", "bt", "svg"}});

@@ -39,6 +39,11 @@ std::unique_ptr<mapping::Recording> with_known_poses(std::unique_ptr<mapping::Re
   return with_tracked_poses(std::move(recording), result, false, session.warnings());
 }
 
+void check_scan_files(const mapping::ScanSet& scans, const std::string& folder, const Session& session) {
+  session.check_outputs(folder, {"scans.yaml"});
+  for (const mapping::Scan& scan : scans.scans) session.check_outputs(folder, {scan.name + ".pcd"});
+}
+
 struct FuseArguments {
   std::string recording, out;
   mapping::RecordingOptions reading;
@@ -68,7 +73,9 @@ void run(FuseArguments& arguments, Session& session) {
   const auto recording =
       with_known_poses(mapping::open_recording(arguments.recording, arguments.reading), session);
   for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
+  session.check_outputs(arguments.out, {"scans.yaml", "room.ply", "room.glb"});
   const mapping::FusionResult result = fuse(*recording, arguments.options, session.progress());
+  check_scan_files(result.scans, arguments.out, session);
   write_scan_set(result.scans, arguments.out);
   session.timing("fuse", result.seconds);
   Json json = result.report();
@@ -93,7 +100,7 @@ Command fuse_command() {
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<FuseArguments>();
             table.positional("RECORDING", &arguments->recording, "Folder of the recording");
-            table.output("FOLDER", &arguments->out, "Folder of the scan set");
+            table.output("FOLDER", &arguments->out, "Folder of the scan set", {.replaces = true});
             table.options(table_of(arguments->reading), "Recording");
             table.options(table_of(arguments->options), "Fusion");
             table.options(table_of(arguments->mesh), "Mesh");
@@ -167,7 +174,7 @@ std::string answer_text(const mapping::RegistrationResult& result) {
 
 /// The connected scans at their new poses: one that stands nobody knows where would spoil a map.
 void write_connected(mapping::ScanSet scans, const mapping::RegistrationResult& result,
-                     const std::string& folder) {
+                     const std::string& folder, const Session& session) {
   std::vector<mapping::Scan> connected;
   for (size_t i = 0; i < scans.scans.size(); ++i) {
     if (!result.connected[i]) continue;
@@ -176,6 +183,7 @@ void write_connected(mapping::ScanSet scans, const mapping::RegistrationResult& 
     connected.back().covariance.setZero();  // It was that of the pose given.
   }
   scans.scans = std::move(connected);
+  check_scan_files(scans, folder, session);
   write_scan_set(scans, folder);
 }
 
@@ -189,7 +197,7 @@ void run(RegisterArguments arguments, bool dof_given, Session& session) {
   Json json = result.report();
   json["dof"] = arguments.options.dof;
   if (result.usable() && !arguments.out.empty()) {
-    write_connected(scans, result, arguments.out);
+    write_connected(scans, result, arguments.out, session);
     text += fmt::format("{} scans in {}\n", result.connected_count(), arguments.out);
     json["out"] = arguments.out;
   }
@@ -210,7 +218,8 @@ Command register_command() {
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<RegisterArguments>();
             table.positional("SCANS...", &arguments->scans, "Folder of a scan set, or several PCD files");
-            table.option("-o,--output FOLDER", &arguments->out, "Folder for the scans at their new poses");
+            table.option("-o,--output FOLDER", &arguments->out, "Folder for the scans at their new poses",
+                         {.replaces = true});
             table.option("--guess POSE", &arguments->guess,
                          "Pose of each PCD file in the one before it: x,y,z,yaw_deg");
             table.options(table_of(arguments->options), "Registration");
@@ -273,9 +282,11 @@ void add_photos(const InterpretArguments& arguments, mapping::InterpretedMap& ma
       interpret_photos(*recording, arguments.options.threads, session.progress(), map);
   if (arguments.orthophotos.empty()) return;
   make_folder(arguments.orthophotos);
-  for (size_t i = 0; i < faces.size(); ++i)
-    mapping::write_image(std::filesystem::path(arguments.orthophotos) / fmt::format("face_{:02d}.png", i + 1),
-                         drawn(faces[i]));
+  for (size_t i = 0; i < faces.size(); ++i) {
+    const std::string name = fmt::format("face_{:02d}.png", i + 1);
+    session.check_outputs(arguments.orthophotos, {name});
+    mapping::write_image(std::filesystem::path(arguments.orthophotos) / name, drawn(faces[i]));
+  }
 }
 
 }  // namespace
@@ -288,7 +299,7 @@ Command interpret_command() {
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<InterpretArguments>();
             table.positional("SCANS", &arguments->scans, "Folder of a scan set, or a PCD file");
-            table.output("FOLDER", &arguments->out, "Folder of the map");
+            table.output("FOLDER", &arguments->out, "Folder of the map", {.replaces = true});
             table.option("--names-from MAP", &arguments->names_from,
                          "Older map (URDF) of the same kitchen, whose names are kept");
             table.option("--recording RECORDING", &arguments->recording,
@@ -302,6 +313,8 @@ Command interpret_command() {
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
               const mapping::ScanSet scans = mapping::read_scan_set(arguments->scans);
+              session.check_outputs(arguments->out,
+                                    {"map.urdf", "map.semantic.json", "report.html", "room.ply", "room.glb"});
               mapping::InterpretedMap map = interpret(scans, arguments->options, session.progress());
               if (!arguments->recording.empty()) add_photos(*arguments, map, session);
               for (const std::string& note : map.notes) session.warnings().add(note);

@@ -70,9 +70,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// All rows of a view, as JSON Lines and CSV; the number of rows.
-int64_t export_view(const memory::Store& store, const std::string& view, const fs::path& folder) {
-  const OutputOptions anything{.replace = Replace::anything};
-  OutputFile lines(folder / (view + ".jsonl"), anything), table(folder / (view + ".csv"), anything);
+int64_t export_view(const memory::Store& store, const std::string& view, const fs::path& folder,
+                    const OutputOptions& options) {
+  OutputFile lines(folder / (view + ".jsonl"), options), table(folder / (view + ".csv"), options);
   int64_t rows = 0;
   store.read_view("v_" + view, [&](const Json& row) {
     std::string names, cells;
@@ -92,55 +92,61 @@ int64_t export_view(const memory::Store& store, const std::string& view, const f
   return rows;
 }
 
+void write_image_of(const memory::SceneRow& scene, const cv::Mat& image, const fs::path& folder,
+                    const Session& session) {
+  const std::string name = fmt::format("scene_{:06}.png", scene.id);
+  session.check_outputs(folder, {name});
+  mapping::write_image(folder / name, image);
+}
+
 /// A 16-bit PNG per scene, the number of the object per pixel of the depth image; how many.
-int64_t export_labels(const memory::Store& store, const fs::path& folder, Progress& progress) {
+int64_t export_labels(const memory::Store& store, const fs::path& folder, Session& session) {
   make_folder(folder);
   const std::vector<memory::SceneRow> scenes = store.scenes();
   int64_t written = 0;
   for (size_t i = 0; i < scenes.size(); ++i) {
-    progress.check(double(i) / double(scenes.size()), "label images");
+    session.progress().check(double(i) / double(scenes.size()), "label images");
     const cv::Mat labels = label_image(store, scenes[i]);
     if (labels.empty()) continue;
-    mapping::write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), labels);
+    write_image_of(scenes[i], labels, folder, session);
     ++written;
   }
   return written;
 }
 
 /// An 8-bit PNG per scene with the kind of each pixel of its depth thumbnail; how many.
-int64_t export_kinds(const memory::Store& store, const fs::path& folder, Progress& progress) {
+int64_t export_kinds(const memory::Store& store, const fs::path& folder, Session& session) {
   make_folder(folder);
   const std::vector<memory::SceneRow> scenes = store.scenes();
   int64_t written = 0;
   for (size_t i = 0; i < scenes.size(); ++i) {
-    progress.check(double(i) / double(scenes.size()), "kinds of pixels");
+    session.progress().check(double(i) / double(scenes.size()), "kinds of pixels");
     const std::optional<memory::PixelKindImage> kinds = pixel_kinds(store, scenes[i]);
     if (!kinds) continue;
     cv::Mat image(kinds->height, kinds->width, CV_8U);
     std::ranges::transform(kinds->pixels, image.ptr<uint8_t>(),
                            [](mapping::PixelKind kind) { return static_cast<uint8_t>(kind); });
-    mapping::write_image(folder / fmt::format("scene_{:06}.png", scenes[i].id), image);
+    write_image_of(scenes[i], image, folder, session);
     ++written;
   }
   return written;
 }
 
 /// A PLY in the map frame per observation with stored depth; how many.
-int64_t export_clouds(const memory::Store& store, const fs::path& folder, Progress& progress) {
+int64_t export_clouds(const memory::Store& store, const fs::path& folder, Session& session) {
   make_folder(folder);
   const std::vector<memory::ObjectRow> objects = store.objects();
   int64_t written = 0;
   for (size_t i = 0; i < objects.size(); ++i) {
-    progress.check(double(i) / double(objects.size()), "clouds");
+    session.progress().check(double(i) / double(objects.size()), "clouds");
     for (const memory::ObjectObservation& observed : store.observations_of(objects[i].id)) {
       const memory::SceneRow scene = store.scene(observed.observation.scene);
       std::optional<mapping::Scan> cloud = cloud_of(store, scene, observed.observation);
       if (!cloud) continue;
       mapping::ScanSet set;
       set.scans.push_back(std::move(*cloud));
-      write_file_atomically(
-          folder / fmt::format("{}_scene_{:06}.ply", memory::object_name(objects[i].id), scene.id),
-          ply_text(set));
+      write_output(folder / fmt::format("{}_scene_{:06}.ply", memory::object_name(objects[i].id), scene.id),
+                   ply_text(set), session.outputs());
       ++written;
     }
   }
@@ -148,10 +154,10 @@ int64_t export_clouds(const memory::Store& store, const fs::path& folder, Progre
 }
 
 /// The state of the world as it was believed to be after each scene; how many.
-int64_t export_beliefs(const memory::Store& store, const fs::path& file, Progress& progress) {
-  OutputFile lines(file, {.replace = Replace::anything});
+int64_t export_beliefs(const memory::Store& store, const fs::path& file, Session& session) {
+  OutputFile lines(file, session.outputs());
   int64_t written = 0;
-  for_each_belief_state(store, progress, [&](const Json& state) {
+  for_each_belief_state(store, session.progress(), [&](const Json& state) {
     lines.write(state.dump() + "\n");
     ++written;
   });
@@ -160,9 +166,9 @@ int64_t export_beliefs(const memory::Store& store, const fs::path& file, Progres
 }
 
 /// The map as corrected by people; 1, or 0 when there is none.
-int64_t export_map(const memory::Store& store, const fs::path& file) {
+int64_t export_map(const memory::Store& store, const fs::path& file, const OutputOptions& options) {
   const std::optional<mapping::World> map = named_map(store);
-  if (map) write_file_atomically(file, urdf_text(*map));
+  if (map) write_output(file, urdf_text(*map), options);
   return map ? 1 : 0;
 }
 
@@ -219,19 +225,16 @@ void export_memory(const ExportArguments& arguments, Session& session) {
     text += fmt::format(" {} {},", count, what);
   };
   for (const char* view : {"objects", "observations", "events", "scenes", "place_visibility", "log", "facts"})
-    report(view, export_view(store, view, folder));
-  if (arguments.includes("pixel-kinds"))
-    report("kinds", export_kinds(store, folder / "kinds", session.progress()));
-  if (arguments.includes("labels"))
-    report("labels", export_labels(store, folder / "labels", session.progress()));
-  if (arguments.includes("map")) report("maps", export_map(store, folder / "map.urdf"));
-  if (arguments.includes("clouds"))
-    report("clouds", export_clouds(store, folder / "clouds", session.progress()));
+    report(view, export_view(store, view, folder, session.outputs()));
+  if (arguments.includes("pixel-kinds")) report("kinds", export_kinds(store, folder / "kinds", session));
+  if (arguments.includes("labels")) report("labels", export_labels(store, folder / "labels", session));
+  if (arguments.includes("map")) report("maps", export_map(store, folder / "map.urdf", session.outputs()));
+  if (arguments.includes("clouds")) report("clouds", export_clouds(store, folder / "clouds", session));
   if (arguments.includes("beliefs"))
-    report("beliefs", export_beliefs(store, folder / "beliefs.jsonl", session.progress()));
+    report("beliefs", export_beliefs(store, folder / "beliefs.jsonl", session));
   if (arguments.includes("owl")) {
-    write_file_atomically(folder / "individuals.owl",
-                          owl_individuals(store, fs::path(arguments.memory).stem().string()));
+    write_output(folder / "individuals.owl",
+                 owl_individuals(store, fs::path(arguments.memory).stem().string()), session.outputs());
     text += " individuals.owl,";
   }
   text.back() = '.';
@@ -253,7 +256,7 @@ Command export_command() {
             auto arguments = std::make_shared<ExportArguments>();
             table.memory(arguments->memory);
             table.option("-o,--output FOLDER", &arguments->folder,
-                         "Folder for the tables as JSON Lines and CSV");
+                         "Folder for the tables as JSON Lines and CSV", {.replaces = true});
             table.option(
                 "--include WHAT...", &arguments->include,
                 "Export more: labels/scene_N.png with the number of the object per pixel; kinds/scene_N.png "
@@ -360,7 +363,7 @@ Command model_command() {
         table.positional("OBJECT...", &arguments->subject, "object_12, or words that mean one object");
         arguments->memory.declare(table);
         table.output("FILE", &arguments->output,
-                     "PLY for the cloud; the best image per side is written beside it");
+                     "PLY for the cloud; the best image per side is written beside it", {.replaces = true});
         table.options(table_of(arguments->options), "Model");
         return [arguments](Session& session) {
           table_of(arguments->options).validate();
@@ -379,7 +382,7 @@ Command model_command() {
             const memory::BlobRow image = store.blob(crop);
             const std::string file =
                 fmt::format("{}_{}.{}", base.string(), side, image.media == "image/png" ? "png" : "jpg");
-            write_file_atomically(file, image.bytes);
+            write_output(file, image.bytes, session.outputs());
             json["images"][side] = file;
           }
           session.answer(model.summary() + "Written to " + arguments->output + ".", json);
@@ -396,13 +399,11 @@ Command report_command() {
       [](ArgumentTable& table) {
         struct Arguments {
           std::string memory, output, append_to;
-          bool force = false;
           memory::ReportOptions options;
         };
         auto arguments = std::make_shared<Arguments>();
         table.memory(arguments->memory);
-        table.option("-o,--output FILE", &arguments->output, "The page to write");
-        table.flag("--force", arguments->force, "Replace a file that loci did not write");
+        table.option("-o,--output FILE", &arguments->output, "The page to write", {.replaces = true});
         table.option("--append-to FILE", &arguments->append_to,
                      "Report of loci-map to which the sections of the memory are added",
                      {.excludes = {"--output"}});
@@ -415,8 +416,9 @@ Command report_command() {
           if (target.empty()) throw UsageError("--output or --append-to is required");
           std::optional<std::string> page;
           if (append_to_page) page = read_file(target);
-          const OutputOptions options{.replace = arguments->force ? Replace::anything : Replace::own,
-                                      .inputs = {arguments->memory}};
+          // A page that is appended to keeps what it says.
+          const OutputOptions replaces{.replace = Replace::anything, .inputs = {arguments->memory}};
+          const OutputOptions& options = append_to_page ? replaces : session.outputs();
           check_output(target, options);
           write_output(target,
                        memory_report(memory::Store::open_read(arguments->memory), page, arguments->options,

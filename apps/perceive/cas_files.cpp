@@ -133,7 +133,7 @@ Command cas_command() {
             table.positional("INPUT", &given->in, "The CAS: .xmi, .xml, .json, or a ROS 1 bag");
             table.option("--types FILE", &given->types,
                          "Type system in UIMA's XML; may be repeated (a bag contains its own)");
-            table.output("FILE", &given->out, "Converted CAS: .xmi, .xml or .json");
+            table.output("FILE", &given->out, "Converted CAS: .xmi, .xml or .json", {.replaces = true});
             table.option("--path FOLDER", &given->paths,
                          "Folder with imported type systems; may be repeated");
             table.flag("--with-loci", given->ours, "Add loci's own types");
@@ -178,7 +178,7 @@ Command types_command() {
             table.option("--ros PATH", &given->ros, "Types of ROS messages: a bag, or a folder of .msg files",
                          {.excludes = {"FILE", "--with-loci"}});
             table.option("-o,--output FILE", &given->out, "Write the types of ROS messages as XML",
-                         {.needs = {"--ros"}});
+                         {.needs = {"--ros"}, .replaces = true});
             return [given](Session& session) {
               if (given->files.empty() && given->ros.empty()) throw UsageError("FILE or --ros is required");
               const auto system = load(*given);

@@ -168,7 +168,7 @@ Command index_command() {
             auto given = std::make_shared<IndexArguments>();
             table.positional("CATALOGUE", &given->catalogue,
                              "Folder with catalogue.csv, saved web pages, or images named after products");
-            table.output("FILE", &given->out, "The index");
+            table.output("FILE", &given->out, "The index", {.replaces = true});
             return [given](Session& session) { make_index(*given, session); };
           }};
 }

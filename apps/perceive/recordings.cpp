@@ -94,7 +94,8 @@ void convert(const ConvertArguments& arguments, Session& session) {
       {"tum", mapping::RecordingFormat::tum}};
   const bool is_mcap = std::filesystem::path(arguments.out).extension() == ".mcap";
   const std::string format = !arguments.format.empty() ? arguments.format : is_mcap ? "mcap" : "loci";
-  mapping::ConvertOptions options{kFormats.at(format), arguments.every, {arguments.recording.path}};
+  mapping::ConvertOptions options{
+      kFormats.at(format), arguments.every, {arguments.recording.path}, session.flags().force};
   if (!arguments.recording.options.poses.empty())
     options.inputs.emplace_back(arguments.recording.options.poses);
   const auto recording = arguments.recording.open();
@@ -114,7 +115,7 @@ Command convert_command() {
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<ConvertArguments>();
             arguments->recording.declare(table);
-            table.output("OUT", &arguments->out, "Folder or file to write");
+            table.output("OUT", &arguments->out, "Folder or file to write", {.replaces = true});
             table.option("--format FORMAT", &arguments->format, "Layout of the output",
                          {.default_text = "by the ending of OUT", .choices = {"loci", "mcap", "tum"}});
             table.option("--every N", &arguments->every, "Take every n-th frame", {.min = 1});
@@ -301,8 +302,9 @@ void declare(ArgumentTable& table, RunArguments& arguments) {
   table.flag("--fixed-camera", arguments.fixed_camera,
              "The camera of a recording without poses stood still: it is not tracked");
   table.option("--labels FOLDER", &arguments.labels,
-               "Write label images FRAME_label.png (0 = none, n = object)");
-  table.option("--overlays FOLDER", &arguments.images, "Write colour images with the results drawn in");
+               "Write label images FRAME_label.png (0 = none, n = object)", {.replaces = true});
+  table.option("--overlays FOLDER", &arguments.images, "Write colour images with the results drawn in",
+               {.replaces = true});
   table.begin_group("Memory");
   arguments.memory.declare(table);
   table.begin_group("Annotators");
@@ -414,12 +416,18 @@ perception::Resources make_resources(const RunArguments& arguments, Session& ses
   return resources;
 }
 
-void write_images(const RunArguments& arguments, const perception::types::SceneCas& scene, bool with_memory) {
+void write_images(const RunArguments& arguments, const perception::types::SceneCas& scene, bool with_memory,
+                  const Session& session) {
   // With a memory the numbers are its objects', otherwise those of the scene's clusters.
-  if (!arguments.labels.empty())
+  if (!arguments.labels.empty()) {
+    session.check_outputs(arguments.labels, {scene.scene().frame_name.get() + "_label.png"});
     perception::write_label_image(scene, arguments.labels,
                                   with_memory ? perception::tracked_numbers(scene) : std::vector<int>());
-  if (!arguments.images.empty()) perception::write_overlay(scene, arguments.images);
+  }
+  if (!arguments.images.empty()) {
+    session.check_outputs(arguments.images, {std::to_string(scene.scene().frame_index.get()) + ".png"});
+    perception::write_overlay(scene, arguments.images);
+  }
 }
 
 /// The last line of the answer; `memory` is empty when nothing was stored.
@@ -465,12 +473,12 @@ void run(const RunArguments& arguments, Session& session) {
         found.push_back({{"frame", scene.scene().frame_index.get()}, {"cluster", number}});
         text += fmt::format("frame {}: cluster {} fits\n", scene.scene().frame_index.get(), number);
       }
-      return write_images(arguments, scene, remembers);
+      return write_images(arguments, scene, remembers, session);
     }
     // With a memory, questions give the answer; without one this is it.
     if (!remembers || session.flags().verbose) text += scene_text(scene);
     if (session.flags().json) scenes.push_back(scene_json(scene));
-    write_images(arguments, scene, resources.find<memory::MemorySession>() != nullptr);
+    write_images(arguments, scene, resources.find<memory::MemorySession>() != nullptr, session);
   };
   memory::MemoryRunResult result;
   if (remembers)

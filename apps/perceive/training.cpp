@@ -101,7 +101,8 @@ Command train_command() {
             table.positional("DATASET", &given->dataset,
                              "Recording with FRAME_label.png for its depth images (0 ignored, 1 to 19 table, "
                              "objects in tens from 20 on) and objects.csv (scene, label_group, class)");
-            table.output("FILE", &given->out, "The model, for the annotator FeatureClassifier");
+            table.output("FILE", &given->out, "The model, for the annotator FeatureClassifier",
+                         {.replaces = true});
             table.option("--expert SPEC", &given->experts,
                          "DESCRIPTOR:CLASSIFIER[:DISTANCE]; may be repeated, the experts are fused");
             table.flag("--templates", given->templates,
@@ -150,7 +151,8 @@ Command surface_command() {
             auto given = std::make_shared<SurfaceArguments>();
             table.positional("RECORDING", &given->recording,
                              "Recording of the empty workspace by a fixed camera");
-            table.output("FILE", &given->output, "PNG, 16 bit, in tenths of a millimetre");
+            table.output("FILE", &given->output, "PNG, 16 bit, in tenths of a millimetre",
+                         {.replaces = true});
             table.option("--max-frames N", &given->frames, "Maximum number of images", {.min = 1});
             return [given](Session& session) { run(*given, session); };
           }};

@@ -80,6 +80,7 @@ void scan(Arguments& arguments, Session& session) {
   mapping::SimulatedRobot robot(arguments.world, options, poses.front(), session.warnings());
   robot.set_joints(joints_from(arguments.joints));
 
+  session.check_outputs(arguments.out, {"scans.yaml", "truth.jsonl"});
   mapping::ScanSet set;
   std::string truth;
   set.sensor = "hokuyo";
@@ -94,6 +95,7 @@ void scan(Arguments& arguments, Session& session) {
     truth += truth_line(set.scans.back().name, robot) + "\n";
   }
   session.timing("sweeps", watch.seconds());
+  for (const mapping::Scan& scan : set.scans) session.check_outputs(arguments.out, {scan.name + ".pcd"});
   write_scan_set(set, arguments.out);
   write_file_atomically(std::filesystem::path(arguments.out) / "truth.jsonl", truth);
   session.answer(fmt::format("{}: {} scans", arguments.out, set.scans.size()),
@@ -115,7 +117,7 @@ Command scan_command() {
         table.option("--poses POSES", &arguments->poses,
                      "Poses of the robot in the world frame: \"x,y,yaw_deg; x,y,yaw_deg; …\"",
                      {.required = true});
-        table.output("FOLDER", &arguments->out, "Folder of the scan set");
+        table.output("FOLDER", &arguments->out, "Folder of the scan set", {.replaces = true});
         table.package_path(&arguments->package_paths);
         table.option("--floor HEIGHT", &arguments->floor, "Add a floor at this height", {.unit = "m"});
         table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height", {.unit = "m"});

@@ -1,11 +1,15 @@
 #include "mapping/base/output_file.h"
 
 #include <fcntl.h>
+#include <signal.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <system_error>
 
@@ -16,6 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kTemporary = ".tmp";  ///< NAME.tmpPID_N
 constexpr const char* kUnchanged = "the old file, if there was one, is unchanged";
 
 Error error_of(const fs::path& path, const std::string& what, const std::string& hint = {}) {
@@ -37,9 +42,12 @@ bool contains(const fs::path& folder, const fs::path& path) {
 std::FILE* create_beside(const fs::path& target, unsigned mode, fs::path& temporary) {
   constexpr int kMaxAttempts = 1000;
   for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
-    temporary = target.string() + ".tmp" + std::to_string(::getpid()) + "_" + std::to_string(attempt);
+    temporary = target.string() + kTemporary + std::to_string(::getpid()) + "_" + std::to_string(attempt);
     const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-    if (descriptor >= 0) return ::fdopen(descriptor, "w+b");
+    if (descriptor >= 0) {
+      ::flock(descriptor, LOCK_EX | LOCK_NB);  // for remove_abandoned
+      return ::fdopen(descriptor, "w+b");
+    }
     if (errno != EEXIST) break;
   }
   return nullptr;
@@ -62,7 +70,48 @@ void sync_folder(const fs::path& file) {
   ::close(descriptor);
 }
 
+constexpr const char* kMark = "user.loci.written";
+
+std::string change_time(const fs::path& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return {};
+  return std::to_string(status.st_mtim.tv_sec) + "." + std::to_string(status.st_mtim.tv_nsec);
+}
+
+/// Without effect on a file system that has no extended attributes.
+void mark(const fs::path& file) {
+  const std::string time = change_time(file);
+  ::setxattr(file.c_str(), kMark, time.data(), time.size(), 0);
+}
+
+/// Whether the program that made NAME.tmpPID_N is gone. `end` is the name after kTemporary.
+bool is_abandoned(const fs::path& file, std::string_view end) {
+  pid_t process = 0;
+  const auto read = std::from_chars(end.data(), end.data() + end.size(), process);
+  if (read.ec != std::errc() || read.ptr == end.data() + end.size() || *read.ptr != '_') return false;
+  if (::kill(process, 0) == 0 || errno != ESRCH) return false;
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool unlocked = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;  // not by another machine either
+  ::close(descriptor);
+  return unlocked;
+}
+
 }  // namespace
+
+std::vector<fs::path> remove_abandoned(const fs::path& path) {
+  const fs::path target = resolved(path);
+  const std::string prefix = target.filename().string() + kTemporary;
+  std::vector<fs::path> removed;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(target.parent_path(), none)) {
+    const std::string name = entry.path().filename();
+    if (name.starts_with(prefix) && is_abandoned(entry.path(), name.substr(prefix.size())))
+      removed.push_back(entry.path());
+  }
+  for (const fs::path& file : removed) fs::remove(file, none);
+  return removed;
+}
 
 bool written_by_loci(const fs::path& file) {
   std::array<char, 4096> head;
@@ -71,8 +120,11 @@ bool written_by_loci(const fs::path& file) {
   const size_t count = std::fread(head.data(), 1, head.size(), stream);
   std::fclose(stream);
   const std::string_view text(head.data(), count);
-  // A memory has a rule of its own: no other output replaces it.
-  return !text.starts_with("SQLite format 3") && text.find("loci") != std::string_view::npos;
+  if (text.starts_with("SQLite format 3")) return false;
+  std::array<char, 64> time;
+  const ssize_t length = ::getxattr(file.c_str(), kMark, time.data(), time.size());
+  if (length < 0 && errno == ENOTSUP) return text.find("loci") != std::string_view::npos;
+  return length > 0 && std::string_view(time.data(), static_cast<size_t>(length)) == change_time(file);
 }
 
 void refuse_inputs(const fs::path& output, const std::vector<fs::path>& inputs) {
@@ -99,7 +151,7 @@ void check_output(const fs::path& path, const OutputOptions& options) {
   if (options.replace == Replace::nothing)
     throw error_of(path, "exists already", "move it away, or write to another path");
   if (options.replace == Replace::own && !written_by_loci(path))
-    throw error_of(path, "exists already, and loci did not write it",
+    throw error_of(path, "exists already, and loci did not write it, or it was changed since",
                    "move it away, write to another path, or give --force");
 }
 
@@ -129,7 +181,9 @@ void OutputFile::write(std::string_view bytes) {
 
 void OutputFile::commit() {
   const bool replace = options_.replace != Replace::nothing;
-  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0 || !rename_to(temporary_, target_, replace)) {
+  const bool written = std::fflush(file_) == 0;
+  if (written) mark(temporary_);
+  if (!written || ::fsync(::fileno(file_)) != 0 || !rename_to(temporary_, target_, replace)) {
     const int reason = errno;
     discard();
     throw error_of(path_, std::string("writing failed: ") + std::strerror(reason), kUnchanged);

@@ -10,7 +10,7 @@ namespace loci {
 /// What may happen to a file that is at the path of an output.
 enum class Replace {
   nothing,   ///< the path must be free
-  own,       ///< it may be replaced if loci wrote it (written_by_loci)
+  own,       ///< it may be replaced if loci wrote it and nobody changed it since (written_by_loci)
   anything,  ///< it may be replaced: the user said --force, or it lies in a folder that loci made
 };
 
@@ -21,7 +21,10 @@ struct OutputOptions {
   unsigned mode = 0666;  ///< permissions of a new file, less the umask; 0600 for memories
 };
 
-/// Whether the first 4 KiB of a file name loci. Formats with comments name the program that wrote them.
+/// Whether loci wrote the file as it is now. OutputFile marks what it writes with an extended attribute that
+/// holds the time of the last change: a file that was edited since counts as written by somebody else, and so
+/// does a copy without its attributes. On file systems without extended attributes a file counts as written
+/// by loci if its first 4 KiB name loci. Never true for a memory: no other output replaces one.
 bool written_by_loci(const std::filesystem::path& file);
 
 /// Throws Error when `output` is one of `inputs`, or a folder that contains one of them. Paths are compared
@@ -31,6 +34,10 @@ void refuse_inputs(const std::filesystem::path& output, const std::vector<std::f
 /// Throws Error when OutputFile would refuse to write `path`. For commands that find out late what they
 /// write.
 void check_output(const std::filesystem::path& path, const OutputOptions& options);
+
+/// Removes the temporary files of an output whose programs were killed; their paths. Those of programs that
+/// run, here or on other machines, stay.
+std::vector<std::filesystem::path> remove_abandoned(const std::filesystem::path& path);
 
 /// A file that a program writes. It is written under a temporary name in the same folder, and takes its name
 /// at commit(), synchronised with the disk. Without commit() the temporary file is removed, and what was

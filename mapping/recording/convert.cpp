@@ -123,7 +123,9 @@ class LociSink : public RecordingSink {
 class McapSink : public RecordingSink {
  public:
   McapSink(const RecordingInfo& info, const fs::path& out, const ConvertOptions& options)
-      : info_(info), writer_(out, {.inputs = options.inputs}) {
+      : info_(info),
+        writer_(out,
+                {.replace = options.force ? Replace::anything : Replace::own, .inputs = options.inputs}) {
     const std::string image = definition(
         "uint32 height\nuint32 width\nstring encoding\nuint8 is_bigendian\nuint32 step\nuint8[] data\n");
     depth_ = writer_.add_channel("/camera/depth/image_rect", "sensor_msgs/msg/Image", image);

@@ -16,6 +16,7 @@ struct ConvertOptions {
   RecordingFormat format = RecordingFormat::loci;
   int every = 1;                              ///< takes every n-th frame
   std::vector<std::filesystem::path> inputs;  ///< what the same command reads; never replaced
+  bool force = false;                         ///< an MCAP file may replace one that loci did not write
 };
 
 /// Writes a recording in another layout; the number of frames.

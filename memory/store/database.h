@@ -159,6 +159,7 @@ struct Store::Connection {
   bool writable = false;
   int version = 0;
   std::optional<TimeNs> now;  ///< as in WriteOptions
+  TimeNs last_known = 0;      ///< see known_time
   int lock = -1;              ///< file descriptor of the lock file
   MemoryFormat format{};
   std::filesystem::path kept_before_migration;
@@ -213,7 +214,12 @@ struct Store::Connection {
   /// Whether observations must be read through association_known: some may not be known any more, or not yet.
   bool needs_known(const AsOf& as_of);
   void require_writable() const;
-  TimeNs known_time() const { return now.value_or(loci::now()); }
+  /// Transaction time. Never before that of a row there is: a clock that jumped back must not make what is
+  /// new known before what it replaces.
+  TimeNs known_time() {
+    if (now) return *now;
+    return last_known = std::max(last_known, loci::now());
+  }
   Error error(const std::string& what, const std::string& hint = {}) const {
     return Error(what, {path.string(), 0, {}}, hint);
   }

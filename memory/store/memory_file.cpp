@@ -62,7 +62,14 @@ std::unique_ptr<SQLite::Database> only_user_of(const fs::path& memory) {
 TemporaryMemory::TemporaryMemory(const fs::path& memory, std::vector<fs::path> inputs, Replace replace)
     : memory_(fs::weakly_canonical(memory)),
       options_{.replace = replace, .inputs = std::move(inputs), .mode = kPrivate},
-      file_(memory, options_) {}
+      file_(memory, options_) {
+  // Private as they are, they must not lie about for ever.
+  std::error_code ignored;
+  for (const fs::path& abandoned : remove_abandoned(memory)) {
+    remove_side_files(abandoned);
+    fs::remove(abandoned.string() + ".lock", ignored);
+  }
+}
 
 TemporaryMemory::~TemporaryMemory() {
   remove_side_files(path());

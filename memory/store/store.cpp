@@ -145,6 +145,14 @@ void create_schema(SQLite::Database& database, TimeNs known, const MemoryFormat&
   all.commit();
 }
 
+/// The last transaction time. Of rows that are added without an order of time, the last one that was added.
+TimeNs last_transaction(SQLite::Database& database) {
+  std::string times = "SELECT max(started) AS time FROM run UNION ALL SELECT max(finished) FROM run";
+  for (const char* table : {"scene", "association", "event", "belief", "fact"})
+    times += fmt::format(" UNION ALL SELECT known_from FROM {0} WHERE id = (SELECT max(id) FROM {0})", table);
+  return query_integer(database, "SELECT max(time) FROM (" + times + ")");
+}
+
 void configure(SQLite::Database& database) {
   database.exec(
       "PRAGMA cache_size = -16000");  // 16 MB: what scenes change and questions read again and again
@@ -238,6 +246,7 @@ Store Store::open_write(const fs::path& path, const WriteOptions& options, const
     // The same pages change with every scene: a log of eight times the usual size writes each less often.
     database.exec("PRAGMA wal_autocheckpoint = 8000");
     database.exec("PRAGMA wal_checkpoint(TRUNCATE)");
+    connection->last_known = last_transaction(database);
     connection->version = format.version;
   });
   connection->writable = true;

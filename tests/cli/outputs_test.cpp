@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 
 #include "mapping/base/files.h"
 #include "tests/cli/command.h"
@@ -25,7 +26,9 @@ class Outputs : public testing::TestWithParam<Writer> {
  protected:
   void SetUp() override {
     folder_ = fresh_folder();
-    fs::copy_file(fs::path(LOCI_SOURCE_DIR) / "apps/samples/detections.jsonl", folder_ / "detections.jsonl");
+    for (const char* name : {"kitchen.urdf", "kitchen.semantic.json", "detections.jsonl"})
+      fs::copy_file(fs::path(LOCI_SOURCE_DIR) / "apps/samples" / name, folder_ / name);
+    if (GetParam().input != "m.loci") return;
     const Outcome made = run("cd " + folder_.string() + " && loci-memory ingest detections.jsonl -m m.loci");
     ASSERT_EQ(made.exit_code, 0) << made.error;
   }
@@ -55,7 +58,7 @@ TEST_P(Outputs, AnInputStays) {
 }
 
 TEST_P(Outputs, WhatLociDidNotWriteStays) {
-  write_file_atomically(folder_ / "letter", "dear Ada");
+  std::ofstream(folder_ / "letter") << "dear Ada";
   expect_refused(write("letter"), "loci did not write it");
   EXPECT_EQ(read_file(folder_ / "letter"), "dear Ada");
   EXPECT_EQ(write("letter", "--force").exit_code, 0);
@@ -78,11 +81,56 @@ TEST_P(Outputs, WhatLociWroteIsReplaced) {
   EXPECT_EQ(read_file(folder_ / "out").substr(0, 20), first.substr(0, 20));
 }
 
-INSTANTIATE_TEST_SUITE_P(Cli, Outputs,
-                         testing::Values(Writer{"report", "loci-memory report -m m.loci -o OUT", "m.loci"},
-                                         Writer{"catalogue", "loci-memory catalogue export OUT -m m.loci",
-                                                "m.loci"}),
-                         [](const auto& parameter) { return std::string(parameter.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Cli, Outputs,
+    testing::Values(Writer{"sdf", "loci-map export kitchen.urdf --format sdf -o OUT", "kitchen.urdf"},
+                    Writer{"owl", "loci-map export kitchen.urdf --format owl -o OUT", "kitchen.urdf"},
+                    Writer{"ply", "loci-map export kitchen.urdf --format ply -o OUT", "kitchen.urdf"},
+                    Writer{"svg", "loci-map export kitchen.urdf --format svg -o OUT", "kitchen.urdf"},
+                    Writer{"bt", "loci-map export kitchen.urdf --format bt -o OUT", "kitchen.urdf"},
+                    Writer{"report", "loci-memory report -m m.loci -o OUT", "m.loci"},
+                    Writer{"catalogue", "loci-memory catalogue export OUT -m m.loci", "m.loci"}),
+    [](const auto& parameter) { return std::string(parameter.param.name); });
+
+/// A command that writes files of fixed names into a folder, one of which somebody else wrote.
+struct FolderWriter {
+  const char* name;
+  std::string command;  ///< with OUT for the folder
+  std::string file;     ///< that it would write
+};
+
+class FolderOutputs : public testing::TestWithParam<FolderWriter> {};
+
+TEST_P(FolderOutputs, FilesOfOthersStay) {
+  const fs::path folder = fresh_folder();
+  fs::create_directories(folder / "out");
+  std::ofstream(folder / "out" / GetParam().file) << "dear Ada";
+  std::string command = GetParam().command;
+  command.replace(command.find("OUT"), 3, (folder / "out").string());
+  if (const size_t memory = command.find("MEMORY"); memory != std::string::npos) {
+    command.replace(memory, 6, (folder / "m.loci").string());
+    ASSERT_EQ(
+        run("loci-memory ingest apps/samples/detections.jsonl -m " + (folder / "m.loci").string()).exit_code,
+        0);
+  }
+  const Outcome refused = run(command);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.error, HasSubstr("loci did not write it"));
+  EXPECT_EQ(read_file(folder / "out" / GetParam().file), "dear Ada");
+  EXPECT_EQ(run(command + " --force").exit_code, 0);
+  EXPECT_EQ(run(command).exit_code, 0) << "its own files it replaces";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cli, FolderOutputs,
+    testing::Values(
+        FolderWriter{"scans", "loci-simulate scan apps/samples/kitchen.urdf --poses 1.5,1.5,0 -o OUT",
+                     "scans.yaml"},
+        FolderWriter{"points", "loci-simulate scan apps/samples/kitchen.urdf --poses 1.5,1.5,0 -o OUT",
+                     "scan_000.pcd"},
+        FolderWriter{"grid", "loci-map export apps/samples/kitchen.urdf -o OUT/floor.pgm", "floor.yaml"},
+        FolderWriter{"tables", "loci-memory export -m MEMORY -o OUT", "objects.csv"}),
+    [](const auto& parameter) { return std::string(parameter.param.name); });
 
 }  // namespace
 }  // namespace loci::apps::test

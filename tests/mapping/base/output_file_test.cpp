@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <sys/xattr.h>
+#include <unistd.h>
 
 #include <csignal>
 
@@ -29,6 +32,7 @@ class OutputFileTest : public testing::Test {
   static unsigned mode_of(const fs::path& path) {
     return static_cast<unsigned>(fs::status(path).permissions()) & 0777U;
   }
+  bool has_extended_attributes() const { return ::setxattr(folder_.c_str(), "user.test", "", 0, 0) == 0; }
   std::string refusal(const fs::path& path, const OutputOptions& options) {
     try {
       write_output(path, "new", options);
@@ -53,9 +57,17 @@ TEST_F(OutputFileTest, HasItsNameOnlyAfterCommit) {
   EXPECT_EQ(count(), 1U);
 }
 
+/// As another program would write it.
+void write_foreign(const fs::path& file, const std::string& text, const char* mode = "wb") {
+  std::FILE* const stream = std::fopen(file.c_str(), mode);
+  ASSERT_NE(stream, nullptr);
+  std::fputs(text.c_str(), stream);
+  std::fclose(stream);
+}
+
 TEST_F(OutputFileTest, ReplacesOnlyWhatLociWroteUnlessForced) {
-  write_output(folder_ / "own", "<!-- written by loci-map 0.1 -->");
-  write_output(folder_ / "foreign", "a letter");
+  write_output(folder_ / "own", "any bytes: loci");
+  write_foreign(folder_ / "foreign", "a letter");
   EXPECT_EQ(refusal(folder_ / "own", {}), "");
   EXPECT_NE(refusal(folder_ / "foreign", {}).find("loci did not write it"), std::string::npos);
   EXPECT_EQ(read_file(folder_ / "foreign"), "a letter");
@@ -64,6 +76,24 @@ TEST_F(OutputFileTest, ReplacesOnlyWhatLociWroteUnlessForced) {
   EXPECT_NE(refusal(folder_ / "foreign", {.replace = Replace::nothing}).find("exists already"),
             std::string::npos);
   EXPECT_EQ(count(), 2U);
+}
+
+TEST_F(OutputFileTest, WhatWasEditedSinceIsNotOurs) {
+  if (!has_extended_attributes()) GTEST_SKIP() << "the file system has no extended attributes";
+  write_output(folder_ / "map", "loci");
+  EXPECT_TRUE(written_by_loci(folder_ / "map"));
+  fs::rename(folder_ / "map", folder_ / "moved");
+  EXPECT_TRUE(written_by_loci(folder_ / "moved"));
+  write_foreign(folder_ / "moved", "aliases", "ab");
+  EXPECT_NE(refusal(folder_ / "moved", {}).find("or it was changed since"), std::string::npos);
+  EXPECT_EQ(read_file(folder_ / "moved"), "locialiases");
+  write_foreign(folder_ / "copy", "loci");
+  EXPECT_FALSE(written_by_loci(folder_ / "copy"));
+}
+
+TEST_F(OutputFileTest, AMemoryIsNeverReplacedAsOurs) {
+  write_output(folder_ / "memory", "SQLite format 3, loci");
+  EXPECT_FALSE(written_by_loci(folder_ / "memory"));
 }
 
 TEST_F(OutputFileTest, NeverReplacesAnInputUnderAnyName) {
@@ -117,6 +147,21 @@ TEST_F(OutputFileTest, AFileThatAppearedMeanwhileIsNotReplaced) {
   EXPECT_THROW(file.commit(), Error);
   EXPECT_EQ(read_file(folder_ / "x"), "other");
   EXPECT_EQ(count(), 1U);
+}
+
+TEST_F(OutputFileTest, WhatAKilledProgramLeftIsRemovedAndWhatOthersWriteStays) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const OutputFile killed(folder_ / "x");
+    ::_exit(0);
+  }
+  ::waitpid(child, nullptr, 0);
+  const OutputFile written(folder_ / "x");
+  write_foreign(folder_ / "x.tmp_notes", "of the user");
+  EXPECT_EQ(count(), 3U);
+  EXPECT_EQ(remove_abandoned(folder_ / "x").size(), 1U);
+  EXPECT_EQ(count(), 2U);
+  EXPECT_TRUE(fs::exists(written.temporary()));
 }
 
 TEST_F(OutputFileTest, RefusesWhatIsNoFile) {

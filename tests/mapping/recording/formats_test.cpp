@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -494,7 +495,7 @@ TEST_F(Formats, ConvertedRecordingsComeBackEqual) {
 TEST_F(Formats, ConvertNeverReplacesItsInputOrOtherPeoplesFiles) {
   write_depth("rec/depth/1.png", 1000, 640, 480);
   write_color("rec/color/1.png", 640, 480);
-  write("precious.mcap", "a thesis");
+  std::ofstream(root_ / "precious.mcap") << "a thesis";
   const auto recording = open_recording(root_ / "rec");
   NoProgress progress;
   for (const auto format : {RecordingFormat::loci, RecordingFormat::tum})
