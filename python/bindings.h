@@ -31,6 +31,8 @@ auto unlocked(Function&& function) {
   return function();
 }
 
+/// How numpy calls the numbers of an image (CV_8U, CV_32F, …).
+py::dtype dtype_of(int depth);
 /// An array on the memory of an image, which it keeps alive; unset for an empty image. At most four channels.
 std::optional<py::array> array_of(const cv::Mat& image);
 /// The same for a colour image, BGR inside and RGB outside.
@@ -64,6 +66,9 @@ class ProgressCallable : public py::object {
   PYBIND11_OBJECT_DEFAULT(ProgressCallable, object, is_anything)
 };
 
+class FrameIterator : public py::object {
+  PYBIND11_OBJECT_DEFAULT(FrameIterator, object, is_anything)
+};
 class SceneIterator : public py::object {
   PYBIND11_OBJECT_DEFAULT(SceneIterator, object, is_anything)
 };
@@ -110,7 +115,7 @@ void read_keywords(Options& options, const py::kwargs& keywords, const char* wha
 }
 
 void add_memory(py::module_& module);
-void add_maps(py::module_& module);
+void add_mapping(py::module_& module);
 void add_perception(py::module_& module);
 
 }  // namespace loci::python
@@ -130,4 +135,8 @@ struct pybind11::detail::handle_type_name<loci::python::ProgressCallable> {
 template <>
 struct pybind11::detail::handle_type_name<loci::python::SceneIterator> {
   static constexpr auto name = const_name("Iterator[Scene]");
+};
+template <>
+struct pybind11::detail::handle_type_name<loci::python::FrameIterator> {
+  static constexpr auto name = const_name("Iterator[Frame]");
 };

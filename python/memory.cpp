@@ -7,6 +7,7 @@
 #include "mapping/base/json.h"
 #include "mapping/image/image_io.h"
 #include "memory/catalogue/catalogue.h"
+#include "memory/edits/edit_actions.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/ingest/ingest.h"
 #include "memory/questions/facts.h"
@@ -324,6 +325,14 @@ std::string teach(OpenMemory& memory, const std::string& object, const std::stri
   });
 }
 
+std::string edit(OpenMemory& memory, const std::string& name,
+                 const std::map<std::string, std::string>& arguments) {
+  return memory.with_store([&](memory::Store& store) {
+    if (!store.writable()) throw store.error("the memory is open for reading", "loci.open(file, write=True)");
+    return dumped(to_json(make_edit(store, memory::Query{name, arguments})));
+  });
+}
+
 }  // namespace
 
 void add_memory(py::module_& module) {
@@ -340,6 +349,12 @@ void add_memory(py::module_& module) {
   add_scene(module);
 
   module.def("_questions", [] { return dumped(memory::questions_json()); });
+  module.def("_edits", [] {
+    Json json = Json::array();
+    for (const memory::EditAction& action : memory::edit_actions())
+      json.push_back(memory::declaration_json(action.name, action.description, action.parameters));
+    return dumped(json);
+  });
   module.def("_ingest", ingest_file);
   py::class_<OpenMemory, MemoryPtr>(module, "Memory", "A memory that is open: a file *.loci.")
       .def(
@@ -357,6 +372,12 @@ void add_memory(py::module_& module) {
       .def("_answer", answer_query)
       .def("_answer_sentences", answer_sentences)
       .def("_teach", teach)
+      .def("_edit", edit)
+      .def("_edits",
+           [](OpenMemory& memory) {
+             return memory.with_store(
+                 [](const memory::Store& store) { return dumped(to_json(memory::edits(store))); });
+           })
       .def("table", table, py::arg("name"),
            "All rows of a public view (objects, observations, events, scenes, place_visibility, log, facts) "
            "as "

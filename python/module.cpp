@@ -4,9 +4,7 @@
 #include "python/bindings.h"
 
 namespace loci::python {
-namespace {
 
-/// Numbers of an image as numpy knows them.
 py::dtype dtype_of(int depth) {
   switch (depth) {
     case CV_8U:
@@ -27,8 +25,6 @@ py::dtype dtype_of(int depth) {
       throw Error("an image with numbers of this type has no array");
   }
 }
-
-}  // namespace
 
 std::optional<py::array> array_of(const cv::Mat& image) {
   if (image.empty()) return std::nullopt;
@@ -164,4 +160,6 @@ PYBIND11_MODULE(_loci, module) {
     }
   });
   add_memory(module);
+  add_mapping(module);
+  add_perception(module);
 }

@@ -5,70 +5,56 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "memory/catalogue/catalogue.h"
-#include "memory/edits/edits.h"
+#include "memory/edits/edit_actions.h"
 #include "memory/questions/facts.h"
-#include "memory/questions/snapshot.h"
 #include "memory/questions/taxonomy.h"
-#include "memory/questions/time_parser.h"
 
 namespace loci::apps {
 
 namespace {
 
-constexpr const char* kForms =
-    "merge X Y, split X TIME, label SCENE NUMBER CLASS, joint NAME TYPE, part X [NAME], undo, redo or list";
-
 struct EditArguments {
   std::string memory, action;
   std::vector<std::string> words;
+
+  memory::Query query() const;
 };
 
-size_t min_words(const std::string& action) {
-  if (action == "label") return 3;
-  if (action == "part") return 1;
-  if (action == "undo" || action == "redo" || action == "list") return 0;
-  return 2;
-}
-
-memory::Id number_of(const std::string& word, const char* what) {
-  try {
-    size_t end = 0;
-    const memory::Id number = std::stoll(word, &end);
-    if (end == word.size()) return number;
-  } catch (const std::exception&) {  // reported below
+/// "merge ONE OTHER, split OBJECT TIME, …, undo, redo or list".
+std::string edit_forms() {
+  std::string forms;
+  for (const memory::EditAction& action : memory::edit_actions()) {
+    forms += action.name;
+    for (const memory::Parameter& parameter : action.parameters) {
+      const std::string word = upper_case(parameter.name);
+      forms += parameter.required ? " " + word : " [" + word + "]";
+    }
+    forms += action.name == memory::edit_actions().back().name ? " or list" : ", ";
   }
-  throw Error(fmt::format("'{}' is not the number of {}", word, what), {}, "loci-memory scenes lists them");
+  return forms;
 }
 
-/// The one object that words mean.
-memory::Id object_of(const memory::Store& store, const std::string& words) {
-  const std::vector<memory::Id> objects = memory::Snapshot(store, {}).find_objects(words);
-  if (objects.size() == 1) return objects.front();
-  throw Error(fmt::format("'{}' may be any of {} objects", words, objects.size()), {},
-              "name one, as object_3");
+std::vector<std::string> edit_names() {
+  std::vector<std::string> names;
+  for (const memory::EditAction& action : memory::edit_actions()) names.push_back(action.name);
+  names.emplace_back("list");
+  return names;
 }
 
-memory::Edit make_edit(memory::Store& store, const EditArguments& arguments, Progress& progress) {
-  const auto& [memory, action, words] = arguments;
-  if (action == "merge")
-    return merge_objects(store, object_of(store, words[0]), object_of(store, words[1]), progress);
-  if (action == "split")
-    return split_object(store, object_of(store, words[0]), memory::TimeReader(store).read(words[1]).first,
-                        progress);
-  if (action == "label")
-    return label_observation(store, number_of(words[0], "a scene"), number_of(words[1], "an observation"),
-                             words[2]);
-  if (action == "joint") return set_joint_type(store, words[0], words[1]);
-  if (action == "part") return name_part(store, words[0], words.size() > 1 ? words[1] : "");
-  return action == "undo" ? undo(store, progress) : redo(store, progress);
-}
-
-Json json_of(const std::vector<memory::Edit>& list) {
-  Json json = Json::array();
-  for (const memory::Edit& edit : list)
-    json.push_back({{"run", edit.run}, {"known", format_time(edit.known)}, {"edit", edit.text}});
-  return json;
+memory::Query EditArguments::query() const {
+  memory::Query query{.question = action};
+  const memory::EditAction* declared = memory::find_edit_action(action);
+  if (words.size() > declared->parameters.size()) throw UsageError("the actions are " + edit_forms());
+  for (size_t i = 0; i < declared->parameters.size(); ++i) {
+    const memory::Parameter& parameter = declared->parameters[i];
+    if (i < words.size())
+      query.arguments[parameter.name] = words[i];
+    else if (parameter.required)
+      throw UsageError("the actions are " + edit_forms());
+  }
+  return query;
 }
 
 void answer_list(Session& session, const memory::EditList& list) {
@@ -76,39 +62,33 @@ void answer_list(Session& session, const memory::EditList& list) {
   for (const memory::Edit& edit : list.done) text += edit.text + "\n";
   for (auto edit = list.undone.rbegin(); edit != list.undone.rend(); ++edit)
     text += edit->text + " (undone)\n";
-  session.answer(text, {{"done", json_of(list.done)}, {"undone", json_of(list.undone)}});
+  session.answer(text, to_json(list));
 }
 
 }  // namespace
 
 Command edit_command() {
-  return {
-      "edit",
-      "Correct object identities, labels and parts of the map, with undo",
-      {"loci-memory edit label 3 1 cup -m demo-output/memory.loci",
-       "loci-memory edit list -m demo-output/memory.loci --json"},
-      [](ArgumentTable& table) {
-        auto arguments = std::make_shared<EditArguments>();
-        table.positional("ACTION", &arguments->action, kForms,
-                         {.choices = {"merge", "split", "label", "joint", "part", "undo", "redo", "list"}});
-        table.positional("[WORD...]", &arguments->words,
-                         "X, Y: objects; part: a place, link or joint; TIME: \"08:30\", \"yesterday 9:00\"");
-        table.memory(arguments->memory);
-        return [arguments](Session& session) {
-          const size_t least = min_words(arguments->action), given = arguments->words.size();
-          const size_t optional = arguments->action == "part" ? 1 : 0;
-          if (given < least || given > least + optional)
-            throw UsageError(std::string("the actions are ") + kForms);
-          if (arguments->action == "list")
-            return answer_list(session, edits(memory::Store::open_read(arguments->memory)));
-          memory::Store store = open_to_change(arguments->memory, session);
-          const memory::Edit edit = make_edit(store, *arguments, session.progress());
-          const std::string done = arguments->action == "undo" ? "Undone: " : "Done: ";
-          Json json = json_of({edit}).front();
-          if (!edit.note.empty()) json["note"] = edit.note;
-          session.answer(done + edit.text + (edit.note.empty() ? "" : "; " + edit.note) + "\n", json);
-        };
-      }};
+  return {"edit",
+          "Correct object identities, labels, facts and parts of the map, with undo",
+          {"loci-memory edit label 3 1 cup -m demo-output/memory.loci",
+           "loci-memory edit list -m demo-output/memory.loci --json"},
+          [](ArgumentTable& table) {
+            auto arguments = std::make_shared<EditArguments>();
+            table.positional("ACTION", &arguments->action, edit_forms(), {.choices = edit_names()});
+            table.positional("[WORD...]", &arguments->words,
+                             "What the action takes; names of several words in quotes");
+            table.memory(arguments->memory);
+            return [arguments](Session& session) {
+              if (arguments->action == "list")
+                return answer_list(session, edits(memory::Store::open_read(arguments->memory)));
+              const memory::Query query = arguments->query();
+              memory::Store store = open_to_change(arguments->memory, session);
+              const memory::Edit edit = make_edit(store, query, session.progress());
+              const std::string done = arguments->action == "undo" ? "Undone: " : "Done: ";
+              session.answer(done + edit.text + (edit.note.empty() ? "" : "; " + edit.note) + "\n",
+                             to_json(edit));
+            };
+          }};
 }
 
 Command fact_command() {

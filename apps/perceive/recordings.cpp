@@ -11,12 +11,13 @@
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/base/tally.h"
 #include "mapping/base/text.h"
 #include "mapping/base/time.h"
 #include "mapping/recording/convert.h"
 #include "mapping/recording/recording.h"
-#include "mapping/tracking/tracking.h"
+#include "mapping/tracking/known_poses.h"
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
 #include "perception/annotators/annotators.h"
@@ -25,7 +26,7 @@
 #include "perception/annotators/structure/known_map.h"
 #include "perception/pipeline/goal.h"
 #include "perception/pipeline/pipeline.h"
-#include "perception/types/geometry.h"
+#include "perception/types/scene_json.h"
 
 namespace loci::apps {
 
@@ -125,84 +126,8 @@ Command convert_command() {
 
 namespace {
 
-double rounded(double value) {
-  return std::round(value * 1e4) / 1e4;
-}
-
-Json vector_json(const perception::types::Vector& vector) {
-  const Vector3d v = perception::types::from<Vector3d>(vector);
-  return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
-}
-
-/// What an annotation says in words and numbers, whatever its type.
-Json annotation_json(const perception::types::Annotation& annotation) {
-  Json json = {{"type", annotation.type().short_name()}};
-  const perception::cas::FeatureStructure& structure = annotation;
-  for (const perception::cas::Feature& feature : structure.type().features()) {
-    if (!structure.is_set(feature)) continue;
-    const perception::cas::Kind kind = feature.range().kind();
-    if (kind == perception::cas::Kind::kString) json[feature.name()] = structure.text(feature);
-    if (kind == perception::cas::Kind::kBoolean) json[feature.name()] = structure.get<bool>(feature);
-    if (perception::cas::is_integer(kind)) json[feature.name()] = structure.get<int64_t>(feature);
-    if (perception::cas::is_floating(kind)) json[feature.name()] = rounded(structure.get<double>(feature));
-  }
-  return json;
-}
-
-Json cluster_json(const perception::types::Cluster& cluster, int number) {
-  Json json = {{"cluster", number}, {"centroid", vector_json(cluster.centroid.get())}};
-  if (cluster.place.is_set()) json["place"] = cluster.place.get();
-  if (const auto location = cluster.annotations.first<perception::types::TFLocationAnnotation>())
-    json["sentence"] = location.sentence.get();
-  if (const auto geometry = cluster.annotations.first<perception::types::GeometryAnnotation>()) {
-    json["size"] = vector_json(geometry.size.get());
-    json["height"] = rounded(geometry.height.get());
-  }
-  if (const auto color = cluster.annotations.first<perception::types::ColorAnnotation>()) {
-    json["colors"] = color.names.to_vector();
-    json["mean_hsv"] = {rounded(color.mean_hue.get()), rounded(color.mean_saturation.get()),
-                        rounded(color.mean_value.get())};
-  }
-  if (const auto points = cluster.hypotheses.first<perception::types::ReferenceClusterPoints>())
-    json["points"] = points.indices.get().indices.size();
-  json["annotations"] = Json::array();
-  for (const perception::types::Annotation& annotation : cluster.annotations)
-    json["annotations"].push_back(annotation_json(annotation));
-  json["at_image_border"] = cluster.at_image_border.get();
-  json["at_support_border"] = cluster.at_support_border.get();
-  json["partly_hidden"] = cluster.partly_hidden.get();
-  return json;
-}
-
-Json support_json(const perception::types::PlanarSupport& support) {
-  Json json = Json::object();
-  if (support.name.is_set()) json["name"] = support.name.get();
-  if (support.support_class.is_set()) json["class"] = support.support_class.get();
-  json["height"] = rounded(support.height.get());
-  json["inliers"] = support.inliers.get();
-  json["covered_fraction"] = rounded(support.covered_fraction.get());
-  return json;
-}
-
-Json scene_json(const perception::types::SceneCas& facade) {
-  const perception::types::Scene scene = facade.scene();
-  Json json = {{"frame", scene.frame_index.get()},
-               {"time", format_time(scene.timestamp.get())},
-               {"supports", Json::array()},
-               {"clusters", Json::array()},
-               {"annotations", Json::array()}};
-  for (const perception::types::Annotation& annotation : scene.annotations)
-    json["annotations"].push_back(annotation_json(annotation));
-  for (const perception::types::PlanarSupport& support : facade.supports())
-    json["supports"].push_back(support_json(support));
-  int number = 0;
-  for (const perception::types::Cluster& cluster : facade.clusters())
-    json["clusters"].push_back(cluster_json(cluster, ++number));
-  return json;
-}
-
 std::string scene_text(const perception::types::SceneCas& facade) {
-  const Json json = scene_json(facade);
+  const Json json = to_json(facade);
   std::string text =
       fmt::format("frame {}  {}\n", json["frame"].get<int64_t>(), json["time"].get<std::string>());
   for (const Json& support : json["supports"])
@@ -256,18 +181,12 @@ void MemoryTarget::prepare(const std::string& map, perception::Pipeline& pipelin
     if (resume) throw Error("--resume needs a memory", {}, "name it with -m FILE.loci");
     return;
   }
-  pipeline.add("IdentityResolution", registry);
-  pipeline.add_writer("MemoryWriter", registry);
-  pipeline.check(registry);
   memory::MemorySessionOptions options;
   options.memory = memory;
-  options.configuration = pipeline.to_json();
   options.resume = resume;
   options.map = map;
   if (!now.empty()) options.write.now = parse_time(now);
-  const mapping::Recording& recording =
-      resources.get<mapping::Recording>("recording to read", "give its folder");
-  resources.put_for_run(std::make_shared<memory::MemorySession>(options, recording));
+  memory::add_memory_session(options, pipeline, registry, resources);
   if (const auto known = resources.find<perception::KnownMap>())
     resources.put(std::make_shared<mapping::World>(known->world));
 }
@@ -368,38 +287,17 @@ perception::Pipeline read_pipeline(const RunArguments& arguments,
   return perception::Pipeline::parse(config, registry);
 }
 
-/// Whether the frames are few and do not follow each other: images of different scenes.
-bool is_no_video(const mapping::TrackingResult& result) {
-  constexpr size_t kMinVideo = 30;
-  return result.frames.size() < kMinVideo && 2 * result.good() < result.frames.size();
-}
-
-/// The recording, with tracked poses when it has none of its own and its camera moves.
-std::unique_ptr<mapping::Recording> with_known_poses(std::unique_ptr<mapping::Recording> recording,
-                                                     bool fixed_camera, Session& session) {
-  if (fixed_camera || recording->info().frames_with_pose > 0 || recording->size() < 2) return recording;
-  mapping::TrackingOptions options;
-  options.threads = session.flags().threads;
-  const mapping::TrackingResult result = track(*recording, options, session.progress());
-  session.timing("track", result.seconds);
-  if (result.still || is_no_video(result)) return recording;
-  const FileLocation location{recording->info().path, 0, {}};
-  require_usable(result, location.file);
-  recording = with_tracked_poses(std::move(recording), result, false, session.warnings());
-  session.warnings().add("the recording has no poses: " + result.summary() +
-                             "; if the camera stood still, say so with --fixed-camera",
-                         location);
-  if (!recording->info().levelled)
-    throw Error("which way is up is not known", location,
-                "give the direction of the first frame's camera that is up with --up, e.g. --up -y");
-  return recording;
-}
-
 /// What annotators share. Rooms that bring annotators with resources of their own put them here.
 perception::Resources make_resources(const RunArguments& arguments, Session& session) {
   perception::Resources resources;
-  resources.put(std::shared_ptr<mapping::Recording>(
-      with_known_poses(arguments.recording.open(), arguments.fixed_camera, session)));
+  std::unique_ptr<mapping::Recording> recording = arguments.recording.open();
+  if (!arguments.fixed_camera) {
+    const Stopwatch watch;
+    recording = with_known_poses(std::move(recording), session.flags().threads, session.progress(),
+                                 session.warnings());
+    session.timing("track", watch.seconds());
+  }
+  resources.put(std::shared_ptr<mapping::Recording>(std::move(recording)));
   if (!arguments.map.empty() || !arguments.robots.empty()) {
     const std::vector<std::filesystem::path> packages(arguments.package_paths.begin(),
                                                       arguments.package_paths.end());
@@ -477,7 +375,7 @@ void run(const RunArguments& arguments, Session& session) {
     }
     // With a memory, questions give the answer; without one this is it.
     if (!remembers || session.flags().verbose) text += scene_text(scene);
-    if (session.flags().json) scenes.push_back(scene_json(scene));
+    if (session.flags().json) scenes.push_back(to_json(scene));
     write_images(arguments, scene, resources.find<memory::MemorySession>() != nullptr, session);
   };
   memory::MemoryRunResult result;

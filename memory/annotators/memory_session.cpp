@@ -77,6 +77,17 @@ std::optional<double> MemorySession::seconds_after(TimeNs time) const {
   return static_cast<double>(reader_->upcoming().time_ns - time) / static_cast<double>(kSecond);
 }
 
+void add_memory_session(MemorySessionOptions options, perception::Pipeline& pipeline,
+                        const perception::AnnotatorRegistry& registry, perception::Resources& resources) {
+  pipeline.add("IdentityResolution", registry);
+  pipeline.add_writer("MemoryWriter", registry);
+  pipeline.check(registry);
+  options.configuration = pipeline.to_json();
+  const mapping::Recording& recording =
+      resources.get<mapping::Recording>("recording to read", "give its folder");
+  resources.put_for_run(std::make_shared<MemorySession>(options, recording));
+}
+
 MemoryRunResult run_with_memory(perception::Pipeline& pipeline, perception::Context& context,
                                 const std::shared_ptr<const perception::cas::TypeSystem>& types,
                                 Progress& progress, const std::function<void(perception::cas::Cas&)>& done) {

@@ -71,6 +71,11 @@ class MemorySession {
   std::unique_ptr<Recorder> recorder_;
 };
 
+/// Makes a pipeline remember what it perceives of the recording among the resources: adds identity and
+/// writer, and a MemorySession to the resources. The options' configuration becomes that of the pipeline.
+void add_memory_session(MemorySessionOptions options, perception::Pipeline& pipeline,
+                        const perception::AnnotatorRegistry& registry, perception::Resources& resources);
+
 /// Type of the scene annotation that carries the known planes to the next run.
 inline constexpr const char* kKnownPlanesType = "loci.memory.KnownPlanes";
 

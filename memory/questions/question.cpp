@@ -76,29 +76,6 @@ std::vector<Parameter> time_parameters(bool period) {
   return parameters;
 }
 
-void check(const Question& question, const Query& query) {
-  const std::vector<Parameter> parameters = question.all_parameters();
-  std::vector<std::string> names;
-  for (const Parameter& parameter : parameters) {
-    names.push_back(parameter.name);
-    const auto given = query.arguments.find(parameter.name);
-    if (given == query.arguments.end()) {
-      if (parameter.required)
-        throw Error(fmt::format("'{}' needs {}", question.name, upper_case(parameter.name)));
-      continue;
-    }
-    if (!parameter.choices.empty() && std::ranges::count(parameter.choices, given->second) == 0)
-      throw Error(fmt::format("'{}' is no {}", given->second, parameter.name), {},
-                  fmt::format("one of: {}", fmt::join(parameter.choices, ", ")));
-    for (const std::string& other : parameter.excludes)
-      if (query.arguments.contains(other))
-        throw Error(fmt::format("'{}' takes either {} or {}", question.name, parameter.name, other));
-  }
-  for (const auto& [name, value] : query.arguments)
-    if (std::ranges::count(names, name) == 0)
-      throw Error(fmt::format("'{}' does not take '{}'", question.name, name), {}, did_you_mean(name, names));
-}
-
 /// Strings of an answer that are object names or names of places, and numbers of scenes.
 class MentionCollector {
  public:
@@ -303,8 +280,29 @@ const Question* find_question(const std::string& name) {
   return found == questions().end() ? nullptr : &*found;
 }
 
+void check_arguments(const std::string& asked, const std::vector<Parameter>& parameters, const Query& query) {
+  std::vector<std::string> names;
+  for (const Parameter& parameter : parameters) {
+    names.push_back(parameter.name);
+    const auto given = query.arguments.find(parameter.name);
+    if (given == query.arguments.end()) {
+      if (parameter.required) throw Error(fmt::format("'{}' needs {}", asked, upper_case(parameter.name)));
+      continue;
+    }
+    if (!parameter.choices.empty() && std::ranges::count(parameter.choices, given->second) == 0)
+      throw Error(fmt::format("'{}' is no {}", given->second, parameter.name), {},
+                  fmt::format("one of: {}", fmt::join(parameter.choices, ", ")));
+    for (const std::string& other : parameter.excludes)
+      if (query.arguments.contains(other))
+        throw Error(fmt::format("'{}' takes either {} or {}", asked, parameter.name, other));
+  }
+  for (const auto& [name, value] : query.arguments)
+    if (std::ranges::count(names, name) == 0)
+      throw Error(fmt::format("'{}' does not take '{}'", asked, name), {}, did_you_mean(name, names));
+}
+
 Answer Question::ask(const Store& store, const Query& query, const AsOf& as_of) const {
-  check(*this, query);
+  check_arguments(name, all_parameters(), query);
   return run(Arguments(store, query, as_of));
 }
 
@@ -334,7 +332,7 @@ std::optional<Query> parse_query(const std::string& text) {
     query.arguments[between ? "to" : name] = words[++i];
   }
   question->read(positional, query);
-  check(*question, query);
+  check_arguments(question->name, question->all_parameters(), query);
   return query;
 }
 
@@ -403,20 +401,25 @@ std::string questions_reference() {
   return text;
 }
 
+Json declaration_json(const std::string& name, const std::string& description,
+                      const std::vector<Parameter>& parameters) {
+  Json json = {{"name", name}, {"description", description}, {"parameters", Json::array()}};
+  for (const Parameter& parameter : parameters) {
+    json["parameters"].push_back({{"name", parameter.name},
+                                  {"type", to_text(parameter.type)},
+                                  {"help", parameter.help},
+                                  {"required", parameter.required}});
+    Json& last = json["parameters"].back();
+    if (!parameter.default_text.empty()) last["default"] = parameter.default_text;
+    if (!parameter.choices.empty()) last["choices"] = parameter.choices;
+  }
+  return json;
+}
+
 Json questions_json() {
   Json json = Json::array();
   for (const Question& question : questions()) {
-    Json one = {
-        {"name", question.name}, {"description", question.description}, {"parameters", Json::array()}};
-    for (const Parameter& parameter : question.all_parameters()) {
-      one["parameters"].push_back({{"name", parameter.name},
-                                   {"type", to_text(parameter.type)},
-                                   {"help", parameter.help},
-                                   {"required", parameter.required}});
-      Json& last = one["parameters"].back();
-      if (!parameter.default_text.empty()) last["default"] = parameter.default_text;
-      if (!parameter.choices.empty()) last["choices"] = parameter.choices;
-    }
+    Json one = declaration_json(question.name, question.description, question.all_parameters());
     for (const SentenceForm& sentence : question.sentences)
       if (!sentence.example.empty()) one["sentences"].push_back(sentence.example);
     json.push_back(std::move(one));

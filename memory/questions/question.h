@@ -57,6 +57,10 @@ struct Query {
   std::string text() const;
 };
 
+/// Error for arguments that `parameters` do not have, and for required ones that are missing; `asked` is for
+/// the message.
+void check_arguments(const std::string& asked, const std::vector<Parameter>& parameters, const Query& query);
+
 /// `as_of` with the times of --at and --known-at, where they are not empty.
 AsOf read_as_of(const Store& store, const std::string& at, const std::string& known_at, AsOf as_of = {});
 
@@ -210,6 +214,9 @@ std::vector<double> read_point(const std::string& text);
 
 /// docs/questions.md.
 std::string questions_reference();
+/// A declaration for programs: name, description and parameters.
+Json declaration_json(const std::string& name, const std::string& description,
+                      const std::vector<Parameter>& parameters);
 /// Names, parameters and examples of all questions.
 Json questions_json();
 

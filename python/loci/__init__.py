@@ -11,18 +11,50 @@ Images are arrays of numpy: colour as RGB, depth in metres with NaN where nothin
 matrices named target_from_source. Times are datetime in UTC; questions also take what people say ("08:30").
 """
 
-from ._loci import Camera, Error, Memory, Observation, Scene
-from ._memory import Answer, NotUnderstood, Record, ingest, open
+from ._loci import (
+    Camera,
+    Cluster,
+    Error,
+    Frame,
+    Joint,
+    Link,
+    Map,
+    Memory,
+    Observation,
+    PerceivedScene,
+    Recording,
+    RecordingWriter,
+    Scene,
+    Visual,
+)
+from ._mapping import open_recording
+from ._memory import Answer, Edits, NotUnderstood, Record, ingest, open
+from ._perception import Annotator, default_pipeline, describe_annotators, run
 
 __all__ = [
+    "Annotator",
     "Answer",
     "Camera",
+    "Cluster",
+    "Edits",
     "Error",
+    "Frame",
+    "Joint",
+    "Link",
+    "Map",
     "Memory",
     "NotUnderstood",
     "Observation",
+    "PerceivedScene",
     "Record",
+    "Recording",
+    "RecordingWriter",
     "Scene",
+    "Visual",
+    "default_pipeline",
+    "describe_annotators",
     "ingest",
     "open",
+    "open_recording",
+    "run",
 ]

@@ -90,20 +90,15 @@ _TYPES = {
 }
 
 
-def _signature(parameters, result):
-    """Required parameters by position or name, the others by name."""
+def _signature(parameters, result, optional):
+    """Required parameters by position or name, the others of the kind `optional`."""
     kinds = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_OR_KEYWORD)]
-    for parameter in sorted(parameters, key=lambda each: not each.required):
-        name = _python_name(parameter.name)
-        annotation = _TYPES.get(parameter.type, str)
-        if parameter.required:
+    for each in sorted(parameters, key=lambda each: not each.required):
+        name, annotation = _python_name(each.name), _TYPES.get(each.type, str)
+        if each.required:
             kinds.append(inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=annotation))
         else:
-            kinds.append(
-                inspect.Parameter(
-                    name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Optional[annotation]
-                )
-            )
+            kinds.append(inspect.Parameter(name, optional, default=None, annotation=Optional[annotation]))
     return inspect.Signature(kinds, return_annotation=result)
 
 
@@ -116,9 +111,9 @@ def _documentation(declared):
     return "\n".join(lines)
 
 
-def _add_method(declared, result, call):
-    """Makes a declaration a method of Memory; `call(memory, arguments)` gets its arguments as text by name."""
-    signature = _signature(declared.parameters, result)
+def _add_method(owner, declared, result, call, optional=inspect.Parameter.KEYWORD_ONLY):
+    """Makes a declaration a method; `call(self, arguments)` gets its arguments as text by name."""
+    signature = _signature(declared.parameters, result, optional)
     names = {_python_name(parameter.name): parameter.name for parameter in declared.parameters}
 
     def method(*args, **keywords):
@@ -127,19 +122,51 @@ def _add_method(declared, result, call):
         return call(bound["self"], given)
 
     method.__name__ = _python_name(declared.name)
-    method.__qualname__ = f"Memory.{method.__name__}"
+    method.__qualname__ = f"{owner.__name__}.{method.__name__}"
     method.__module__ = "loci"
     method.__doc__ = _documentation(declared)
     method.__signature__ = signature
-    setattr(Memory, method.__name__, method)
+    setattr(owner, method.__name__, method)
+
+
+class Edits:
+    """Corrections of a memory that is open for writing: `memory.edit.merge("object_3", "object_7")`.
+
+    What people say of identities is evidence: the belief is computed again from the first scene that it concerns.
+    Each edit can be undone.
+    """
+
+    def __init__(self, memory: Memory):
+        self._memory = memory
+
+    def list(self) -> Record:
+        """The edits that hold (`done`, in order) and those that were undone."""
+        return _read(self._memory._edits())
 
 
 def _add_question(declared):
-    _add_method(declared, Answer, lambda memory, given: _answer(*memory._answer(declared.name, given)))
+    _add_method(Memory, declared, Answer, lambda memory, given: _answer(*memory._answer(declared.name, given)))
+
+
+def _add_edit(declared):
+    _add_method(
+        Edits,
+        declared,
+        Record,
+        lambda edits, given: _read(edits._memory._edit(declared.name, given)),
+        inspect.Parameter.POSITIONAL_OR_KEYWORD,
+    )
 
 
 for _question in _read(_loci._questions()).questions:
     _add_question(_question)
+for _edit in _read(_loci._edits()):
+    _add_edit(_edit)
+
+
+def _edits(self: Memory) -> Edits:
+    """Corrections, when the memory is open for writing."""
+    return Edits(self)
 
 
 def _ask(
@@ -173,6 +200,7 @@ def _iterate(self: Memory) -> Iterator[Scene]:
 
 
 Memory.ask = _ask
+Memory.edit = property(_edits)
 Memory.teach = _teach
 Memory.__iter__ = _iterate
 

@@ -188,5 +188,30 @@ class Writing(FolderTest):
             self.assertEqual(memory.where("object_1").objects[0].label, "beaker")
 
 
+class Edits(SampleMemoryTest):
+    def test_edits_can_be_undone(self):
+        with loci.open(self.file, write=True) as memory:
+            done = memory.edit.say("table_1", "alias", "desk")
+            self.assertIn("desk", done.edit)
+            self.assertIn("object_1", str(memory.on("desk", at="08:00")))
+            memory.edit.label(scene=1, observation=0, class_="mug")
+            memory.edit.undo()
+            memory.edit.undo()
+            self.assertEqual([len(memory.edit.list().done), len(memory.edit.list().undone)], [0, 2])
+            with self.assertRaisesRegex(loci.Error, "desk"):
+                memory.on("desk")
+
+    def test_identities(self):
+        with loci.open(self.file, write=True) as memory:
+            self.assertRaises(loci.Error, memory.edit.merge, "object_1", "object_3")
+            memory.edit.split("object_1", "2026-05-01T12:00:00Z")
+            self.assertEqual(len(memory.objects().objects), 5)
+
+    def test_reading_is_not_writing(self):
+        with loci.open(self.file) as memory:
+            with self.assertRaisesRegex(loci.Error, "open for reading"):
+                memory.edit.undo()
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "mapping/base/json_fwd.h"
+#include "perception/types/scene_cas.h"
+
+namespace loci::perception::types {
+
+/// What an annotation says in words and numbers, whatever its type.
+Json to_json(const Annotation& annotation);
+/// What was perceived of a scene: supports, clusters with their annotations, annotations of the scene.
+Json to_json(const SceneCas& scene);
+
+}  // namespace loci::perception::types

@@ -1,0 +1,46 @@
+"""Maps with their sidecar, and recordings."""
+
+import json
+import os
+from typing import Any, Union
+
+from . import _loci
+from ._loci import Map, Recording
+from ._memory import Record, _read
+
+
+def _read_map(path: Union[str, os.PathLike]) -> Map:
+    """Reads a URDF, and its sidecar (`kitchen.semantic.json` beside `kitchen.urdf`) where there is one.
+
+    `map.semantics` is what the sidecar says: a dictionary, None without one. Change it and write() the map.
+    """
+    map = Map._read(path)
+    map.semantics = _read(map._sidecar) if map._sidecar else None
+    return map
+
+
+def _write(self: Map, path: Union[str, os.PathLike]) -> None:
+    """Writes the URDF, and the sidecar when `semantics` is set. Error, and nothing is written, when the links and
+    joints are no tree, or a sidecar speaks of links that there are not."""
+    semantics = getattr(self, "semantics", None)
+    self._write(path, json.dumps(semantics) if semantics else "")
+
+
+Map.read = staticmethod(_read_map)
+Map.write = _write
+
+
+def open_recording(path: Union[str, os.PathLike], **options: Any) -> Recording:
+    """Opens a recording of any known layout: its frames by number, or one after the other.
+
+    options: as of `loci-perceive info`: topics, poses, up, color_delay_s
+    """
+    return _loci._open_recording(path, **options)
+
+
+def _info(self: Recording) -> Record:
+    """What the recording is, and what was guessed about it."""
+    return _read(self._info())
+
+
+Recording.info = _info

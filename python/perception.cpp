@@ -1,0 +1,416 @@
+// Pipelines, and annotators that are written in Python.
+
+#include <sstream>
+#include <variant>
+
+#include "mapping/base/json.h"
+#include "mapping/base/text.h"
+#include "mapping/recording/recording.h"
+#include "mapping/tracking/known_poses.h"
+#include "memory/annotators/memory_annotators.h"
+#include "memory/annotators/memory_session.h"
+#include "perception/annotators/annotators.h"
+#include "perception/annotators/io/labelled_recording.h"
+#include "perception/annotators/scene_data.h"
+#include "perception/annotators/structure/known_map.h"
+#include "perception/cas/json.h"
+#include "perception/conversions/opencv.h"
+#include "perception/pipeline/pipeline.h"
+#include "perception/types/scene_json.h"
+#include "python/bindings.h"
+
+namespace loci::python {
+namespace {
+
+using perception::types::Cluster;
+using perception::types::SceneCas;
+
+/// The CAS that an annotator works on, as long as it does.
+struct Access {
+  perception::cas::Cas* cas = nullptr;
+  std::string annotator;
+
+  SceneCas scene() const {
+    if (cas == nullptr) throw Error("this scene is over", {}, "copy what is needed later");
+    return SceneCas(*cas);
+  }
+};
+using AccessPtr = std::shared_ptr<Access>;
+
+/// An array that nobody writes to: annotators share the memory.
+std::optional<py::array> shared_array_of(const cv::Mat& image) {
+  std::optional<py::array> array = array_of(image);
+  if (array) array->attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+/// The type of an annotation by its full or short name.
+perception::cas::Type annotation_type(const perception::cas::TypeSystem& types, const std::string& name) {
+  std::vector<std::string> names;
+  for (const perception::cas::Type& type :
+       types.subtypes(types.type(perception::types::Annotation::kTypeName))) {
+    if (type.name() == name || type.short_name() == name) return type;
+    names.push_back(type.short_name());
+  }
+  throw Error("'" + name + "' is no type of annotation", {}, did_you_mean(name, names));
+}
+
+perception::types::Annotation make_annotation(const Access& access, const std::string& name,
+                                              const std::string& features) {
+  const SceneCas scene = access.scene();
+  Json values = parse_json(features, name);
+  if (!values.contains("source")) values["source"] = access.annotator;
+  const Json structure = {
+      {"id", 1}, {"type", annotation_type(scene.cas().type_system(), name).name()}, {"features", values}};
+  const Json graph = {{"root", "#1"}, {"structures", Json::array({structure})}};
+  return perception::types::Annotation(perception::cas::from_json(scene.cas(), graph));
+}
+
+struct ClusterAccess {
+  AccessPtr access;
+  Cluster cluster;
+  int number = 0;
+
+  /// Error when the scene is over.
+  const Cluster& get() const {
+    access->scene();
+    return cluster;
+  }
+  cv::Mat mask() const {
+    const SceneCas scene = access->scene();
+    cv::Mat mask = cv::Mat::zeros(perception::types::view_image(scene, SceneCas::kDepth).size(), CV_8U);
+    for (const int32_t index : perception::cluster_indices(get())) mask.ptr<uint8_t>()[index] = 255;
+    return mask;
+  }
+  std::vector<Eigen::Vector3f> points() const {
+    const cv::Mat cloud = perception::cloud_points(access->scene());
+    std::vector<Eigen::Vector3f> points;
+    for (const int32_t index : perception::cluster_indices(get()))
+      points.push_back(perception::to_vector3f(cloud.ptr<cv::Vec3f>()[index]));
+    return points;
+  }
+};
+
+std::string annotations_text(const auto& annotations) {
+  Json json = Json::array();
+  for (const perception::types::Annotation& annotation : annotations) json.push_back(to_json(annotation));
+  return json.dump();
+}
+
+std::vector<ClusterAccess> clusters_of(const AccessPtr& access) {
+  std::vector<ClusterAccess> clusters;
+  for (const Cluster& cluster : access->scene().clusters())
+    clusters.push_back({access, cluster, static_cast<int>(clusters.size()) + 1});
+  return clusters;
+}
+
+cv::Mat image_of_cluster(const ClusterAccess& cluster) {
+  const auto region = cluster.get().hypotheses.first<perception::types::StandaloneImageROI>();
+  return region ? perception::types::from<cv::Mat>(region.image.get()) : cv::Mat();
+}
+
+void set_view(const Access& access, const std::string& name, const py::array& array) {
+  for (const int depth : {CV_8U, CV_16U, CV_32F})
+    if (dtype_of(depth).is(array.dtype()))
+      return perception::types::set_view_image(
+          access.scene(), name,
+          image_of(array, CV_MAKETYPE(depth, array.ndim() == 3 ? static_cast<int>(array.shape(2)) : 1),
+                   "a view"));
+  throw Error("a view holds uint8, uint16 or float32");
+}
+
+// ---- Annotators
+
+/// An object of Python that is let go under Python's lock, whoever lets it go.
+using Held = std::shared_ptr<py::object>;
+Held hold(py::object object) {
+  return {new py::object(std::move(object)), [](py::object* held) {
+            const py::gil_scoped_acquire acquired;
+            delete held;
+          }};
+}
+
+/// What Python raised, in one line: the message, and where outside of this package.
+Error error_of(const py::error_already_set& raised) {
+  std::istringstream lines(raised.what());
+  std::string text, line;
+  std::getline(lines, text);
+  while (std::getline(lines, line))
+    if (line.starts_with("  ") && line.find("/loci/_") == std::string::npos)
+      return Error(text + " at " + trimmed(line));
+  return Error(text);
+}
+
+/// Runs under Python's lock; what it raises becomes an Error.
+template <class Function>
+auto locked(Function&& function) {
+  const py::gil_scoped_acquire acquired;
+  try {
+    return function();
+  } catch (const py::error_already_set& raised) {
+    throw error_of(raised);
+  }
+}
+
+class PythonAnnotator : public perception::Annotator {
+ public:
+  explicit PythonAnnotator(const Held& type) {
+    locked([&] {
+      const py::object made = (*type)();
+      descriptor_ = {.name = made.attr("name").cast<std::string>(),
+                     .description = made.attr("description").cast<std::string>(),
+                     .inputs = made.attr("inputs").cast<std::vector<std::string>>(),
+                     .outputs = made.attr("outputs").cast<std::vector<std::string>>(),
+                     .optional_inputs = made.attr("optional_inputs").cast<std::vector<std::string>>()};
+      for (const auto& [name, value] : made.attr("options").cast<py::dict>())
+        options_.emplace_back(name.cast<std::string>(), option_of(py::reinterpret_borrow<py::object>(value)));
+      annotator_ = hold(made);
+    });
+  }
+  perception::AnnotatorDescriptor descriptor() const override { return descriptor_; }
+
+  void declare(OptionTable& table) override {
+    const double infinity = std::numeric_limits<double>::infinity();
+    for (auto& [name, value] : options_) {
+      if (auto* flag = std::get_if<bool>(&value)) table.flag(name, *flag, "");
+      if (auto* integer = std::get_if<int>(&value))
+        table.integer(name, *integer, "", "", std::numeric_limits<int>::min(),
+                      std::numeric_limits<int>::max());
+      if (auto* number = std::get_if<double>(&value))
+        table.number(name, *number, "", "", -infinity, infinity);
+      if (auto* text = std::get_if<std::string>(&value)) table.text(name, *text, "");
+    }
+  }
+  void start(perception::Context&) override {
+    locked([&] {
+      for (const auto& [name, value] : options_) annotator_->attr(name.c_str()) = value;
+      annotator_->attr("start")();
+    });
+  }
+  void process(perception::cas::Cas& cas, perception::Context&) override {
+    const AccessPtr access = std::make_shared<Access>(Access{&cas, descriptor_.name});
+    const std::shared_ptr<void> over(nullptr, [&](void*) { access->cas = nullptr; });
+    locked([&] { annotator_->attr("process")(access); });
+  }
+  void finish(perception::Context&) override {
+    locked([&] { annotator_->attr("finish")(); });
+  }
+
+ private:
+  using Value = std::variant<bool, int, double, std::string>;
+  static Value option_of(const py::object& value) {
+    if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
+    if (py::isinstance<py::int_>(value)) return value.cast<int>();
+    if (py::isinstance<py::float_>(value)) return value.cast<double>();
+    return value.cast<std::string>();
+  }
+
+  Held annotator_;
+  perception::AnnotatorDescriptor descriptor_;
+  std::vector<std::pair<std::string, Value>> options_;
+};
+
+struct RunOptions {
+  std::filesystem::path map, memory;
+  std::string pipeline;
+  std::vector<Held> annotators;
+  std::vector<std::filesystem::path> types;
+  bool resume = false, fixed_camera = false;
+  int threads = 0;
+  std::optional<TimeNs> now;
+};
+
+perception::AnnotatorRegistry registry_with(const std::vector<Held>& annotators) {
+  perception::AnnotatorRegistry registry;
+  perception::add_annotators(registry);
+  memory::add_memory_annotators(registry);
+  perception::AnnotatorRegistry own;
+  for (const Held& type : annotators) {
+    const auto make = [type] { return std::make_unique<PythonAnnotator>(type); };
+    own.add(make()->descriptor().name, make);
+  }
+  registry.merge(own, {"annotators", 0, {}});
+  return registry;
+}
+
+memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recording, const RunOptions& options,
+                                     const std::function<void(perception::cas::Cas&)>& done,
+                                     Progress& progress, Warnings& warnings) {
+  const perception::AnnotatorRegistry registry = registry_with(options.annotators);
+  perception::Pipeline pipeline =
+      options.pipeline.empty()
+          ? perception::Pipeline::parse(perception::default_pipeline(), "the default pipeline", registry)
+          : perception::Pipeline::parse(options.pipeline, "pipeline", registry);
+  for (const Held& type : options.annotators) pipeline.add(PythonAnnotator(type).descriptor().name, registry);
+  if (!options.fixed_camera)
+    recording = with_known_poses(std::move(recording), options.threads, progress, warnings);
+  perception::Resources resources;
+  resources.put(std::shared_ptr<mapping::Recording>(std::move(recording)));
+  if (!options.map.empty()) {
+    const auto map = perception::KnownMap::load(options.map, {}, warnings);
+    resources.put(map);
+    resources.put(std::make_shared<mapping::World>(map->world));
+  }
+  const auto types = options.types.empty() ? perception::types::type_system()
+                                           : perception::types::type_system_with(options.types);
+  perception::Context context{resources, warnings, options.threads, {}};
+  if (options.memory.empty()) return {pipeline.run(context, types, progress, done), 0};
+  memory::MemorySessionOptions session{.memory = options.memory,
+                                       .program = "loci.run",
+                                       .configuration = {},
+                                       .resume = options.resume,
+                                       .map = options.map,
+                                       .belief = {},
+                                       .write = {.now = options.now}};
+  memory::add_memory_session(session, pipeline, registry, resources);
+  return memory::run_with_memory(pipeline, context, types, progress, done);
+}
+
+std::string run(const std::filesystem::path& path, const std::string& pipeline, const py::list& annotators,
+                const std::vector<std::filesystem::path>& types, const std::filesystem::path& map,
+                const std::filesystem::path& memory, bool resume, bool fixed_camera, int threads,
+                const py::object& done, const ProgressCallable& progress, const TimeArgument& now,
+                const py::kwargs& keywords) {
+  RunOptions options{.map = map,
+                     .memory = memory,
+                     .pipeline = pipeline,
+                     .annotators = {},
+                     .types = types,
+                     .resume = resume,
+                     .fixed_camera = fixed_camera,
+                     .threads = threads,
+                     .now = time_or_none(now)};
+  for (const py::handle& type : annotators)
+    options.annotators.push_back(hold(py::reinterpret_borrow<py::object>(type)));
+  mapping::RecordingOptions recording;
+  read_keywords(recording, keywords, "loci.run");
+  std::optional<py::error_already_set> raised;
+  const auto call_done = [&](perception::cas::Cas& cas) {
+    const py::gil_scoped_acquire acquired;
+    const AccessPtr access = std::make_shared<Access>(Access{&cas, {}});
+    try {
+      done(access);
+    } catch (py::error_already_set& error) {
+      raised = error;
+    }
+    access->cas = nullptr;
+    if (raised) throw Interrupted();
+  };
+  Warnings warnings;
+  try {
+    const memory::MemoryRunResult result = run_stage(progress, [&](Progress& p) {
+      return run_pipeline(mapping::open_recording(path, recording), options,
+                          done.is_none() ? std::function<void(perception::cas::Cas&)>() : call_done, p,
+                          warnings);
+    });
+    raise_warnings(warnings);
+    const Json json = {{"frames", result.pipeline.frames},
+                       {"skipped", result.skipped},
+                       {"left_out", result.pipeline.left_out},
+                       {"seconds", Json(result.pipeline.seconds)}};
+    return json.dump();
+  } catch (const py::error_already_set&) {
+    if (raised) throw *raised;
+    throw;
+  }
+}
+
+std::string describe_annotators() {
+  const perception::AnnotatorRegistry registry = registry_with({});
+  Json json = Json::array();
+  for (const std::string& name : registry.annotators()) {
+    const auto annotator = registry.make(name);
+    json.push_back(perception::describe(annotator->descriptor(), table_of(*annotator)));
+  }
+  return json.dump();
+}
+
+}  // namespace
+
+void add_perception(py::module_& module) {
+  py::class_<ClusterAccess>(module, "Cluster", "An object that was segmented in a scene of a pipeline.")
+      .def_readonly("number", &ClusterAccess::number, "Within the scene, from 1.")
+      .def_property_readonly(
+          "place",
+          [](const ClusterAccess& cluster) {
+            return cluster.get().place.is_set() ? std::optional(cluster.get().place.get()) : std::nullopt;
+          },
+          "Name of the place it is at, or None.")
+      .def_property_readonly(
+          "mask", [](const ClusterAccess& cluster) { return array_of(cluster.mask()); },
+          "Its pixels in the depth image: uint8, 255 = its own.")
+      .def_property_readonly(
+          "points", [](const ClusterAccess& cluster) { return array_of(cluster.points()); },
+          "N x 3, float32, camera frame, m.")
+      .def_property_readonly(
+          "image", [](const ClusterAccess& cluster) { return rgb_array_of(image_of_cluster(cluster)); },
+          "Its region of the colour image, RGB, or None.")
+      .def("_annotations",
+           [](const ClusterAccess& cluster) { return annotations_text(cluster.get().annotations); })
+      .def("_annotate",
+           [](const ClusterAccess& cluster, const std::string& type, const std::string& features) {
+             cluster.get().annotations.push_back(make_annotation(*cluster.access, type, features));
+           });
+
+  py::class_<Access, AccessPtr>(
+      module, "PerceivedScene",
+      "A scene while it is processed. Arrays share their memory: they are to be read.")
+      .def_property_readonly(
+          "frame", [](const Access& access) { return access.scene().scene().frame_index.get(); },
+          "Index of the frame in the recording.")
+      .def_property_readonly(
+          "time", [](const Access& access) { return datetime_of(access.scene().scene().timestamp.get()); },
+          "datetime, UTC.")
+      .def_property_readonly(
+          "map_from_camera",
+          [](const Access& access) { return array_of(perception::map_from_camera(access.scene().scene())); },
+          "Pose of the depth camera, 4 x 4.")
+      .def_property_readonly(
+          "color",
+          [](const Access& access) {
+            const SceneCas scene = access.scene();
+            return scene.has(SceneCas::kColor)
+                       ? rgb_array_of(perception::types::view_image(scene, SceneCas::kColor))
+                       : std::nullopt;
+          },
+          "The colour image, RGB, 8 bit, or None.")
+      .def_property_readonly(
+          "depth",
+          [](const Access& access) {
+            return shared_array_of(perception::types::view_image(access.scene(), SceneCas::kDepth));
+          },
+          "Rows x columns, float32, z in m, NaN = no measurement.")
+      .def_property_readonly(
+          "cloud",
+          [](const Access& access) { return shared_array_of(perception::cloud_points(access.scene())); },
+          "Rows x columns x 3, float32, camera frame, m, NaN = no measurement.")
+      .def_property_readonly(
+          "normals",
+          [](const Access& access) { return shared_array_of(perception::cloud_normals(access.scene())); },
+          "Rows x columns x 3, float32, camera frame.")
+      .def(
+          "view",
+          [](const Access& access, const std::string& name) {
+            return shared_array_of(perception::types::view_image(access.scene(), name));
+          },
+          py::arg("name"), "The image of a view as it is kept; colour is BGR there.")
+      .def("set_view", set_view, py::arg("name"), py::arg("image"),
+           "Makes a copy of an image (uint8, uint16 or float32) the view of this name.")
+      .def_property_readonly("clusters", clusters_of, "The objects that were segmented, in order.")
+      .def(
+          "log",
+          [](const Access& access, const std::string& text) {
+            access.scene().log(access.annotator, "info", text);
+          },
+          py::arg("text"), "Adds a line to the log of the scene.")
+      .def("_data", [](const Access& access) { return to_json(access.scene()).dump(); })
+      .def("_annotate", [](const Access& access, const std::string& type, const std::string& features) {
+        access.scene().scene().annotations.push_back(make_annotation(access, type, features));
+      });
+
+  module.def("_run", run);
+  module.def("_annotators", describe_annotators);
+  module.def("_default_pipeline", [] { return perception::default_pipeline(); });
+}
+
+}  // namespace loci::python

@@ -1,0 +1,160 @@
+"""Pipelines with annotators of Python, and what memories keep of their scenes."""
+
+import unittest
+
+import loci
+import numpy
+from support import SOURCE, TabletopTest
+
+
+class Redness(loci.Annotator):
+    """Says which objects are red."""
+
+    inputs = ["Cluster", "StandaloneImageROI"]
+    outputs = ["ClassificationAnnotation"]
+    options = {"red": 0.5}
+
+    def process(self, scene):
+        for cluster in scene.clusters:
+            share = cluster.image[..., 0].mean() / cluster.image.sum(axis=-1).mean()
+            if share > self.red:
+                cluster.annotate("ClassificationAnnotation", kind="object", label="fire box", confidence=float(share))
+
+
+class Pipelines(TabletopTest):
+    def test_annotations_of_python_are_remembered(self):
+        memory = self.folder / "memory.loci"
+        result = loci.run(self.recording, annotators=[Redness], memory=memory)
+        self.assertEqual((result.frames, result.left_out), (3, 0))
+        self.assertIn("Redness", [name for name, seconds in result.seconds])
+        with loci.open(memory) as opened:
+            self.assertEqual([each.color for each in opened.where("fire box").objects], ["red"])
+            scene = next(opened.iter_scenes())
+            self.assertEqual((scene.image().shape, scene.image().dtype), ((240, 320, 3), numpy.uint8))
+            self.assertLess(numpy.abs(scene.image().astype(int) - self.color).mean(), 3)  # JPEG
+            self.assertEqual(scene.depth().dtype, numpy.float32)
+            self.assertAlmostEqual(float(numpy.nanmin(scene.depth())), float(numpy.nanmin(self.depth)), delta=0.02)
+            self.assertEqual(scene.camera.fx, 290)
+            red = next(each for each in scene.observations() if each.color == "red")
+            self.assertEqual(red.mask().shape, (240, 320))
+            points, colors = red.cloud()
+            self.assertEqual(len(points), numpy.count_nonzero(red.mask()))
+            numpy.testing.assert_allclose(points.mean(axis=0), [-0.21, 0.12, 0.82], atol=0.03)
+            self.assertGreater(colors[:, 0].mean(), 150)
+            self.assertEqual(scene.labels()[red.mask() > 0].max(), int(red.object[len("object_") :]))
+            self.assertGreater(red.crop()[..., 0].mean(), 100)
+
+    def test_what_an_annotator_sees(self):
+        seen = []
+
+        class Look(loci.Annotator):
+            inputs = ["Cluster", "view:cloud", "view:normals"]
+            outputs = ["view:mine"]
+
+            def process(self, scene):
+                cluster = scene.clusters[0]
+                scene.set_view("mine", scene.depth * 2)
+                numpy.testing.assert_allclose(scene.view("mine"), scene.depth * 2)
+                numpy.testing.assert_allclose(
+                    cluster.points.mean(axis=0), numpy.nanmean(scene.cloud[cluster.mask > 0], axis=0), atol=1e-3
+                )
+                seen.append((scene.frame, scene.color.shape, scene.depth.flags.writeable, scene.normals.shape))
+                numpy.testing.assert_allclose(numpy.linalg.inv(scene.map_from_camera) @ scene.map_from_camera, numpy.eye(4), atol=1e-9)
+                scene.log("looked")
+
+        loci.run(self.recording, annotators=[Look])
+        self.assertEqual(seen, [(i, (240, 320, 3), False, (240, 320, 3)) for i in range(3)])
+
+    def test_pipelines_name_annotators_and_set_options(self):
+        values = []
+
+        class Options(loci.Annotator):
+            inputs = ["Cluster"]
+            options = {"flag": False, "count": 3, "share": 0.5, "word": "a"}
+
+            def start(self):
+                values.append((self.flag, self.count, self.share, self.word))
+
+            def process(self, scene):
+                pass
+
+        flow = ["NormalEstimator", "KnownStructureFilter", "PlaneClusterExtractor"]
+        loci.run(self.recording, pipeline={"flow": [*flow, {"Options": {"count": 7, "word": "b"}}]}, annotators=[Options])
+        self.assertEqual(values, [(False, 7, 0.5, "b")])
+        with self.assertRaisesRegex(loci.Error, "cuont"):
+            loci.run(self.recording, pipeline={"flow": [*flow, {"Options": {"cuont": 7}}]}, annotators=[Options])
+        with self.assertRaisesRegex(loci.Error, "NormalEstimator"):
+            loci.run(self.recording, annotators=[type("NormalEstimator", (Options,), {})])
+
+    def test_types_of_a_user(self):
+        class Brightness(loci.Annotator):
+            inputs = ["Cluster", "StandaloneImageROI"]
+            outputs = ["BrightnessAnnotation"]
+
+            def process(self, scene):
+                for cluster in scene.clusters:
+                    cluster.annotate("BrightnessAnnotation", mean=float(cluster.image.mean() / 255), word="bright")
+
+        found = []
+        types = [SOURCE / "docs/examples/plugin/brightness.xml"]
+        loci.run(
+            self.recording,
+            annotators=[Brightness],
+            types=types,
+            done=lambda scene: found.extend(each for cluster in scene.clusters for each in cluster.annotations),
+        )
+        words = [each.word for each in found if each.type == "BrightnessAnnotation"]
+        self.assertEqual(words, ["bright"] * 6)
+
+    def test_failures_say_where(self):
+        class Fails(loci.Annotator):
+            inputs = ["Cluster"]
+
+            def process(self, scene):
+                return 1 / 0
+
+        with self.assertRaisesRegex(loci.Error, r"Fails failed at frame 0: ZeroDivisionError: .*perception_test.py\("):
+            loci.run(self.recording, annotators=[Fails])
+
+        class Unknown(Fails):
+            def process(self, scene):
+                scene.clusters[0].annotate("ClasificationAnnotation")
+
+        with self.assertRaisesRegex(loci.Error, "did you mean 'ClassificationAnnotation'"):
+            loci.run(self.recording, annotators=[Unknown])
+
+        class Wrong(Fails):
+            def process(self, scene):
+                scene.clusters[0].annotate("ClassificationAnnotation", colour="red")
+
+        with self.assertRaisesRegex(loci.Error, "has no feature 'colour'"):
+            loci.run(self.recording, annotators=[Wrong])
+
+    def test_scenes_end(self):
+        kept = []
+        loci.run(self.recording, done=kept.append)
+        self.assertEqual(len(kept), 3)
+        with self.assertRaisesRegex(loci.Error, "this scene is over"):
+            kept[0].depth
+
+        def fail(scene):
+            raise ValueError("enough")
+
+        with self.assertRaisesRegex(ValueError, "enough"):
+            loci.run(self.recording, done=fail)
+
+    def test_frames_are_taken_once(self):
+        memory = self.folder / "memory.loci"
+        loci.run(self.recording, memory=memory)
+        with self.assertRaises(loci.Error):
+            loci.run(self.recording, memory=memory)
+        self.assertEqual(loci.run(self.recording, memory=memory, resume=True).skipped, 3)
+
+    def test_annotators_are_described(self):
+        names = [each.name for each in loci.describe_annotators()]
+        self.assertIn("PlaneClusterExtractor", names)
+        self.assertIn("PlaneClusterExtractor", loci.default_pipeline())
+
+
+if __name__ == "__main__":
+    unittest.main()
