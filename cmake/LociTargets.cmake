@@ -53,6 +53,10 @@ function(loci_add_module folder)
     message(FATAL_ERROR "loci_add_module: ${folder}/CMakeLists.txt does not exist")
   endif()
   add_subdirectory(${CMAKE_SOURCE_DIR}/${folder})
+  string(REPLACE "/" "_" name ${folder})
+  if(TARGET loci_${name})
+    set(LOCI_MODULES ${LOCI_MODULES} ${name} PARENT_SCOPE)
+  endif()
 endfunction()
 
 # Most of a compilation is parsing Eigen, OpenCV and the standard library. A unity build parses them once for several

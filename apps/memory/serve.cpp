@@ -73,15 +73,17 @@ Command serve_command() {
       .declare = [](ArgumentTable& table) {
         struct Arguments {
           std::string memory;
-          bool mcp = false;
+          bool mcp = false, allow_edits = false;
         };
         auto arguments = std::make_shared<Arguments>();
         table.memory(arguments->memory);
         table.flag("--mcp", arguments->mcp,
                    "Read messages from standard input and write replies to standard output, a line each",
                    {.required = true});
+        table.flag("--allow-edits", arguments->allow_edits,
+                   "Offer the corrections of `loci-memory edit` as tools; without it nothing is written");
         return [arguments](Session&) {
-          const memory::ToolServer server(arguments->memory, kVersion);
+          const memory::ToolServer server(arguments->memory, kVersion, arguments->allow_edits);
           LineServer(server).run();
         };
       }};

@@ -9,6 +9,7 @@
 #include "mapping/base/base64.h"
 #include "mapping/base/json.h"
 #include "mapping/base/time.h"
+#include "memory/edits/edit_actions.h"
 #include "memory/questions/map_names.h"
 #include "memory/questions/natural_language.h"
 #include "memory/questions/question.h"
@@ -22,6 +23,7 @@ constexpr size_t kPage = 100;                                                   
 constexpr std::string_view kObjectUri = "loci://object/", kPlaceUri = "loci://place/",
                            kSceneUri = "loci://scene/", kImage = "/image";
 constexpr const char* kJsonType = "application/json";
+constexpr std::string_view kEditPrefix = "edit-";
 
 /// Codes of JSON-RPC 2.0, and the protocol's own for a resource that is not there.
 enum Code {
@@ -62,8 +64,17 @@ Json schema_of(const Parameter& parameter) {
   return schema;
 }
 
-Json tool(const std::string& name, const std::string& description, const Json& properties,
-          const std::vector<std::string>& required) {
+Json tool(const std::string& name, const std::string& description, const std::vector<Parameter>& parameters,
+          bool read_only) {
+  Json properties = Json::object();
+  std::vector<std::string> required;
+  for (const Parameter& parameter : parameters) {
+    if (!is_offered(parameter)) continue;
+    properties[parameter.name] = schema_of(parameter);
+    if (parameter.required) required.push_back(parameter.name);
+  }
+  Json hints = {{"readOnlyHint", read_only}, {"openWorldHint", false}};
+  if (!read_only) hints["destructiveHint"] = false;  // Each edit can be undone.
   return {{"name", name},
           {"description", description},
           {"inputSchema",
@@ -71,24 +82,20 @@ Json tool(const std::string& name, const std::string& description, const Json& p
             {"properties", properties},
             {"required", required},
             {"additionalProperties", false}}},
-          {"annotations", {{"readOnlyHint", true}, {"openWorldHint", false}}}};
+          {"annotations", hints}};
 }
 
-Json tools() {
+Json tools(bool allow_edits) {
   Json list = Json::array();
   list.push_back(tool("ask", "Answers a question or a task in English",
-                      {{"question", {{"type", "string"}, {"description", "e.g. \"Where is the red cup?\""}}}},
-                      {"question"}));
-  for (const Question& question : questions()) {
-    Json properties = Json::object();
-    std::vector<std::string> required;
-    for (const Parameter& parameter : question.all_parameters()) {
-      if (!is_offered(parameter)) continue;
-      properties[parameter.name] = schema_of(parameter);
-      if (parameter.required) required.push_back(parameter.name);
-    }
-    list.push_back(tool(question.name, question.description, properties, required));
-  }
+                      {{.name = "question", .help = "e.g. \"Where is the red cup?\"", .required = true}},
+                      true));
+  for (const Question& question : questions())
+    list.push_back(tool(question.name, question.description, question.all_parameters(), true));
+  if (allow_edits)
+    for (const EditAction& action : edit_actions())
+      list.push_back(
+          tool(std::string(kEditPrefix) + action.name, action.description, action.parameters, false));
   return list;
 }
 
@@ -99,9 +106,8 @@ Json tool_result(const std::string& text, const Json& data, bool is_error = fals
           {"isError", is_error}};
 }
 
-Query query_of(const Question& question, const Json& arguments) {
-  Query query{.question = question.name};
-  const std::vector<Parameter> parameters = question.all_parameters();
+Query query_of(const std::string& asked, const std::vector<Parameter>& parameters, const Json& arguments) {
+  Query query{.question = asked};
   for (const auto& [name, value] : arguments.items()) {
     const auto parameter = std::ranges::find(parameters, name, &Parameter::name);
     if (parameter != parameters.end() && !is_offered(*parameter))
@@ -122,21 +128,52 @@ Json ask_in_words(const Store& store, const Json& arguments) {
   return tool_result(to_text(answer, TimeWriter(store)), to_json(answer), !answer.query);
 }
 
-Json call_tool(const Store& store, const Json& params) {
-  const std::string name = text_of(params, "name");
-  const Json arguments = params.contains("arguments") ? params["arguments"] : Json::object();
+Json arguments_of(const Json& params) {
+  Json arguments = params.contains("arguments") ? params["arguments"] : Json::object();
   if (!arguments.is_object()) throw ProtocolError{invalid_params, "'arguments' is not an object"};
-  const Question* question = find_question(name);
-  if (question == nullptr && name != "ask")
-    throw ProtocolError{invalid_params, fmt::format("unknown tool '{}'", name)};
-  // What a question objects to is a result that the model can learn from, not an error of the protocol.
+  return arguments;
+}
+
+/// What a question or an edit objects to is a result that the model can learn from, not an error of the
+/// protocol.
+template <class Function>
+Json result_of(Function&& function) {
   try {
-    if (question == nullptr) return ask_in_words(store, arguments);
-    const Answer answer = question->ask(store, query_of(*question, arguments));
-    return tool_result(answer.to_text(TimeWriter(store)), answer.to_json());
+    return function();
   } catch (const Error& error) {
     return tool_result(error.what(), {{"error", error.what()}}, true);
   }
+}
+
+Json call_question(const Store& store, const Json& params) {
+  const std::string name = text_of(params, "name");
+  const Json arguments = arguments_of(params);
+  const Question* question = find_question(name);
+  if (question == nullptr && name != "ask")
+    throw ProtocolError{invalid_params, fmt::format("unknown tool '{}'", name)};
+  return result_of([&] {
+    if (question == nullptr) return ask_in_words(store, arguments);
+    const Answer answer = question->ask(store, query_of(name, question->all_parameters(), arguments));
+    return tool_result(answer.to_text(TimeWriter(store)), answer.to_json());
+  });
+}
+
+/// The edit that a message calls; nullptr when it calls something else.
+const EditAction* called_edit(const Json& message, const Json& params) {
+  if (message["method"] != "tools/call" || !params.contains("name") || !params["name"].is_string())
+    return nullptr;
+  const std::string name = params["name"].get<std::string>();
+  return name.starts_with(kEditPrefix) ? find_edit_action(name.substr(kEditPrefix.size())) : nullptr;
+}
+
+Json call_edit(const std::filesystem::path& memory, const EditAction& action, const Json& params) {
+  const Json arguments = arguments_of(params);
+  return result_of([&] {
+    const Query query = query_of(action.name, action.parameters, arguments);
+    Store store = Store::open_write(memory);
+    const Edit edit = make_edit(store, query);
+    return tool_result(edit.text + (edit.note.empty() ? "" : "; " + edit.note), to_json(edit));
+  });
 }
 
 // ---- Resources
@@ -247,11 +284,7 @@ const std::map<std::string, Method>& methods() {
   static const std::map<std::string, Method> all = {
       {"initialize", initialize},
       {"ping", [](const Store&, const Json&) { return Json::object(); }},
-      {"tools/list",
-       [](const Store&, const Json&) {
-         return Json{{"tools", tools()}};
-       }},
-      {"tools/call", call_tool},
+      {"tools/call", call_question},
       {"resources/list",
        [](const Store& store, const Json& params) { return page_of(resources(store), "resources", params); }},
       {"resources/templates/list",
@@ -265,8 +298,8 @@ const std::map<std::string, Method>& methods() {
 
 }  // namespace
 
-ToolServer::ToolServer(std::filesystem::path memory, std::string version)
-    : memory_(std::move(memory)), version_(std::move(version)) {
+ToolServer::ToolServer(std::filesystem::path memory, std::string version, bool allow_edits)
+    : memory_(std::move(memory)), version_(std::move(version)), allow_edits_(allow_edits) {
   Store::open_read(memory_);
 }
 
@@ -290,16 +323,22 @@ std::optional<Json> ToolServer::answer(const Json& message) const {
   if (!id.is_string() && !id.is_number_integer())
     return error_reply(nullptr, invalid_request, "'id' is neither a string nor an integer");
   const Json params = message.contains("params") ? message["params"] : Json::object();
-  const auto method =
-      message["method"].is_string() ? methods().find(message["method"].get<std::string>()) : methods().end();
-  if (method == methods().end()) return error_reply(id, unknown_method, "this server has no such method");
   if (!params.is_object()) return error_reply(id, invalid_params, "'params' is not an object");
+  const auto reply = [&](Json result) {
+    return Json{{"jsonrpc", "2.0"}, {"id", id}, {"result", std::move(result)}};
+  };
   try {
+    if (message["method"] == "tools/list") return reply({{"tools", tools(allow_edits_)}});
+    if (const EditAction* edit = called_edit(message, params); edit != nullptr && allow_edits_)
+      return reply(call_edit(memory_, *edit, params));
+    const auto method = message["method"].is_string() ? methods().find(message["method"].get<std::string>())
+                                                      : methods().end();
+    if (method == methods().end()) return error_reply(id, unknown_method, "this server has no such method");
     const Store store = Store::open_read(memory_);
     Json result = method->second(store, params);
     if (method->first == "initialize")
       result["serverInfo"] = {{"name", "loci-memory"}, {"version", version_}};
-    return Json{{"jsonrpc", "2.0"}, {"id", id}, {"result", std::move(result)}};
+    return reply(std::move(result));
   } catch (const ProtocolError& error) {
     return error_reply(id, error.code, error.text);
   } catch (const Error& error) {

@@ -12,9 +12,9 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-/// The commands of the guide: the ```sh block of docs/annotators.md.
-std::string guide() {
-  const std::string text = read_file(std::string(LOCI_SOURCE_DIR) + "/docs/annotators.md");
+/// The commands of a guide: its ```sh block.
+std::string guide(const std::string& document) {
+  const std::string text = read_file(std::string(LOCI_SOURCE_DIR) + "/docs/" + document);
   const std::string open = "```sh\n";
   const size_t begin = text.find(open) + open.size();
   return text.substr(begin, text.find("```", begin) - begin);
@@ -43,9 +43,25 @@ class Plugin : public ::testing::Test {
   fs::path folder_;
 };
 
+TEST_F(Plugin, AProgramOutsideUsesTheInstalledLibraries) {
+  const Outcome outcome = here("set -e\n" + guide("cpp.md"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.error;
+  EXPECT_THAT(outcome.out, HasSubstr("counter_1"));
+  EXPECT_THAT(outcome.out, HasSubstr("2026-05-01T07:10:00Z  scene 1"));
+  const Outcome unknown = here("application/where application/memory.loci zebra");
+  EXPECT_EQ(unknown.exit_code, 1);
+  EXPECT_THAT(unknown.error, HasSubstr("nothing is known as 'zebra'"));
+  // Internals stay here, and nothing points into the folder in which it was built.
+  EXPECT_TRUE(fs::exists(folder_ / "installed/include/loci/memory/store/store.h"));
+  EXPECT_FALSE(fs::exists(folder_ / "installed/include/loci/memory/store/database.h"));
+  const Outcome search =
+      here("grep -rlF '" + std::string(LOCI_SOURCE_DIR) + "' installed/lib/cmake installed/include");
+  EXPECT_EQ(search.out, "");
+}
+
 TEST_F(Plugin, TheGuideWorksAsPrinted) {
   ASSERT_EQ(here("loci-simulate record apps/samples/day.yaml --quiet -o demo-output/day").exit_code, 0);
-  const Outcome outcome = here("set -e\n" + guide());
+  const Outcome outcome = here("set -e\n" + guide("annotators.md"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.error;
   EXPECT_THAT(outcome.out, HasSubstr("Says how bright each object looks."));
   EXPECT_THAT(outcome.out, HasSubstr("24 frames"));

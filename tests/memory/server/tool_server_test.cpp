@@ -6,6 +6,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "memory/edits/edit_actions.h"
 #include "memory/questions/question.h"
 #include "tests/memory/questions/day_fixture.h"
 
@@ -109,6 +110,36 @@ TEST_F(ToolServerTest, MalformedMessagesGetErrors) {
             -32602);
   EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1, "method": "resources/list", "params": {"cursor": "-1"}})"),
             -32602);
+}
+
+TEST_F(ToolServerTest, EditsAreToolsWhenTheyAreAllowed) {
+  store_.reset();
+  const ToolServer server(file_, "1.2.3", true);
+  const auto call = [&](const std::string& method, const Json& params) {
+    const Json message = {{"jsonrpc", "2.0"}, {"id", 7}, {"method", method}, {"params", params}};
+    return parse_json(server.reply(message.dump()).value_or(""), "reply")["result"];
+  };
+  const Json tools = call("tools/list", Json::object())["tools"];
+  EXPECT_EQ(tools.size(), questions().size() + 1 + edit_actions().size());
+  EXPECT_EQ(tools.back()["name"], "edit-redo");
+  EXPECT_EQ(tools.back()["annotations"]["readOnlyHint"], false);
+  const Json said = call(
+      "tools/call",
+      {{"name", "edit-say"}, {"arguments", {{"about", "table_1"}, {"key", "alias"}, {"value", "desk"}}}});
+  EXPECT_EQ(said["isError"], false);
+  EXPECT_THAT(said["structuredContent"]["edit"].get<std::string>(), HasSubstr("desk"));
+  EXPECT_EQ(call("tools/call", {{"name", "on"}, {"arguments", {{"place", "desk"}}}})["isError"], false);
+  EXPECT_EQ(call("tools/call", {{"name", "edit-undo"}})["isError"], false);
+  EXPECT_EQ(call("tools/call", {{"name", "on"}, {"arguments", {{"place", "desk"}}}})["isError"], true);
+  EXPECT_EQ(call("tools/call", {{"name", "edit-merge"}, {"arguments", {{"one", "object_1"}}}})["isError"],
+            true);
+}
+
+TEST_F(ToolServerTest, EditsAreRefusedWhenTheyAreNot) {
+  const std::string before = read_file(file_);
+  const Json refused = reply("tools/call", {{"name", "edit-undo"}});
+  EXPECT_EQ(refused["error"]["code"], -32602);
+  EXPECT_EQ(read_file(file_), before);
 }
 
 TEST_F(ToolServerTest, NothingIsWritten) {
