@@ -19,5 +19,6 @@ Command occupancy_command();
 Command memory_command();
 Command system_command();
 Command tracking_command();
+Command update_command();
 
 }  // namespace loci::apps

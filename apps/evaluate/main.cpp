@@ -17,5 +17,6 @@ int main(int argc, char** argv) {
   program.add(loci::apps::memory_command());
   program.add(loci::apps::system_command());
   program.add(loci::apps::tracking_command());
+  program.add(loci::apps::update_command());
   return program.run(argc, argv);
 }

@@ -24,7 +24,10 @@ PieceSearch::PieceSearch(const Epoch& before, const Epoch& now, const Piece& pie
   middle_ = piece.box.center().head<2>().cast<double>();
   const Surfels& level = source_.levels[1];
   const size_t step = std::max<size_t>(1, level.size() / kMotion.samples);
-  for (size_t i = 0; i < level.size(); i += step) samples_.push_back(static_cast<uint32_t>(i));
+  // Any prefix of the samples covers all of the piece.
+  for (size_t first = 0; first < kMotion.interleave; ++first)
+    for (size_t i = first * step; i < level.size(); i += kMotion.interleave * step)
+      samples_.push_back(static_cast<uint32_t>(i));
 }
 
 PieceFit PieceSearch::fit(const Surfels& target, const Isometry3d& now_from_before) const {
@@ -57,7 +60,9 @@ double PieceSearch::coarse_score(const Surfels& target, const Isometry3d& pose) 
   const Eigen::Vector3f shift = pose.translation().cast<float>();
   const Surfels& source = source_.levels[1];
   double score = 0;
-  for (const uint32_t i : samples_) {
+  for (size_t k = 0; k < samples_.size(); ++k) {
+    if (k == kMotion.first_samples && score < kMotion.min_first_score) return 0;
+    const uint32_t i = samples_[k];
     const Eigen::Vector3f p = turn * source.position[i] + shift;
     const uint32_t j = target.nearest(p, turn * source.normal[i], static_cast<float>(target.cell));
     if (j != CellGrid::kNone)
@@ -126,9 +131,10 @@ std::optional<PieceMotion> PieceSearch::find(const PreparedScan& target,
     motion.fit = fit(target.finest(), motion.now_from_before);
     const double shift = (motion.now_from_before * centre - centre).norm();
     const double turn = Eigen::AngleAxisd(motion.now_from_before.linear()).angle();
-    motion.gain = motion.fit.score() - still.score() -
-                  size * (kMotion.cost_per_m * shift + kMotion.cost_per_turn * turn / kPi);
-    if (!best || motion.gain > best->gain) best = motion;
+    motion.gain = motion.fit.score() - still.score();
+    motion.rank =
+        motion.gain - size * (kMotion.cost_per_m * std::min(shift, 1.0) + kMotion.cost_per_turn * turn / kPi);
+    if (!best || motion.rank > best->rank) best = motion;
   }
   return best;
 }

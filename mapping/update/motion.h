@@ -13,7 +13,9 @@ namespace loci::mapping {
 struct PieceFit {
   size_t same = 0, other = 0, free = 0, unknown = 0;
 
-  double score() const { return static_cast<double>(same) - static_cast<double>(free); }
+  double score() const {
+    return static_cast<double>(same) - static_cast<double>(free) - static_cast<double>(other) / 2;
+  }
   size_t all() const { return same + other + free + unknown; }
   /// Found over found and contradicted; 0 where neither.
   double agreement() const;
@@ -23,7 +25,8 @@ struct PieceFit {
 struct PieceMotion {
   Isometry3d now_from_before = Isometry3d::Identity();  ///< x, y and yaw, map frame
   PieceFit fit;
-  double gain = 0;  ///< score above that of the old place, less the cost of the motion, surfels
+  double gain = 0;  ///< score above that of the old place, surfels
+  double rank = 0;  ///< gain less the cost of the motion: of similar poses the nearer one
 };
 
 /// A piece as it was seen before, to be searched in what is seen now.

@@ -199,8 +199,18 @@ class Segmentation {
     if (size.head<2>().maxCoeff() > kPieces.max_extent_m || size.head<2>().maxCoeff() < kPieces.min_extent_m)
       return false;
     if (top < kPieces.min_top_m) return false;
-    if (support == nullptr && static_cast<double>(piece.box.min().z()) > kPieces.stands_m) return false;
+    if (support == nullptr && hangs(piece)) return false;
     return !built_in(piece, top);
+  }
+
+  /// Whether it is fixed to a wall above the floor. Legs of chrome are not seen: seats seem to float.
+  bool hangs(const Piece& piece) const {
+    if (static_cast<double>(piece.box.min().z()) <= kPieces.stands_m) return false;
+    return std::ranges::any_of(piece.surfels, [&](uint32_t i) {
+      return std::ranges::any_of(map_.walls, [&](const auto& wall) {
+        return wall.near(surface_.position[i], kPieces.hanging_wall_m);
+      });
+    });
   }
 
   /// Whether it stands along a wall as cabinets do.

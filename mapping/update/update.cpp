@@ -299,24 +299,41 @@ class EpochComparison {
       still.push_back(searches[k].fit(now_.surface(), Isometry3d::Identity()));
       left_[k] = still[k].free >= kMotion.min_gain_surfels && still[k].agreement() < 1 - kMotion.left_share;
     }
+    std::vector<std::optional<PieceMotion>> found(pieces_.size());
+    for (size_t k = 0; k < pieces_.size(); ++k) {
+      progress.check(0.4 + 0.4 * static_cast<double>(k) / static_cast<double>(pieces_.size()), "furniture");
+      found[k] = motion_of(k, searches[k], still[k]);
+    }
     std::vector<bool> resolved(pieces_.size(), false);
     for (;;) {
-      std::optional<PieceMotion> best;
-      size_t best_piece = 0;
-      for (size_t k = 0; k < pieces_.size(); ++k) {
-        progress.check(0.4 + 0.4 * static_cast<double>(k) / static_cast<double>(pieces_.size()), "furniture");
-        if (resolved[k]) continue;
-        const auto motion = searches[k].find(now_.prepared_part(target_of(k)), boxes_of_components());
-        if (!motion || !accepted(*motion, still[k].all()) || !is_motion(pieces_[k], motion->now_from_before))
-          continue;
-        if (!best || motion->gain > best->gain) best = motion, best_piece = k;
-      }
-      if (!best) break;
-      resolved[best_piece] = true;
-      add_motion(best_piece, *best, still[best_piece]);
+      size_t best = pieces_.size();
+      for (size_t k = 0; k < pieces_.size(); ++k)
+        if (found[k] && (best == pieces_.size() || found[k]->rank > found[best]->rank)) best = k;
+      if (best == pieces_.size()) break;
+      resolved[best] = true;
+      add_motion(best, *found[best], still[best]);
+      found[best].reset();
+      // What one piece explains is no evidence of another.
+      for (size_t k = 0; k < pieces_.size(); ++k)
+        if (found[k] && !still_found(*found[k], searches[k], now_.prepared_part(target_of(k))))
+          found[k] = motion_of(k, searches[k], still[k]);
     }
     for (size_t k = 0; k < pieces_.size(); ++k)
       if (!resolved[k]) settle(k, still[k]);
+  }
+
+  /// The motion of a piece that moved; unset for one that is better explained at its old place or nowhere.
+  std::optional<PieceMotion> motion_of(size_t k, const PieceSearch& search, const PieceFit& still) const {
+    const auto motion = search.find(now_.prepared_part(target_of(k)), boxes_of_components());
+    if (!motion || !accepted(*motion, still.all()) || !is_motion(pieces_[k], motion->now_from_before))
+      return std::nullopt;
+    return motion;
+  }
+
+  static bool still_found(const PieceMotion& motion, const PieceSearch& search,
+                          const registration::PreparedScan& target) {
+    const PieceFit fit = search.fit(target.finest(), motion.now_from_before);
+    return static_cast<double>(fit.same) >= kMotion.min_kept * static_cast<double>(motion.fit.same);
   }
 
   std::vector<Eigen::AlignedBox3f> boxes_of_components() const {

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mapping/base/convex.h"
+#include "mapping/base/random.h"
+#include "mapping/render/ray_scene.h"
+#include "mapping/world/mesh.h"
+#include "mapping/world/world.h"
+
+namespace loci::apps::update_claim {
+
+/// Furniture of a world that can be moved: links of one family ("island" with its cabinets) and what hangs
+/// on them.
+struct Group {
+  std::string name;
+  std::vector<std::string> branches;   ///< links that are fixed to the room
+  std::vector<std::string> links;      ///< all of them
+  std::string shape;                   ///< equal for groups that look the same
+  bool round = false;                  ///< looks the same from all sides: its yaw cannot be measured
+  Vector3d centre = Vector3d::Zero();  ///< of its bounding box, world frame
+  Isometry3d map_from_group = Isometry3d::Identity();
+};
+
+/// A group and its motion in the world frame.
+struct Move {
+  size_t group = 0;
+  Isometry3d now_from_before = Isometry3d::Identity();
+};
+
+/// Finds groups and draws motions that leave all furniture free of collision and inside the room.
+class MovableWorld {
+ public:
+  /// `families`: beginnings of link names.
+  MovableWorld(mapping::World world, const mapping::MeshSearch& search,
+               const std::vector<std::string>& families, Warnings& warnings);
+
+  const std::vector<Group>& groups() const { return groups_; }
+  /// Up to `count` moves of 0.1 to 3 m (log-uniform) with turns of up to 45 degrees; fewer where the room is
+  /// too full.
+  std::vector<Move> draw(size_t count, Random& random) const;
+  mapping::World moved(const std::vector<Move>& moves) const;
+  /// How many points lie on a group at its pose after a motion (within 2 cm of its boxes).
+  size_t points_on(size_t group, const Isometry3d& now_from_before,
+                   const std::vector<Vector3d>& points) const;
+
+ private:
+  /// The footprint of a visual.
+  struct Prism {
+    Polygon hull;
+    double low = 0, high = 0;
+    int group = -1;
+  };
+  bool collides(size_t group, const Isometry3d& motion, const std::vector<Isometry3d>& others) const;
+  bool in_room(const Vector3d& from, const Vector3d& to) const;
+
+  mapping::World world_;
+  std::vector<Group> groups_;
+  std::vector<Prism> prisms_;
+  mapping::RayScene scene_;
+};
+
+}  // namespace loci::apps::update_claim
