@@ -18,6 +18,7 @@
 #include "memory/reasoning/reason.h"
 #include "memory/recorder/checkpoint.h"
 #include "memory/store/forgotten_tokens.h"
+#include "memory/store/memory_file.h"
 #include "memory/store/merge.h"
 #include "memory/store/retention.h"
 
@@ -123,11 +124,20 @@ std::string report_text(const memory::VerifyReport& report) {
   return text;
 }
 
+std::vector<std::string> copies_beside(const std::string& memory) {
+  std::vector<std::string> copies;
+  for (const std::filesystem::path& copy : memory::kept_copies(memory)) copies.push_back(copy.string());
+  return copies;
+}
+
 void verify_forgotten(Session& session, const std::string& memory, const std::string& file) {
   const Json json = read_json(file);
   const memory::ForgottenTokens tokens =
       memory::tokens_from_json(json.is_object() ? json.value("loci_forgotten", Json()) : Json(), file);
-  const std::vector<std::string> left = find_forgotten(memory, tokens, session.progress());
+  std::vector<std::string> left = find_forgotten(memory, tokens, session.progress());
+  for (const std::string& copy : copies_beside(memory))
+    if (!find_forgotten(copy, tokens, session.progress()).empty())
+      left.push_back(copy + ", kept before a migration, has it: delete it");
   const size_t searched =
       tokens.texts.size() + tokens.hashes.size() + tokens.numbers.size() + tokens.images.size();
   std::string text = searched == 0  ? "There are no tokens: nothing can be proven."
@@ -262,23 +272,29 @@ Command forget_command() {
         table.memory(arguments->memory);
         table.option("-o,--output MEMORY", &arguments->output, "Erase in a copy; the memory stays as it is");
         table.option("--tokens FILE", &arguments->tokens,
-                     "Write what must not be found any more, for verify --forgotten; delete it afterwards");
+                     "Write what must not be found any more, for verify --forgotten; delete it afterwards",
+                     {.replaces = true});
         arguments->span.declare(table);
         return [arguments](Session& session) {
           const auto request = [&] {
             return forget_request(memory::Store::open_read(arguments->memory), arguments->name,
                                   arguments->span);
           }();
-          const OutputOptions secret{.inputs = {arguments->memory}, .mode = 0600};
-          if (!arguments->tokens.empty()) check_output(arguments->tokens, secret);
+          OutputOptions secret = session.outputs();
+          secret.mode = 0600;
           const memory::ForgetResult result = memory::forget(arguments->memory, request, arguments->output);
           if (!arguments->tokens.empty())
             write_output(arguments->tokens, Json{{"loci_forgotten", to_json(result.tokens)}}.dump(1) + "\n",
                          secret);
+          const std::vector<std::string> copies = copies_beside(arguments->memory);
+          for (const std::string& copy : copies)
+            session.warnings().add("was kept before a migration and has what was forgotten: delete it",
+                                   {copy, 0, {}});
           session.answer(forgotten_text(result), {{"objects", result.objects},
                                                   {"observations", result.observations},
                                                   {"scenes", result.scenes},
-                                                  {"erased", result.erased}});
+                                                  {"erased", result.erased},
+                                                  {"copies", copies}});
         };
       }};
 }

@@ -16,8 +16,11 @@ KnownPlanes load_planes(const Store& store) {
   const std::optional<SceneRow> last = store.last_scene();
   if (!last) return {};
   for (const AnnotationRow& row : store.annotations(last->id))
-    if (row.type == kKnownPlanesType)
-      return KnownPlanes::from_json(parse_json(row.value, store.path().string()));
+    if (row.type == kKnownPlanesType) try {
+        return KnownPlanes::from_json(parse_json(row.value, store.path().string()));
+      } catch (const Json::exception&) {
+        throw store.error("the known planes in table annotation are damaged", "perceive into a new memory");
+      }
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include "memory/questions/answer_format.h"
 #include "memory/questions/map_names.h"
 #include "memory/questions/snapshot.h"
+#include "memory/store/scene_transaction.h"
 
 namespace loci::memory {
 namespace {
@@ -58,12 +59,14 @@ FactRow row_for(const Snapshot& snapshot, const FactOwner& about, const std::str
   return row;
 }
 
-/// Adds the rows of one change as one run.
+/// Adds the rows of one change as one run, all of them or none.
 void add_rows(Store& store, const char* verb, const std::vector<FactRow>& rows) {
   if (rows.empty()) return;
   const Id run = store.begin_run(fmt::format("loci-memory fact {}", verb), "{}");
-  for (const FactRow& row : rows) store.add_fact(row, run);
+  SceneTransaction change(store, run);
+  for (const FactRow& row : rows) change.add_fact(row);
   store.finish_run(run);
+  change.commit();
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
 #include "mapping/world/urdf.h"
+#include "memory/store/run_configuration.h"
 
 namespace loci::memory {
 namespace {
@@ -57,7 +58,7 @@ PartNames part_names(const Store& store, std::optional<TimeNs> known_at) {
   PartNames names;
   for (const RunRow& run : store.runs()) {
     if (run.program != kEditProgram || (known_at && run.started > *known_at)) continue;
-    const Json configuration = parse_json(run.configuration, "run.configuration");
+    const Json configuration = configuration_of(run, store.path());
     if (!configuration.contains("part")) continue;
     const Json& part = configuration["part"];
     auto& of = part["of"].get<std::string>() == "link" ? names.links : names.joints;

@@ -17,6 +17,10 @@ bool contains(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
+bool is_text_list(const Json& value) {
+  return value.is_array() && std::ranges::all_of(value, [](const Json& one) { return one.is_string(); });
+}
+
 }  // namespace
 
 Taxonomy Taxonomy::read(const std::filesystem::path& path) {
@@ -66,10 +70,16 @@ Taxonomy Taxonomy::of(const Store& store, const AsOf& as_of) {
     if (run.program != kProgram || (as_of.known_at && run.started > *as_of.known_at)) continue;
     taxonomy.concepts_.clear();
     const Json concepts = parse_json(run.configuration, store.path().string());
-    for (const auto& [name, one] : concepts.items())
-      taxonomy.concepts_[name] = {one.at("synonyms").get<std::vector<std::string>>(),
-                                  one.at("is").get<std::vector<std::string>>(),
-                                  one.at("properties").get<std::vector<std::string>>()};
+    for (const auto& [name, one] : concepts.items()) {
+      const auto texts = [&, &name = name, &one = one](const char* key) {
+        if (!one.is_object() || !is_text_list(one.value(key, Json())))
+          throw store.error(
+              fmt::format("run {}, configuration: '{}' of '{}' is no list of texts", run.id, key, name),
+              "loci-memory taxonomy replaces it");
+        return one[key].get<std::vector<std::string>>();
+      };
+      taxonomy.concepts_[name] = {texts("synonyms"), texts("is"), texts("properties")};
+    }
   }
   return taxonomy;
 }

@@ -3,6 +3,8 @@
 #include <SQLiteCpp/Backup.h>
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <regex>
 #include <system_error>
 
 #include "memory/store/database.h"
@@ -90,6 +92,21 @@ void PartialMemory::remove() const {
   std::error_code ignored;
   for (const char* end : {"", ".lock"}) fs::remove(path_.string() + end, ignored);
   remove_side_files(path_);
+}
+
+std::vector<fs::path> kept_copies(const fs::path& memory) {
+  const fs::path target = fs::weakly_canonical(memory);
+  const std::string prefix = target.filename().string() + ".";
+  static const std::regex kVersion("[0-9]+\\.[0-9]+(\\.[0-9]+)?");
+  std::vector<fs::path> copies;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(target.parent_path(), none)) {
+    const std::string name = entry.path().filename();
+    if (name.starts_with(prefix) && std::regex_match(name.substr(prefix.size()), kVersion))
+      copies.push_back(entry.path());
+  }
+  std::ranges::sort(copies);
+  return copies;
 }
 
 void remove_side_files(const fs::path& memory) {

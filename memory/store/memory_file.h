@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <vector>
 
 #include "mapping/base/output_file.h"
 #include "memory/store/store.h"
@@ -46,6 +47,9 @@ class PartialMemory {
 
   std::filesystem::path path_;
 };
+
+/// The copies beside a memory that migrations kept: FILE.1.0, FILE.1.0.2.
+std::vector<std::filesystem::path> kept_copies(const std::filesystem::path& memory);
 
 /// Removes the log, its index and the journal of a memory that is not there.
 void remove_side_files(const std::filesystem::path& memory);

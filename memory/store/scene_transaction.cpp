@@ -1,6 +1,7 @@
 #include "memory/store/scene_transaction.h"
 
 #include "mapping/base/hash.h"
+#include "memory/store/derived_rows.h"
 #include "memory/store/row_columns.h"
 
 namespace loci::memory {
@@ -24,6 +25,10 @@ SceneTransaction::~SceneTransaction() {
 
 void SceneTransaction::commit() {
   db_.guarded([&] {
+    if (postponed_) {
+      db_.clear_caches();
+      derive_tables(*db_.database);
+    }
     db_.save_counts();
     db_.database->exec("COMMIT");
   });

@@ -9,7 +9,8 @@ namespace loci::memory {
 /// time of the scene; known_from and run are filled in.
 class SceneTransaction {
  public:
-  /// `run` is from Store::begin_run. Error when the store is open for reading only.
+  /// `run` is from Store::begin_run; 0 where only such rows are added that have no run (Store::add_map and
+  /// the like take part in an open transaction). Error when the store is open for reading only.
   SceneTransaction(Store& store, Id run);
   ~SceneTransaction();  ///< rolls back unless committed
   SceneTransaction(const SceneTransaction&) = delete;
@@ -29,8 +30,8 @@ class SceneTransaction {
   /// The type system with this text, added when it is new.
   Id add_type_system(std::string_view text);
   Id add_feature_structure(const FeatureStructureRow& row);
-  /// From here on the tables that follow from others are not kept up to date: call Store::derive() after
-  /// commit(). For many rows about the past, each of which would change what follows from all later ones.
+  /// From here on the tables that follow from others are not kept up to date; commit() makes them anew. For
+  /// many rows about the past, each of which would change what follows from all later ones.
   void postpone_derived() { postponed_ = true; }
   Id add_object(const ObjectRow& row);
   Id add_association(const AssociationRow& row);

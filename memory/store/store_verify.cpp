@@ -5,6 +5,7 @@
 #include "memory/store/derived_rows.h"
 #include "memory/store/digest.h"
 #include "memory/store/row_columns.h"
+#include "memory/store/run_configuration.h"
 
 namespace loci::memory {
 namespace {
@@ -108,6 +109,18 @@ void check_rows_of(Store::Connection& db, std::vector<std::string>& problems) {
   });
 }
 
+/// That edits can be listed and undone.
+void check_configurations(Store::Connection& db, std::vector<std::string>& problems) {
+  db.query("SELECT * FROM run WHERE program LIKE 'loci-memory edit%' OR program LIKE 'loci-memory fact%'", {},
+           [&](const SqlRow& row) {
+             try {
+               configuration_of(read_row<RunRow>(row), db.path);
+             } catch (const Error& error) {
+               problems.push_back(fmt::format("{}: {}", error.location().key, error.message()));
+             }
+           });
+}
+
 void check_rows(Store::Connection& db, std::vector<std::string>& problems) {
   check_rows_of<PlaceRow>(db, problems);
   check_rows_of<SceneRow>(db, problems);
@@ -169,6 +182,7 @@ VerifyReport Store::verify(Progress& progress) const {
     for (const Rule& rule : kRules) check_rule(db, rule, report.problems);
     for (std::string& problem : digest_problems(db)) report.problems.push_back(std::move(problem));
     check_rows(db, report.problems);
+    check_configurations(db, report.problems);
     check_search_tables(db, report.problems);
     report.derived_problems = derived_problems(db);
     report.problems.insert(report.problems.end(), report.derived_problems.begin(),

@@ -199,6 +199,29 @@ TEST_F(FullDisk, WhatAddsToAMemoryLeavesItSound) {
       << "goes on when there is room";
 }
 
+TEST_F(MemoryFileCli, ForgetNamesTheCopiesThatMigrationsKept) {
+  const std::string copy = file_ + ".1.0", tokens = folder_ + "/tokens.json";
+  fs::copy_file(file_, copy);
+  fs::copy_file(file_, file_ + ".bak");
+  const Json result = answer("forget object_1 --tokens " + tokens + " -m " + file_);
+  EXPECT_EQ(result["copies"], Json::array({copy}));
+  const Outcome left = run("loci-memory verify --forgotten " + tokens + " -m " + file_);
+  EXPECT_EQ(left.exit_code, 1);
+  EXPECT_THAT(left.out, HasSubstr("kept before a migration"));
+  fs::remove(copy);
+  EXPECT_EQ(run("loci-memory verify --forgotten " + tokens + " -m " + file_).exit_code, 0);
+}
+
+TEST_F(MemoryFileCli, AHardLinkedMemoryIsReadAndRefusedForWritingInOneLine) {
+  fs::create_hard_link(file_, folder_ / fs::path("hard.loci"));
+  EXPECT_EQ(run("loci-memory objects -m " + file_).exit_code, 0);
+  const Outcome refused = run("loci-memory fact set object_1 alias tea -m " + file_);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_EQ(lines_of(refused.error), 1) << refused.error;
+  EXPECT_THAT(refused.error, HasSubstr("has 2 names (hard links)"));
+  EXPECT_THAT(refused.error, HasSubstr("remove the other name"));
+}
+
 TEST_F(MemoryFileCli, VerifyRepairsWhatFollowsFromOtherRows) {
   const Json before = answer("on table_1 -m " + file_);
   {

@@ -39,6 +39,7 @@ void add_scene(memory::Store& store, memory::Id run, int number) {
       rows.add_observation({.scene = scene, .number = 0, .position = Vector3d(number, 0, 1)});
   rows.add_association(
       {.scene = scene, .observation = observation, .object = 1, .probability = 1, .chosen = true});
+  if (number == 1) rows.add_belief({.object = 1, .scene = scene, .last_scene = scene});
   rows.commit();
 }
 

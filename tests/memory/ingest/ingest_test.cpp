@@ -168,6 +168,14 @@ TEST_F(Ingest, SameFileIsRecognisedAndOneThatHasGrownGoesOn) {
   EXPECT_EQ(memory().scenes().size(), 3U);
 }
 
+TEST_F(Ingest, ResumeTakesASecondSceneWithAnEqualStamp) {
+  const std::string first = moment("08:00:00", kMug), second = moment("08:00:00", kBox);
+  take(write(first));
+  EXPECT_EQ(take(write(first + second), resume()).scenes, 1U);
+  EXPECT_EQ(memory().scenes().size(), 2U);
+  EXPECT_EQ(take(write(first + second), resume()).scenes, 0U);
+}
+
 TEST_F(Ingest, LongLinesAreNotHeld) {
   const auto file = write("short\n" + std::string(3000, 'x') + "\nlast");
   LineReader reader(file, 1000);

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <filesystem>
+
+#include "mapping/base/json_fwd.h"
+#include "memory/store/rows.h"
+
+namespace loci::memory {
+
+/// The configuration of a run of an edit or of reasoning. Its keys that programs use have the types that they
+/// rely on: "text", "undoes", "redoes", "last_scene", "label", "map", "part", "split", "identity". Error with
+/// table, row and column when one has not, or when it is not JSON. `file` is the memory's, for the message.
+Json configuration_of(const RunRow& run, const std::filesystem::path& file);
+
+}  // namespace loci::memory
