@@ -129,7 +129,10 @@ struct Exploration::Impl {
   }
 
   void place(const mapping::RegistrationResult& registered) {
-    for (size_t i = 0; i < set.scans.size(); ++i) set.scans[i].map_from_scan = registered.map_from_scan[i];
+    for (size_t i = 0; i < set.scans.size(); ++i) {
+      set.scans[i].map_from_scan = registered.map_from_scan[i];
+      set.scans[i].registered = registered.connected[i];
+    }
   }
 
   bool connected(size_t scan) const { return registrar.result().connected[scan]; }

@@ -110,8 +110,8 @@ std::string pose_text(const mapping::PlanarPose& pose) {
   return fmt::format("x {:.2f} m, y {:.2f} m, yaw {:.0f}°", pose.x, pose.y, pose.yaw / kDegree);
 }
 
-mapping::ScanSet read_scans(const std::string& path, const std::string& what) {
-  mapping::ScanSet set = mapping::read_scan_set(path);
+mapping::ScanSet read_scans(const std::string& path, const std::string& what, Warnings& warnings) {
+  mapping::ScanSet set = mapping::read_registered_scans(path, warnings);
   if (!set.free_space)
     throw Error("without scan origins nothing is known to be free", {path, 0, {}},
                 what + " is a folder with scans.yaml, poses and origins");
@@ -148,7 +148,7 @@ std::string view_text(const nbv::NextView& view) {
 /// The scans of the pool that are not in the map yet, by name.
 void choose(const NextViewArguments& arguments, const mapping::ScanSet& scans,
             const mapping::OccupancyMap& map, Session& session) {
-  const mapping::ScanSet pool = read_scans(arguments.pool, "a pool");
+  const mapping::ScanSet pool = read_scans(arguments.pool, "a pool", session.warnings());
   std::set<std::string> taken;
   for (const mapping::Scan& scan : scans.scans) taken.insert(scan.name);
   std::vector<mapping::PlanarPose> poses;
@@ -168,7 +168,7 @@ void next(NextViewArguments& arguments, Session& session) {
   table_of(arguments.occupancy).validate();
   table_of(arguments.planner).validate();
   arguments.planner.threads = arguments.occupancy.threads = session.flags().threads;
-  const mapping::ScanSet scans = read_scans(arguments.scans, "a scan set");
+  const mapping::ScanSet scans = read_scans(arguments.scans, "a scan set", session.warnings());
   mapping::OccupancyMap map(arguments.occupancy);
   Stopwatch watch;
   for (size_t i = 0; i < scans.scans.size(); ++i) {

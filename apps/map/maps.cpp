@@ -141,8 +141,8 @@ Json export_map(const ExportArguments& arguments, const std::string& format, Ses
   return {{"files", {arguments.out}}};
 }
 
-Json export_scans(const ExportArguments& arguments, const std::string& format, const Session& session) {
-  const mapping::ScanSet scans = mapping::read_scan_set(arguments.input);
+Json export_scans(const ExportArguments& arguments, const std::string& format, Session& session) {
+  const mapping::ScanSet scans = mapping::read_registered_scans(arguments.input, session.warnings());
   if (format == "ply") return write_text(ply_text(scans), arguments.out);
   if (format != "grid" && format != "bt")
     throw Error("scans have no links and joints", {arguments.input, 0, ""},

@@ -181,6 +181,7 @@ void write_connected(mapping::ScanSet scans, const mapping::RegistrationResult& 
     connected.push_back(std::move(scans.scans[i]));
     connected.back().map_from_scan = result.map_from_scan[i];
     connected.back().covariance.setZero();  // It was that of the pose given.
+    connected.back().registered = true;
   }
   scans.scans = std::move(connected);
   check_scan_files(scans, folder, session);
@@ -312,7 +313,8 @@ Command interpret_command() {
             table.options(table_of(arguments->options), "Interpretation");
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
-              const mapping::ScanSet scans = mapping::read_scan_set(arguments->scans);
+              const mapping::ScanSet scans =
+                  mapping::read_registered_scans(arguments->scans, session.warnings());
               session.check_outputs(arguments->out,
                                     {"map.urdf", "map.semantic.json", "report.html", "room.ply", "room.glb"});
               mapping::InterpretedMap map = interpret(scans, arguments->options, session.progress());

@@ -80,6 +80,7 @@ std::string scan_text(const Scan& scan) {
     const Eigen::Matrix<double, 6, 6, Eigen::RowMajor> rows = scan.covariance;
     text += fmt::format("    covariance: [{}]\n", fmt::join(rows.data(), rows.data() + rows.size(), ", "));
   }
+  if (!scan.registered) text += "    registered: false\n";
   text += "    origins:";
   if (scan.origins.empty()) text += " []";
   text += '\n';
@@ -98,6 +99,7 @@ Scan read_scan(const Config& config, const fs::path& folder) {
     const auto values = config.require<std::array<double, 36>>("covariance");
     scan.covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(values.data());
   }
+  scan.registered = config.get<bool>("registered", true);
   for (const auto& origin : config.get<std::vector<std::array<float, 3>>>("origins", {}))
     scan.origins.emplace_back(origin[0], origin[1], origin[2]);
   config.finish();
@@ -171,6 +173,20 @@ ScanSet read_scan_set(const fs::path& path) {
   config.finish();
   if (scans.empty()) throw Error("the scan set has no scans", config.location("scans"));
   for (const Config& scan : scans) set.scans.push_back(read_scan(scan, folder));
+  return set;
+}
+
+ScanSet read_registered_scans(const fs::path& path, Warnings& warnings) {
+  ScanSet set = read_scan_set(path);
+  const size_t all = set.scans.size();
+  std::erase_if(set.scans, [](const Scan& scan) { return !scan.registered; });
+  if (set.scans.empty())
+    throw Error("none of the scans could be registered", {path.string(), 0, {}},
+                "loci-map register may find their poses");
+  if (set.scans.size() < all)
+    warnings.add(
+        fmt::format("{} of {} scans are left out: they could not be registered", all - set.scans.size(), all),
+        {path.string(), 0, {}});
   return set;
 }
 

@@ -25,6 +25,7 @@ struct Scan {
   Isometry3d map_from_scan = Isometry3d::Identity();
   Eigen::Matrix<double, 6, 6> covariance =
       Eigen::Matrix<double, 6, 6>::Zero();  ///< of the pose: x y z roll pitch yaw
+  bool registered = true;                   ///< otherwise odometry alone knows the pose: it spoils a map
   std::vector<Eigen::Vector3f> origins;     ///< where rays started, in the scan's frame; at least one
   std::vector<ScanPoint> points;
 };
@@ -50,5 +51,8 @@ void append_to_scan_set(const ScanSet& set, const std::filesystem::path& folder)
 /// Reads what write_scan_set wrote, or a single bare PCD (then free_space is false and the origin is
 /// unknown).
 ScanSet read_scan_set(const std::filesystem::path& path);
+
+/// Like read_scan_set, without the scans that could not be registered (a warning says how many).
+ScanSet read_registered_scans(const std::filesystem::path& path, Warnings& warnings);
 
 }  // namespace loci::mapping

@@ -312,9 +312,11 @@ class FixtureFinder {
     if (is_askew(shape)) return "it is neither level nor upright";
     return {};
   }
+  /// Handles are level or upright; how far a line may seem tilted follows from what may lie beside it.
   static bool is_askew(const FixtureShape& shape) {
     const double turned = std::atan2(std::abs(shape.axis.y()), std::abs(shape.axis.x()));
-    return turned > kFixtures.max_tilt && turned < kPi / 2 - kFixtures.max_tilt;
+    const double max_tilt = std::min(kFixtures.max_tilt, 2 * kFixtures.line_tolerance_m / shape.length);
+    return turned > max_tilt && turned < kPi / 2 - max_tilt;
   }
   static std::string why_no_knob(const FixtureShape& shape) {
     if (shape.length > kFixtures.max_knob_m)
@@ -494,7 +496,8 @@ class FixtureFinder {
     if (surface < 0.9 * kFixtures.min_protrusion_m)
       return fmt::format("it protrudes by {:.3f} m only", surface);
     FaceFixture found = placed(points, shape, bar, ground, surface);
-    if (bar && found.fixture.protrusion - found.fixture.radius < kFixtures.min_grip_m)
+    if (bar && found.fixture.protrusion - found.fixture.radius <
+                   (shape.length > kFixtures.long_bar_m ? kFixtures.min_long_grip_m : kFixtures.min_grip_m))
       return "there is no room for fingers behind it";
     const FurnitureFace& face = rays_.face;
     if (!FaceRect{face.u_min, face.u_max, face.v_min, face.v_max}.contains(found.u, found.v))

@@ -47,14 +47,11 @@ class Divider {
     const Groups columns = groups_along(fixtures_, inside, true);
     const Groups rows = groups_along(fixtures_, inside, false);
     if (columns.size() < 2 && rows.size() < 2) return {};  // they overlap: no layout
-    bool by_columns = rows.size() < 2;
-    if (columns.size() > 1 && rows.size() > 1) {
-      double nearest = 1e9;
-      for (size_t i = 1; i < columns.size(); ++i)
-        nearest = std::min(nearest, extent(columns[i], true).first - extent(columns[i - 1], true).second);
-      by_columns = nearest > kDivision.column_gap_m;
-    }
-    return by_columns ? apply(part, columns, true) : apply(part, rows, false);
+    if (rows.size() < 2) return apply(part, columns, true).fronts;
+    Division by_rows = apply(part, rows, false);
+    if (columns.size() < 2) return by_rows.fronts;
+    Division by_columns = apply(part, columns, true);
+    return std::move(by_columns.cost < by_rows.cost ? by_columns : by_rows).fronts;
   }
 
  private:
@@ -179,7 +176,23 @@ class Divider {
     return sum;
   }
 
-  std::vector<PlacedFront> apply(const PlacedFront& part, const Groups& groups, bool u) {
+  struct Division {
+    double cost = 0;  ///< negative log likelihood, without style
+    std::vector<PlacedFront> fronts;
+  };
+
+  /// The cost of given edges.
+  static double cost_of(const std::vector<double>& edges, const std::vector<std::vector<double>>& positions,
+                        const std::vector<std::vector<std::vector<double>>>& costs) {
+    const auto index = [&](size_t i) {
+      return static_cast<size_t>(std::ranges::find(positions[i], edges[i]) - positions[i].begin());
+    };
+    double sum = 0;
+    for (size_t i = 0; i < costs.size(); ++i) sum += costs[i][index(i)][index(i + 1)];
+    return sum;
+  }
+
+  Division apply(const PlacedFront& part, const Groups& groups, bool u) {
     const std::vector<std::vector<double>> positions = possible_edges(part.rect, groups, u);
     const auto costs = costs_of(part.rect, groups, u, positions);
     double min_cost = 0;
@@ -192,7 +205,7 @@ class Divider {
         if (total < min_cost) min_cost = total, edges = styled;
       }
     }
-    std::vector<PlacedFront> fronts;
+    Division division{cost_of(edges, positions, costs), {}};
     for (size_t i = 0; i < groups.size(); ++i) {
       PlacedFront piece = part;
       piece.rect.low(u) = edges[i];
@@ -202,9 +215,9 @@ class Divider {
       if (edges[i] > part.rect.low(u) + kDivision.step_m / 2) piece.edges[first] = regular;
       if (edges[i + 1] < part.rect.high(u) - kDivision.step_m / 2) piece.edges[first + 1] = regular;
       const std::vector<PlacedFront> own = divide(piece, groups[i]);
-      fronts.insert(fronts.end(), own.begin(), own.end());
+      division.fronts.insert(division.fronts.end(), own.begin(), own.end());
     }
-    return fronts;
+    return division;
   }
 
   const SeamMap& seams_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "mapping/interpretation/fronts/parameters.h"
@@ -126,6 +127,50 @@ std::optional<Cut> strongest_cut(const SeamMap& seams, const FaceRect& rect,
   return std::nullopt;
 }
 
+/// What the cells of a strip across a part show, position by position: 1 for face, -1 for something behind
+/// it, 0 for what no ray met.
+std::vector<int> outline_of(const SeamMap& seams, const FaceRect& strip, bool upright) {
+  std::vector<int> states;
+  for (const auto& [known, face] : seams.coverage_of(strip, upright))
+    states.push_back(known < static_cast<float>(kLayout.min_known)  ? 0
+                     : face >= static_cast<float>(kLayout.min_seen) ? 1
+                                                                    : -1);
+  return states;
+}
+
+/// Where the outline of a part steps: a tall unit beside a row of low ones in the same plane. No seam runs
+/// across such a part. Unset where no step is high enough, or where the part ends.
+std::optional<double> outline_step(const SeamMap& seams, const FaceRect& rect, bool upright) {
+  constexpr int kWindow = kLayout.outline_cells;
+  const auto positions = static_cast<size_t>((rect.high(upright) - rect.low(upright)) / kFaces.cell_m);
+  if (positions < 2 * kWindow) return std::nullopt;
+  std::vector<int> steps(positions, 0), both(positions, 0);
+  const double strip_m = kSeams.chunk_cells * kFaces.cell_m;
+  for (double from = rect.low(!upright); from + strip_m <= rect.high(!upright); from += strip_m) {
+    FaceRect strip = rect;
+    strip.low(!upright) = from;
+    strip.high(!upright) = from + strip_m;
+    const std::vector<int> states = outline_of(seams, strip, upright);
+    std::vector<int> sums(states.size() + 1, 0);
+    std::partial_sum(states.begin(), states.end(), sums.begin() + 1);
+    for (size_t p = kWindow; p + kWindow <= std::min(positions, states.size()); ++p) {
+      const int low = sums[p] - sums[p - kWindow];
+      const int high = sums[p + kWindow] - sums[p];
+      const auto clear = static_cast<int>(kLayout.outline_clear * kWindow);
+      if (std::abs(low) < clear || std::abs(high) < clear) continue;
+      if (low * high < 0) ++steps[p];
+      if (low > 0 && high > 0) ++both[p];
+    }
+  }
+  const auto highest = std::max_element(steps.begin(), steps.end());
+  const auto p = static_cast<size_t>(highest - steps.begin());
+  if (*highest * strip_m < kLayout.min_outline_step_m || both[p] * strip_m < kLayout.min_front_m)
+    return std::nullopt;
+  const auto last = std::find_if(highest, steps.end(), [&](int step) { return step < *highest; });
+  const auto middle = static_cast<double>(p) + static_cast<double>(last - highest - 1) / 2;
+  return rect.low(upright) + middle * kFaces.cell_m;
+}
+
 FrontEdge edge_of(const LineEvidence& line, double sign) {
   FrontEdge edge;
   edge.kind = line.kind == LineEvidence::Kind::seam ? FrontEdge::Kind::seam : FrontEdge::Kind::step;
@@ -144,6 +189,7 @@ class Layout {
     PlacedFront all;
     all.rect = seams_.grid().extent();
     cut(all, 0);
+    add_overhung();
     drop_isolated();
     for (size_t i = 0; i < assigned_.size(); ++i)
       if (!assigned_[i]) result_.unassigned.push_back(i);
@@ -157,6 +203,7 @@ class Layout {
     if (depth < kLayout.max_depth && cut_gap(part, depth)) return;
     const std::optional<Cut> best =
         depth < kLayout.max_depth ? strongest_cut(seams_, part.rect, fixtures_) : std::nullopt;
+    if (!best && depth < kLayout.max_depth && cut_outline(part, depth)) return;
     if (!best) return finish(part);
     const double half = best->line.width / 2;
     split(part, best->upright, best->line.position - half, best->line.position + half,
@@ -168,6 +215,16 @@ class Layout {
       const auto gap = widest_gap(seams_.coverage_of(part.rect, upright), part.rect.low(upright));
       if (!gap || cuts_fixture(part.rect, upright, (gap->first + gap->second) / 2, fixtures_)) continue;
       split(part, upright, gap->first, gap->second, {}, {}, depth);
+      return true;
+    }
+    return false;
+  }
+
+  bool cut_outline(const PlacedFront& part, int depth) {
+    for (const bool upright : {true, false}) {
+      const std::optional<double> step = outline_step(seams_, part.rect, upright);
+      if (!step || cuts_fixture(part.rect, upright, *step, fixtures_)) continue;
+      split(part, upright, *step, *step, {}, {}, depth);
       return true;
     }
     return false;
@@ -210,7 +267,32 @@ class Layout {
       return;
     }
     part.confidence = part.edge_confidence();
-    result_.fronts.push_back(part);
+    (part.fixture < 0 && is_recessed(part) ? recessed_ : result_.fronts).push_back(part);
+  }
+
+  /// Adds parts without fixture behind something that protrudes where the fronts with fixtures end, too: the
+  /// counter over a row of cupboards.
+  void add_overhung() {
+    const size_t known = result_.fronts.size();
+    const auto is_row = [&](const PlacedFront& part, size_t side) {
+      return std::any_of(result_.fronts.begin(), result_.fronts.begin() + static_cast<std::ptrdiff_t>(known),
+                         [&](const PlacedFront& front) {
+                           return front.fixture >= 0 &&
+                                  std::abs(edge_at(front.rect, side) - edge_at(part.rect, side)) <
+                                      kLayout.neighbour_gap_m;
+                         });
+    };
+    for (const PlacedFront& part : recessed_) {
+      bool overhung = true;
+      for (const size_t side : {left, right, bottom, top})
+        overhung = overhung && (!is_proud(part.edges[side]) || is_row(part, side));
+      if (overhung) result_.fronts.push_back(part);
+    }
+  }
+
+  static double edge_at(const FaceRect& rect, size_t side) {
+    const bool upright = side == left || side == right;
+    return side == left || side == bottom ? rect.low(upright) : rect.high(upright);
   }
 
   /// Refines each edge over its final length.
@@ -234,14 +316,20 @@ class Layout {
     }
   }
 
-  /// Whether resolved lines and borders enclose a part without fixture, and its surroundings do not protrude
-  /// from it.
+  /// Whether resolved lines and borders enclose a part without fixture.
   static bool encloses(const PlacedFront& part) {
     return part.rect.width() * part.rect.height() > kLayout.min_bare_m2 &&
            std::none_of(part.edges.begin(), part.edges.end(), [](const FrontEdge& edge) {
-             return (edge.kind == FrontEdge::Kind::step && edge.rise < -kLayout.proud_m) ||
-                    (edge.kind != FrontEdge::Kind::border && edge.z < kLayout.min_bare_z);
+             return edge.kind != FrontEdge::Kind::border && edge.z < kLayout.min_bare_z;
            });
+  }
+
+  /// Whether the surroundings protrude from a part beyond an edge.
+  static bool is_proud(const FrontEdge& edge) {
+    return edge.kind == FrontEdge::Kind::step && edge.rise < -kLayout.proud_m;
+  }
+  static bool is_recessed(const PlacedFront& part) {
+    return std::any_of(part.edges.begin(), part.edges.end(), is_proud);
   }
 
   /// The line between two neighbouring fronts: 2 for a seam, 1 for a step, 0 for none.
@@ -281,6 +369,7 @@ class Layout {
   const FurnitureFace& face_;
   const std::vector<FaceFixture>& fixtures_;
   std::vector<bool> assigned_;
+  std::vector<PlacedFront> recessed_;  ///< without fixture
   FrontLayout result_;
 };
 

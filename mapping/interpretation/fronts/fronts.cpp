@@ -166,6 +166,34 @@ bool is_of_ribs(const Front& front, const std::vector<FaceResult>& results) {
          });
 }
 
+/// The share of the smaller front that the other one covers, in the plane of the first.
+double covered(const Front& a, const Front& b) {
+  const Vector3d off = b.centre - a.centre;
+  const auto shared = [](double distance, double size_a, double size_b) {
+    return std::max(0.0, std::min({size_a, size_b, (size_a + size_b) / 2 - std::abs(distance)}));
+  };
+  return shared(off.dot(a.right()), a.width, b.width) * shared(off.dot(a.up), a.height, b.height) /
+         std::min(a.width * a.height, b.width * b.height);
+}
+
+/// Where scans lie apart by more than their noise, a face is found twice, and so are its fronts: the one with
+/// more evidence stays.
+void drop_duplicates(std::vector<Front>& fronts) {
+  const auto points = [](const Front& front) { return front.evidence.at("inliers").get<size_t>(); };
+  const auto is_weaker_twin = [&](const Front& front) {
+    return std::any_of(fronts.begin(), fronts.end(), [&](const Front& other) {
+      return &other != &front && front.normal.dot(other.normal) > kFaces.parallel_cosine &&
+             std::abs(front.normal.dot(other.centre - front.centre)) < kFronts.same_front_m &&
+             covered(front, other) > kFronts.same_front_cover &&
+             std::pair(points(front), &front) < std::pair(points(other), &other);
+    });
+  };
+  std::vector<Front> kept;
+  std::copy_if(fronts.begin(), fronts.end(), std::back_inserter(kept),
+               [&](const Front& front) { return !is_weaker_twin(front); });
+  fronts = std::move(kept);
+}
+
 }  // namespace
 
 FrontSearch find_fronts(const Surface& surface, double floor_height, const WallSearch& vertical,
@@ -190,6 +218,7 @@ FrontSearch find_fronts(const Surface& surface, double floor_height, const WallS
                  [&](const Front& front) { return !is_of_ribs(front, results); });
     search.notes.insert(search.notes.end(), result.notes.begin(), result.notes.end());
   }
+  drop_duplicates(search.fronts);
   return search;
 }
 

@@ -56,6 +56,7 @@ struct FixtureParameters {
   int join_bars_cells = 14;         ///< where one of them is long: a bar
   int join_offset_cells = 2;        ///< between the middle lines of patches of one bar
   double min_grip_m = 0.008;        ///< free behind a bar: a slim fingertip needs 10 mm, less 2 mm of noise
+  double min_long_grip_m = 0.014;   ///< of a long bar: a hand needs 25 mm, mixed returns take 1 cm off
   double min_protrusion_m = 3 * kRangeSigma;  ///< nearer to the face is noise
   double max_bar_m = 1.3;                     ///< of a fridge
   double min_bar_m = 0.045;                   ///< shorter is a knob
@@ -125,6 +126,9 @@ struct LayoutParameters {
   double min_cut_face = 0.08;       ///< of the known cells of a row or column, while the face is cut
   double min_known = 0.1;           ///< of a row or column that rays met
   double min_gap_m = 0.015;         ///< wider strips without face separate parts
+  int outline_cells = 20;           ///< beside a step of the outline: 8 cm, the narrowest front
+  double outline_clear = 0.8;       ///< of these that show the same
+  double min_outline_step_m = 0.3;  ///< a niche or a notch is lower
   double max_hidden_m = 0.1;        ///< wider strips that no ray met separate parts, too
   double min_face = 0.4;            ///< of the known cells of a row or column of a front
   int max_depth = 60;               ///< of the recursion
@@ -151,7 +155,6 @@ struct DivisionParameters {
   double frame_cost = 2.5;      ///< of a frame beside the outermost fronts
   double min_margin_m = 0.01;   ///< between a fixture and the edge of its front
   double hand_m = 0.06;         ///< space that an upright handle or knob needs
-  double column_gap_m = 0.12;   ///< between fixtures of neighbouring columns
   double style_sd_m = 0.012;    ///< of the distance between fixture and edge in one column
   double max_style_cost = 4;    ///< of a fixture that is mounted otherwise
 };
@@ -170,6 +173,8 @@ struct FrontParameters {
   double min_wall_fixture_confidence = 0.75;  ///< on a possible wall
   size_t min_wall_fronts = 2;                 ///< on a possible wall
   int min_wall_edges = 3;                     ///< resolved, on a possible wall
+  double same_front_m = 0.08;                 ///< between the planes of one front that was found twice …
+  double same_front_cover = 0.5;              ///< … and of the smaller one that the other covers
   double depth_inset_m = -0.01;               ///< edges and seams are left out
   size_t min_rays = 50;                       ///< of a front and of the rest of its face
   double dark = 0.4;                          ///< an oven's pane returns less of the others' intensity

@@ -184,6 +184,72 @@ TEST(Fronts, DrawersWithoutVisibleSeamAreDividedByTheirHandlesAndSurenessIsLess)
   }
 }
 
+/// Rays on a low unit and a tall one beside it, flush and without a gap between them.
+FaceRays rays_on_flush_units() {
+  FaceRays rays;
+  rays.face.u_max = 1.5;
+  rays.face.v_min = 0.1;
+  rays.face.v_max = 1.6;
+  rays.sigma = 0.002;
+  rays.scans = 1;
+  Random random(1);
+  for (double u = -0.1; u < 1.6; u += 0.004)
+    for (double v = 0; v < 1.7; v += 0.004) {
+      const bool on_face = u > 0 && u < 1.5 && v > 0.1 && v < (u < 0.9 ? 0.8 : 1.6);
+      FaceRay ray;
+      ray.u = static_cast<float>(u);
+      ray.v = static_cast<float>(v);
+      ray.depth = on_face ? static_cast<float>(random.normal(rays.sigma)) : -0.5F;
+      rays.rays.push_back(ray);
+    }
+  return rays;
+}
+
+TEST(Fronts, ATallUnitBesideALowOneComesApart) {
+  const FaceRays rays = rays_on_flush_units();
+  std::vector<FaceFixture> fixtures;
+  for (const Vector2d& at : {Vector2d(0.45, 0.7), Vector2d(1.2, 0.7)})
+    fixtures.push_back({{}, at.x(), at.y(), FaceRect{at.x(), at.x(), at.y(), at.y()}.grown(0.02)});
+  const std::vector<PlacedFront> fronts = lay_out_fronts(SeamMap(rays, fixtures), rays.face, fixtures).fronts;
+  ASSERT_EQ(fronts.size(), 2U);
+  for (const PlacedFront& front : fronts) {
+    const bool low = front.fixture == 0;
+    EXPECT_NEAR(front.rect.u0, low ? 0 : 0.9, 0.015);
+    EXPECT_NEAR(front.rect.u1, low ? 0.9 : 1.5, 0.015);
+    EXPECT_NEAR(front.rect.v1, low ? 0.8 : 1.6, 0.015);
+  }
+}
+
+TEST(Fronts, AFrontWithoutHandleBelowTheEdgeOfACounterIsReported) {
+  Furniture furniture;
+  furniture.add_body(-0.6, 0.6, 0.1, 0.8);
+  furniture.parts.push_back({{-0.5, -0.6, 0.8}, {0.015, 0.6, 0.84}});
+  for (const double u : {-0.6, -0.2, 0.2}) furniture.add_panel(u + 0.004, u + 0.396, 0.1, 0.795);
+  furniture.add_level_bar(-0.4, 0.7, 0.14);
+  furniture.add_level_bar(0.4, 0.7, 0.14);
+  const std::vector<Front> fronts = fronts_of_furniture(furniture, 5);
+  const Front* plain = front_at(fronts, furniture, -0.2, 0.2, 0.1, 0.8);
+  ASSERT_NE(plain, nullptr);
+  EXPECT_FALSE(plain->fixture.has_value());
+}
+
+TEST(Fronts, TwoScansThatLieApartDoNotDoubleAFront) {
+  const Furniture block = drawer_block();
+  ScanSet scans = scan_furniture(block, kStandpoints, 1);
+  for (const size_t moved : {1U, 3U}) scans.scans[moved].map_from_scan.translation().x() += 0.05;
+  InterpretationOptions options;
+  NoProgress progress;
+  const Surface surface = gather_surface(scans, 0, progress);
+  const std::vector<Front> fronts =
+      find_fronts(surface, 0, find_walls(surface, 0, std::nullopt, options), options, progress).fronts;
+  EXPECT_GE(fronts.size(), 6U);
+  for (const Front& a : fronts)
+    for (const Front& b : fronts) {
+      const Vector3d apart = b.centre - a.centre;
+      EXPECT_TRUE(&a == &b || std::hypot(apart.y(), apart.z()) > 0.1);
+    }
+}
+
 TEST(Fronts, ConfidenceFollowsTheEdges) {
   PlacedFront front;
   for (FrontEdge& edge : front.edges) edge = {FrontEdge::Kind::seam, 20, true, 0};

@@ -136,5 +136,25 @@ TEST(Pcd, OtherPeoplesFilesAreRead) {
   }
 }
 
+TEST_F(ScanSetFiles, ScansThatCouldNotBeRegisteredAreLeftOutOfMaps) {
+  ScanSet set;
+  for (const char* scan : {"a", "b", "c"}) {
+    set.scans.emplace_back().name = scan;
+    set.scans.back().origins.emplace_back(0.F, 0.F, 0.F);
+    set.scans.back().points.emplace_back();
+  }
+  set.scans[1].registered = false;
+  write_scan_set(set, folder_);
+  EXPECT_EQ(read_scan_set(folder_).scans.size(), 3U);
+  Warnings warnings;
+  const ScanSet registered = read_registered_scans(folder_, warnings);
+  ASSERT_EQ(registered.scans.size(), 2U);
+  EXPECT_EQ(registered.scans[1].name, "c");
+  ASSERT_EQ(warnings.texts().size(), 1U);
+  for (Scan& scan : set.scans) scan.registered = false;
+  write_scan_set(set, folder_);
+  EXPECT_THAT(message_of([&] { read_registered_scans(folder_, warnings); }), HasSubstr("register"));
+}
+
 }  // namespace
 }  // namespace loci::mapping
