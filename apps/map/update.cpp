@@ -22,7 +22,7 @@ struct UpdateArguments {
 /// A scan set, or a recording with poses, which is fused.
 mapping::ScanSet read_new(const std::string& path, Session& session) {
   if (fs::exists(fs::path(path) / "scans.yaml") || fs::path(path).extension() == ".pcd")
-    return mapping::read_scan_set(path);
+    return mapping::read_registered_scans(path, session.warnings());
   const auto recording = mapping::open_recording(path);
   for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
   if (recording->info().frames_with_pose == 0)
@@ -33,13 +33,13 @@ mapping::ScanSet read_new(const std::string& path, Session& session) {
   return fuse(*recording, options, session.progress()).scans;
 }
 
-mapping::ScanSet read_earlier(const UpdateArguments& arguments) {
+mapping::ScanSet read_earlier(const UpdateArguments& arguments, Session& session) {
   const fs::path folder = arguments.earlier.empty() ? fs::path(arguments.map).parent_path() / "scans"
                                                     : fs::path(arguments.earlier);
   if (!fs::exists(folder))
     throw Error("the scans that the map was made from are not there", {folder.string(), 0, {}},
                 "give their folder with --scans-before");
-  return mapping::read_scan_set(folder);
+  return mapping::read_registered_scans(folder, session.warnings());
 }
 
 void write_update(const mapping::UpdateResult& result, const std::string& out) {
@@ -61,8 +61,8 @@ void run(UpdateArguments& arguments, Session& session) {
   const mapping::World world = mapping::read_urdf(arguments.map);
   const mapping::SemanticMap semantics = mapping::read_semantic_map(mapping::sidecar_path(arguments.map));
   const mapping::UpdateResult result =
-      update(world, semantics, read_earlier(arguments), read_new(arguments.scans, session), arguments.options,
-             session.progress());
+      update(world, semantics, read_earlier(arguments, session), read_new(arguments.scans, session),
+             arguments.options, session.progress());
   session.timing("update", result.seconds);
   for (const std::string& note : result.notes) session.warnings().add(note);
   write_update(result, arguments.out);
