@@ -326,7 +326,7 @@ class Layout {
 
   /// Whether the surroundings protrude from a part beyond an edge.
   static bool is_proud(const FrontEdge& edge) {
-    return edge.kind == FrontEdge::Kind::step && edge.rise < -kLayout.proud_m;
+    return edge.kind != FrontEdge::Kind::border && edge.rise < -kLayout.proud_m;
   }
   static bool is_recessed(const PlacedFront& part) {
     return std::any_of(part.edges.begin(), part.edges.end(), is_proud);
