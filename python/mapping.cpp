@@ -1,7 +1,7 @@
 // Maps and recordings.
 
-#include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/output_file.h"
 #include "mapping/recording/recording.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/semantic_map.h"
@@ -34,18 +34,20 @@ Map read_map(const std::filesystem::path& path) {
 }
 
 /// Nothing is written unless both files can be.
-void write_map(const Map& map, const std::filesystem::path& path, const std::string& sidecar) {
+void write_map(const Map& map, const std::filesystem::path& path, const std::string& sidecar, bool force) {
   unlocked([&] {
+    const OutputOptions options{.replace = force ? Replace::anything : Replace::own};
+    const auto beside = mapping::sidecar_path(path);
     const std::string text = mapping::urdf_text(map.world);
     mapping::parse_urdf(text, path.string());
+    check_output(path, options);
     if (!sidecar.empty()) {
-      const auto beside = mapping::sidecar_path(path);
       const mapping::SemanticMap semantics =
           mapping::semantic_map_from_json(parse_json(sidecar, beside.string()), beside.string());
       for (const auto& [link, known] : semantics.links) map.world.link_index(link);
-      mapping::write_semantic_map(semantics, beside);
+      write_output(beside, to_json(semantics).dump(2) + "\n", options);
     }
-    write_file_atomically(path, text);
+    write_output(path, text, options);
   });
 }
 

@@ -25,6 +25,7 @@ Command retain_command();
 
 Command ingest_command();
 Command serve_command();
+Command watch_command();
 Command report_command();
 
 Command reason_command();

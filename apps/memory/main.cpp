@@ -10,7 +10,7 @@ int main(int argc, char** argv) {
     }
   };
   add_question_commands(program);
-  add("Inspect", {stat_command(), report_command()});
+  add("Inspect", {stat_command(), report_command(), watch_command()});
   add("Correct", {edit_command(), fact_command(), teach_command(), taxonomy_command()});
   add("Maintain", {reason_command(), resolve_command(), verify_command(), backup_command(), restore_command(),
                    retain_command(), forget_command(), merge_command()});

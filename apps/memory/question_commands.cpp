@@ -8,10 +8,13 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
+#include "mapping/base/output_file.h"
 #include "mapping/base/text.h"
+#include "memory/questions/digest.h"
 #include "memory/questions/natural_language.h"
 #include "memory/questions/snapshot.h"
 #include "memory/reasoning/why.h"
+#include "memory/report/digest_page.h"
 
 namespace loci::apps {
 namespace {
@@ -78,6 +81,33 @@ Command question_command(const memory::Question& question) {
                 };
               },
           .group = to_text(question.group)};
+}
+
+/// `digest` as any question, and as a page.
+Command digest_command() {
+  const memory::Question& question = *memory::find_question("digest");
+  Command command = question_command(question);
+  command.examples.push_back("loci-memory digest -m demo-output/memory.loci -o demo-output/digest.html");
+  command.declare = [&question](ArgumentTable& table) {
+    struct Digest {
+      QuestionArguments question;
+      std::string page;
+    };
+    auto arguments = std::make_shared<Digest>();
+    arguments->question.declare(question, table);
+    table.option("-o,--output FILE", &arguments->page,
+                 "Also write it as a self-contained HTML page with images", {.replaces = true});
+    return [arguments, &question](Session& session) {
+      if (!arguments->page.empty()) check_output(arguments->page, session.outputs());
+      const memory::Store store = memory::Store::open_read(arguments->question.memory);
+      const memory::Answer answer = question.ask(store, arguments->question.query(question));
+      if (!arguments->page.empty())
+        write_output(arguments->page, digest_page(store, answer.get<memory::DigestAnswer>()),
+                     session.outputs());
+      session.answer(answer.to_text(memory::TimeWriter(store)), answer.to_json());
+    };
+  };
+  return command;
 }
 
 /// The number in "scene_12"; unset for other words.
@@ -172,7 +202,8 @@ Command questions_command() {
 
 void add_question_commands(Program& program) {
   program.add(ask_command());
-  for (const memory::Question& question : memory::questions()) program.add(question_command(question));
+  for (const memory::Question& question : memory::questions())
+    program.add(question.name == "digest" ? digest_command() : question_command(question));
   program.add(question_command(why_question()));
   program.add(questions_command());
 }

@@ -14,6 +14,7 @@
 #include "mapping/base/text.h"
 #include "memory/questions/co_occurrence.h"
 #include "memory/questions/contents.h"
+#include "memory/questions/digest.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
 #include "memory/questions/location.h"
@@ -268,7 +269,7 @@ const std::vector<Question>& questions() {
     for (const auto& family :
          {location_questions(), contents_questions(), presence_questions(), event_questions(),
           routine_questions(), co_occurrence_questions(), search_questions(), task_questions(),
-          object_questions(), environment_questions()})
+          object_questions(), environment_questions(), digest_questions()})
       result.insert(result.end(), family.begin(), family.end());
     return result;
   }();

@@ -19,11 +19,12 @@ def _read_map(path: Union[str, os.PathLike]) -> Map:
     return map
 
 
-def _write(self: Map, path: Union[str, os.PathLike]) -> None:
+def _write(self: Map, path: Union[str, os.PathLike], *, force: bool = False) -> None:
     """Writes the URDF, and the sidecar when `semantics` is set. Error, and nothing is written, when the links and
-    joints are no tree, or a sidecar speaks of links that there are not."""
+    joints are no tree, a sidecar speaks of links that there are not, or a file is there that loci did not write and
+    `force` is not set."""
     semantics = getattr(self, "semantics", None)
-    self._write(path, json.dumps(semantics) if semantics else "")
+    self._write(path, json.dumps(semantics) if semantics else "", force)
 
 
 Map.read = staticmethod(_read_map)

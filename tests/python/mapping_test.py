@@ -59,6 +59,17 @@ class Maps(FolderTest):
         with self.assertRaisesRegex(loci.Error, "ceiling"):
             read.write(file)
 
+    def test_files_of_others_are_not_replaced(self):
+        file = self.folder / "kitchen.urdf"
+        file.write_text("mine")
+        kitchen = loci.Map.read(SAMPLES / "kitchen.urdf")
+        with self.assertRaisesRegex(loci.Error, "force"):
+            kitchen.write(file)
+        self.assertEqual([each.name for each in self.folder.iterdir()], ["kitchen.urdf"])
+        kitchen.write(file, force=True)
+        kitchen.write(file)
+        self.assertEqual(loci.Map.read(file).name, kitchen.name)
+
     def test_mistakes_are_named(self):
         with self.assertRaisesRegex(loci.Error, "did you mean 'prismatic'"):
             loci.Joint("j", "prismtic", "a", "b")

@@ -188,6 +188,34 @@ class Writing(FolderTest):
             self.assertEqual(memory.where("object_1").objects[0].label, "beaker")
 
 
+class Watch(FolderTest):
+    def test_events_are_reported_while_a_memory_is_written(self):
+        """A program waits; scenes come one after the other."""
+        file = self.folder / "watched.loci"
+        mug = {"position": [1.0, 2.7, 0.9], "size": [0.1, 0.1, 0.1], "class": {"mug": 0.9}, "place": "counter_1"}
+
+        def ingest(minute, *detections):
+            seen = [{"place": "counter_1", "fraction": 1}, {"place": "table_1", "fraction": 1}]
+            scene = {"time": f"2026-05-01T08:{minute:02}:00Z", "observed": seen, "detections": list(detections)}
+            loci.ingest([scene], file)
+
+        ingest(0, mug)
+        ingest(1, mug)
+        program = os.path.join(os.environ["LOCI_BIN_DIR"], "loci-memory")
+        command = [program, "watch", "milk appears", "anything comes to table_1", "-m", str(file), "--count", "1"]
+        command += ["--for", "60", "--run", "echo ran: $LOCI_QUESTION"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as watching:
+            time.sleep(1.5)
+            moved = {**mug, "position": [2.0, 0.6, 0.8], "place": "table_1"}
+            for minute in range(2, 6):
+                ingest(minute, moved)
+            out, err = watching.communicate(timeout=90)
+        self.assertIn("table_1", out)
+        self.assertIn("ran: anything comes to table_1", out)
+        self.assertIn("milk", err)  # not known yet
+        self.assertEqual(watching.returncode, 0)
+
+
 class Edits(SampleMemoryTest):
     def test_edits_can_be_undone(self):
         with loci.open(self.file, write=True) as memory:

@@ -1,0 +1,92 @@
+// Standing questions: watch.
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+
+#include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
+#include "mapping/base/json.h"
+#include "mapping/base/stopwatch.h"
+#include "memory/questions/answer_format.h"
+#include "memory/questions/standing_question.h"
+
+namespace loci::apps {
+namespace {
+
+struct WatchArguments {
+  std::string memory, command;
+  std::vector<std::string> questions;
+  std::optional<double> for_s;
+  std::optional<int64_t> count;
+};
+
+/// Runs a command of the user; the event is in its environment, never in its text.
+void run_command(const std::string& command, const memory::EventWatcher::News& news, const std::string& line,
+                 Warnings& warnings) {
+  setenv("LOCI_QUESTION", news.question.c_str(), 1);
+  setenv("LOCI_EVENT", line.c_str(), 1);
+  setenv("LOCI_EVENT_JSON", memory::format::change_json(news.change).dump().c_str(), 1);
+  std::fflush(stdout);
+  const int status = std::system(command.c_str());
+  if (status != 0) warnings.add(fmt::format("the command ended with status {}", status));
+}
+
+void watch(const WatchArguments& arguments, Session& session) {
+  std::vector<memory::StandingQuestion> questions;
+  for (const std::string& text : arguments.questions)
+    questions.push_back(memory::parse_standing_question(text));
+  std::vector<std::string> unknown;
+  memory::EventWatcher watcher(questions, memory::Store::open_read(arguments.memory), unknown);
+  for (const std::string& name : unknown) session.warnings().add(name + " yet", {arguments.memory, 0, {}});
+  const Stopwatch stopwatch;
+  int64_t count = 0;
+  while (!interrupted() && (!arguments.for_s || stopwatch.seconds() < *arguments.for_s)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    const memory::Store store = memory::Store::open_read(arguments.memory);
+    const memory::TimeWriter times(store);
+    for (const memory::EventWatcher::News& news : watcher.poll(store)) {
+      const std::string line =
+          fmt::format("{}  {}", memory::format::when_text(news.change, times), to_text(news.change));
+      if (session.flags().json) {
+        const Json json = {{"question", news.question}, {"event", memory::format::change_json(news.change)}};
+        fmt::print("{}\n", json.dump());
+      } else {
+        fmt::print("{}\n", line);
+      }
+      std::fflush(stdout);
+      if (!arguments.command.empty()) run_command(arguments.command, news, line, session.warnings());
+      if (arguments.count && ++count >= *arguments.count) return;
+    }
+  }
+}
+
+}  // namespace
+
+Command watch_command() {
+  return {
+      .name = "watch",
+      .description = "Wait for events while a memory is written: print them, or run a command",
+      .examples = {"loci-memory watch \"red leaves table_1\" \"anything appears\" -m demo-output/memory.loci "
+                   "--for 1",
+                   "loci-memory watch \"drawer_1 opens\" -m demo-output/memory.loci --for 1 --run 'echo "
+                   "\"$LOCI_EVENT\"'"},
+      .declare = [](ArgumentTable& table) {
+        auto arguments = std::make_shared<WatchArguments>();
+        table.positional("EVENT...", &arguments->questions,
+                         "What to wait for: " + memory::standing_question_forms());
+        table.memory(arguments->memory);
+        table.option("--run COMMAND", &arguments->command,
+                     "Command to run at each event, with LOCI_EVENT, LOCI_EVENT_JSON and LOCI_QUESTION "
+                     "in its environment");
+        table.option("--count N", &arguments->count, "End after this many events",
+                     {.default_text = "never", .min = 1});
+        table.option("--for SECONDS", &arguments->for_s, "End after this time",
+                     {.default_text = "never", .min = 0.1});
+        return [arguments](Session& session) { watch(*arguments, session); };
+      }};
+}
+
+}  // namespace loci::apps

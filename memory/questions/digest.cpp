@@ -1,0 +1,130 @@
+#include "memory/questions/digest.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mapping/base/text.h"
+#include "memory/questions/answer_format.h"
+#include "memory/questions/events.h"
+#include "memory/questions/question.h"
+#include "memory/questions/routines.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci::memory {
+
+using namespace format;
+
+namespace {
+
+constexpr TimeNs kMissingFor = 7 * 24 * 3600 * kSecond;  ///< what is gone for longer is no news
+constexpr size_t kMinUsualSightings = 3;                 ///< fewer are no habit
+constexpr double kMinUsualShare = 0.5;                   ///< of its sightings
+constexpr double kMinPresent = 0.5;  ///< probability that it is where it is believed to be
+
+std::vector<MisplacedObject> misplaced_objects(const Store& store, const AsOf& as_of) {
+  std::vector<MisplacedObject> misplaced;
+  for (const UsualObject& object : ask(store, UsualQuestion{{}, as_of, {}}).objects) {
+    if (object.places.empty() || !object.now.place || object.now.status == ObjectStatus::gone) continue;
+    const UsualPlace& usual = object.places.front();
+    if (usual.place.id == object.now.place->id || usual.sightings < kMinUsualSightings ||
+        usual.share < kMinUsualShare || object.now.probability < kMinPresent)
+      continue;
+    misplaced.push_back({object.now, usual.place, usual.sightings, usual.share});
+  }
+  return misplaced;
+}
+
+std::vector<ObjectBelief> missing_objects(const Snapshot& snapshot, TimeNs since) {
+  std::vector<ObjectBelief> missing;
+  for (const BeliefRow& row : snapshot.beliefs()) {
+    if (row.status != ObjectStatus::gone) continue;
+    ObjectBelief belief = snapshot.object_belief(row);
+    if (belief.last_seen && belief.last_seen->time >= since && !seen_once(belief))
+      missing.push_back(std::move(belief));
+  }
+  std::ranges::stable_sort(missing, std::greater(),
+                           [](const ObjectBelief& belief) { return belief.last_seen->time; });
+  return missing;
+}
+
+}  // namespace
+
+DigestAnswer ask(const Store& store, const DigestQuestion& question) {
+  const std::optional<SceneRow> last = store.latest_scene(question.as_of);
+  if (!last) throw store.error("there are no scenes yet");
+  const TimeReader times(store);
+  const TimeNs moment = question.day.empty() ? last->time : times.read(question.day).first;
+  const std::string day = format_time(moment, store.time_zone_minutes()).substr(0, 10);
+  const auto [from, to] = times.read(day);
+  AsOf as_of = question.as_of;
+  as_of.at = std::min(to, as_of.at.value_or(to));
+  const Snapshot snapshot(store, as_of);
+  DigestAnswer answer{.from = from,
+                      .to = to,
+                      .day = day,
+                      .scenes = store.scenes(as_of, from, to).size(),
+                      .changes = ask(store, ChangesQuestion{from, to, {}, {}, as_of, {}}).changes,
+                      .misplaced = {},
+                      .missing = missing_objects(snapshot, from - kMissingFor)};
+  if (!snapshot.beliefs().empty()) answer.misplaced = misplaced_objects(store, as_of);
+  return answer;
+}
+
+std::string to_text(const MisplacedObject& object) {
+  return fmt::format("{} is {}, usually {} ({} of its sightings)", to_text(object.now.object),
+                     place_text(*object.now.place), place_text(object.usual), percent(object.share));
+}
+
+std::string to_text(const DigestAnswer& answer, const TimeWriter& times) {
+  if (answer.scenes == 0) return fmt::format("Nothing was observed on {}.\n", answer.day);
+  std::string text = fmt::format("{}: {}, {}; {} out of the usual place, {} missing.\n", answer.day,
+                                 counted(answer.scenes, "scene"), counted(answer.changes.size(), "change"),
+                                 counted(answer.misplaced.size(), "object"), answer.missing.size());
+  const auto list = [&text](const char* heading, const auto& items, const auto& line) {
+    if (!items.empty()) text += fmt::format("\n{}:\n", heading);
+    for (const auto& item : items) text += fmt::format("  {}\n", line(item));
+  };
+  list("Changed", answer.changes, [&](const Change& change) {
+    return fmt::format("{}  {}", when_text(change, times), to_text(change));
+  });
+  list("Out of the usual place", answer.misplaced,
+       [](const MisplacedObject& object) { return to_text(object); });
+  list("Missing", answer.missing, [&](const ObjectBelief& belief) { return belief_text(belief, times); });
+  return text;
+}
+
+Json to_json(const DigestAnswer& answer) {
+  return {{"day", answer.day},
+          {"from", format_time(answer.from)},
+          {"to", format_time(answer.to)},
+          {"scenes", answer.scenes},
+          {"changes", list_json(answer.changes, change_json)},
+          {"out_of_place", list_json(answer.misplaced,
+                                     [](const MisplacedObject& object) {
+                                       Json json = belief_json(object.now);
+                                       json["usually"] = object.usual.name;
+                                       json["share"] = object.share;
+                                       return json;
+                                     })},
+          {"missing", list_json(answer.missing, belief_json)}};
+}
+
+std::vector<Question> digest_questions() {
+  return {
+      {.name = "digest",
+       .description = "A day: what changed, what is out of its usual place, what is missing",
+       .parameters = {{.name = "day",
+                       .type = ParameterType::time,
+                       .help = "\"yesterday\", \"2026-05-01\", or any time of it",
+                       .default_text = "the day of the last scene"}},
+       .examples = {"", "--day 2026-05-01 --json"},
+       .run = [](const Arguments& given) -> Answer {
+         return ask(given.store(), DigestQuestion{given.text("day"), given.as_of()});
+       },
+       .time = SentenceTime::none,
+       .sentences = {{"(give me|show me|what is) (digest|summary) [of day]", "Give me a digest of the day."},
+                     {"summarize day"}}}};
+}
+
+}  // namespace loci::memory
