@@ -57,6 +57,8 @@ void run(UpdateArguments& arguments, Session& session) {
   if (fs::exists(arguments.out) && fs::equivalent(arguments.out, fs::absolute(arguments.map).parent_path()))
     throw Error("the new map would replace the old one", {arguments.out, 0, {}},
                 "give another folder with -o");
+  session.check_outputs(arguments.out, {"map.urdf", "map.semantic.json", "scans/scans.yaml", "changes.json",
+                                        "changes.svg", "report.html"});
   arguments.options.threads = session.flags().threads;
   const mapping::World world = mapping::read_urdf(arguments.map);
   const mapping::SemanticMap semantics = mapping::read_semantic_map(mapping::sidecar_path(arguments.map));
@@ -83,7 +85,8 @@ Command update_command() {
             table.positional("MAP", &arguments->map, "URDF of the map; the sidecar is found beside it");
             table.positional("SCANS", &arguments->scans,
                              "Folder of new scans in about the map's frame, or of a recording with poses");
-            table.output("FOLDER", &arguments->out, "Folder of the new map, its scans and the changes");
+            table.output("FOLDER", &arguments->out, "Folder of the new map, its scans and the changes",
+                         {.replaces = true});
             table.option("--scans-before FOLDER", &arguments->earlier, "Scans that the map was made from",
                          {.default_text = "scans/ beside MAP"});
             table.options(table_of(arguments->options), "Update");
