@@ -1,4 +1,5 @@
 #include "apps/evaluate/commands.h"
+#include "apps/evaluate/description/household.h"
 #include "apps/evaluate/description/images.h"
 #include "apps/evaluate/description/primitives.h"
 #include "apps/evaluate/description/products.h"
@@ -26,16 +27,21 @@ struct Arguments {
   description_evaluation::ImagesOptions image_options;
   std::vector<std::string> folders;
   description_evaluation::ShapesOptions shape_options;
+  bool household = false;
+  std::string model_out;
+  description_evaluation::HouseholdOptions household_options;
 };
 
 void run(Arguments& given, Session& session) {
   table_of(given.products).validate();
   table_of(given.recognition).validate();
   table_of(given.shape_options).validate();
+  table_of(given.household_options).validate();
   if (given.catalogue.empty() && given.codes.empty() && !given.shapes && !given.primitives &&
-      given.images.empty() && given.templates.empty())
+      given.images.empty() && given.templates.empty() && !given.household)
     throw Error("nothing was chosen to measure", {},
-                "give --catalogue DIR, --codes DIR, --shapes, --images DIR, --templates DIR or --primitives");
+                "give --catalogue DIR, --codes DIR, --shapes, --household, --images DIR, --templates DIR or "
+                "--primitives");
   if (given.service && given.catalogue.empty())
     throw Error("--service needs a catalogue", {}, "give --catalogue DIR");
   std::string text;
@@ -64,6 +70,13 @@ void run(Arguments& given, Session& session) {
         given.folders, given.shape_options, session.flags().threads, session.progress(), session.warnings());
     text += result.text();
     json["shapes"] = result.to_json();
+  }
+  if (given.household) {
+    const description_evaluation::HouseholdResult result =
+        evaluate_household(given.folders, given.household_options, given.model_out, session.flags().threads,
+                           session.progress(), session.warnings());
+    text += result.text();
+    json["household"] = result.to_json();
   }
   if (!given.images.empty()) {
     const description_evaluation::ImagesResult result =
@@ -107,6 +120,11 @@ Command description_command() {
             table.flag("--service", given->service,
                        "Send the images of the catalogue (and the codes) to a visual-search server");
             table.flag("--shapes", given->shapes, "Measure shape classes, trained on simulated clusters");
+            table.flag(
+                "--household", given->household,
+                "Measure the names that the shipped classifier gives to rendered and labelled objects");
+            table.option("--model-out FILE", &given->model_out,
+                         "Write the classifier that --household-train made");
             table.option(
                 "--images FOLDER", &given->images,
                 "Folder with labels.csv: image experts are trained on some images and tested on the others");
@@ -119,6 +137,7 @@ Command description_command() {
                              "objects) for the classes of shape, too");
             table.options(table_of(given->products), "Products");
             table.options(table_of(given->shape_options), "Shapes");
+            table.options(table_of(given->household_options), "Names");
             table.options(table_of(given->image_options), "Images");
             table.options(table_of(given->recognition), "Recognition");
             return [given](Session& session) { run(*given, session); };

@@ -27,21 +27,6 @@ struct Built {
   double top_share = 1;  ///< of its height, where other objects stand on it
 };
 
-Paint plain(const Rgba& color) {
-  return [color](double, double) { return color; };
-}
-
-/// Cuts the long straight parts of a profile, so that paint can change along them.
-std::vector<Vector2d> finely(const std::vector<Vector2d>& profile, double step) {
-  std::vector<Vector2d> result = {profile.front()};
-  for (size_t i = 1; i < profile.size(); ++i) {
-    const Vector2d way = profile[i] - profile[i - 1];
-    const int parts = std::max(1, static_cast<int>(way.norm() / step));
-    for (int k = 1; k <= parts; ++k) result.push_back(profile[i - 1] + way * k / parts);
-  }
-  return result;
-}
-
 /// A round body: bottom, painted side of the given radius from z = low to high, then the rest of the profile.
 void round_body(ShapeBuilder& builder, double radius, double low, double high, const Look& look) {
   builder.lathe({{0, 0}, {radius * 0.92, 0}, {radius, low}}, plain(look.color));

@@ -1,10 +1,32 @@
 #include "mapping/simulation/shapes.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "mapping/base/math.h"
 
 namespace loci::mapping {
+
+Paint plain(const Rgba& color) {
+  return [color](double, double) { return color; };
+}
+
+Profile finely(const Profile& profile, double step) {
+  Profile result = {profile.front()};
+  for (size_t i = 1; i < profile.size(); ++i) {
+    const Vector2d way = profile[i] - profile[i - 1];
+    const int parts = std::max(1, static_cast<int>(way.norm() / step));
+    for (int k = 1; k <= parts; ++k) result.push_back(profile[i - 1] + way * k / parts);
+  }
+  return result;
+}
+
+void ShapeBuilder::append(const TriangleMesh& mesh) {
+  const auto first = static_cast<uint32_t>(mesh_.vertices.size());
+  mesh_.vertices.insert(mesh_.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+  for (const auto& [a, b, c] : mesh.triangles) mesh_.triangles.push_back({first + a, first + b, first + c});
+  mesh_.colors.insert(mesh_.colors.end(), mesh.colors.begin(), mesh.colors.end());
+}
 
 uint32_t ShapeBuilder::add(const Vector3d& vertex) {
   mesh_.vertices.push_back(vertex.cast<float>());
@@ -18,7 +40,7 @@ void ShapeBuilder::triangle(uint32_t a, uint32_t b, uint32_t c, const Rgba& colo
   mesh_.colors.push_back(color);
 }
 
-void ShapeBuilder::lathe(const std::vector<Vector2d>& profile, const Paint& paint, int segments) {
+void ShapeBuilder::lathe(const Profile& profile, const Paint& paint, int segments) {
   double length = 0;
   for (size_t i = 1; i < profile.size(); ++i) length += (profile[i] - profile[i - 1]).norm();
   const auto ring = [&](const Vector2d& at) {

@@ -10,13 +10,20 @@ namespace loci::mapping {
 
 /// Colour by position on a surface, both in [0,1]: along or around it, and up it.
 using Paint = std::function<Rgba(double u, double v)>;
+/// The same everywhere.
+Paint plain(const Rgba& color);
+
+/// Points (radius, height) from bottom to top.
+using Profile = std::vector<Vector2d>;
+/// Cuts the long straight parts of a profile, so that paint can change along them.
+Profile finely(const Profile& profile, double step);
 
 /// Puts simple shapes together as one mesh; all are closed, triangles counter-clockwise from outside.
 class ShapeBuilder {
  public:
   /// Turns a profile of (radius, height) points about z. Going up the profile, the outside is where the
   /// radius grows to. Colours are asked by angle and by part of the way along the profile.
-  void lathe(const std::vector<Vector2d>& profile, const Paint& paint, int segments = 40);
+  void lathe(const Profile& profile, const Paint& paint, int segments = 40);
 
   /// Axis-parallel box between two corners; its front (-y) is cut into columns × rows cells, so that it can
   /// carry an image (v = 1 at the top).
@@ -27,6 +34,9 @@ class ShapeBuilder {
   /// A round bar along a path that lies in a plane with normal `plane`, with one radius per point.
   void tube(const std::vector<Vector3d>& path, const std::vector<double>& radii, const Vector3d& plane,
             const Rgba& color, int segments = 14);
+
+  /// Triangles made elsewhere, with a colour each.
+  void append(const TriangleMesh& mesh);
 
   TriangleMesh take() { return std::move(mesh_); }
 

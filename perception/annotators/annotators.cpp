@@ -41,6 +41,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<ImageFeatureAnnotator>();
   registry.add<FeatureClassifier>();
   registry.add("ImageClassifier", [] { return std::make_unique<FeatureClassifier>(true); });
+  registry.add<HouseholdClassifier>();
   registry.add<PrimitiveShapeAnnotator>();
   registry.add<SizeAnnotator>();
   registry.add<RelationsAnnotator>();

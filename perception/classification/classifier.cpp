@@ -101,7 +101,7 @@ float distance_between(std::span<const float> a, std::span<const float> b, Featu
 }
 
 void ClassifierOptions::declare(OptionTable& table) {
-  table.text("method", method, "Kind of classifier.", {"knn", "svm", "forest"});
+  table.text("method", method, "Kind of classifier.", {"knn", "svm", "forest", "network"});
   table.text("distance", distance, "Between feature vectors, of knn and the kernel of svm.",
              {"L1", "L2", "chi-squared", "intersection", "Mahalanobis"});
   table.integer("k", k, "", "Neighbours that vote.", 1, 1000);
@@ -134,7 +134,7 @@ std::unique_ptr<Classifier> train_classifier(const LabelledVectors& data, const 
   for (const FeatureVector& vector : data.vectors) ready.vectors.push_back(scaled(vector));
   ClassifierOptions kind = options;
   Eigen::MatrixXf whitening;
-  if (options.distance == "Mahalanobis" && options.method != "forest") {
+  if (options.distance == "Mahalanobis" && (options.method == "knn" || options.method == "svm")) {
     kind.distance = name_of(FeatureDistance::l2);
     whitening = whitening_of(ready);
     for (FeatureVector& vector : ready.vectors) vector = product(whitening, vector);
@@ -146,8 +146,10 @@ std::unique_ptr<Classifier> train_classifier(const LabelledVectors& data, const 
     classifier = classifier_kinds::train_machine(ready, kind);
   else if (options.method == "forest")
     classifier = classifier_kinds::train_forest(ready, kind, random);
+  else if (options.method == "network")
+    classifier = classifier_kinds::train_network(ready, random);
   else
-    throw Error("there is no classifier " + options.method, {}, "there are knn, svm and forest");
+    throw Error("there is no classifier " + options.method, {}, "there are knn, svm, forest and network");
   classifier->whitening_ = std::move(whitening);
   return classifier;
 }
@@ -161,6 +163,8 @@ std::unique_ptr<Classifier> classifier_from_json(const Json& json) {
     classifier = classifier_kinds::machine_from_json(json);
   else if (method == "forest")
     classifier = classifier_kinds::forest_from_json(json);
+  else if (method == "network")
+    classifier = classifier_kinds::network_from_json(json);
   else
     throw Error("there is no classifier " + method);
   if (!json.contains("whitening")) return classifier;

@@ -9,6 +9,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
+#include "perception/classification/household_features.h"
 
 namespace loci::perception {
 namespace {
@@ -18,10 +19,16 @@ Eigen::VectorXd softmax(const Eigen::VectorXd& logits) {
   return powers / powers.sum();
 }
 
+Eigen::VectorXd log_softmax(const Eigen::VectorXd& logits) {
+  const Eigen::ArrayXd shifted = logits.array() - logits.maxCoeff();
+  return shifted - std::log(shifted.exp().sum());
+}
+
 constexpr const char* kKind = "loci classifier";
 constexpr int kVersion = 1;
 constexpr double kRidge = 1e-3;
 constexpr std::string_view kBag = "Bag";
+constexpr const char* kHousehold = "Household";
 constexpr size_t kWords = 100;
 
 /// What one expert says of each object when it has not learned it.
@@ -87,16 +94,25 @@ std::map<std::string, Vocabulary> learned_words(const std::vector<TrainingSample
 }  // namespace
 
 SoftmaxRegression SoftmaxRegression::fit(const std::vector<Eigen::MatrixXd>& examples,
-                                         const std::vector<size_t>& labels, double ridge) {
+                                         const std::vector<size_t>& labels, double ridge,
+                                         const Eigen::VectorXd& prior) {
   if (labels.empty() || labels.size() != examples.size())
     throw Error("a regression needs one label for each example");
   const Eigen::Index size = examples.front().cols();
   const double share = 1.0 / static_cast<double>(labels.size());
   SoftmaxRegression regression;
-  regression.weights_ = Eigen::VectorXd::Zero(size);
-  constexpr int kSteps = 30;
+  const Eigen::VectorXd centre = prior.size() > 0 ? prior : Eigen::VectorXd::Zero(size);
+  const auto loss = [&](const Eigen::VectorXd& weights) {
+    double sum = 0.5 * ridge * (weights - centre).squaredNorm();
+    for (size_t i = 0; i < examples.size(); ++i)
+      sum -= share * log_softmax(examples[i] * weights)[static_cast<Eigen::Index>(labels[i])];
+    return sum;
+  };
+  regression.weights_ = centre;
+  double lost = loss(centre);
+  constexpr int kSteps = 50;
   for (int step = 0; step < kSteps; ++step) {
-    Eigen::VectorXd gradient = ridge * regression.weights_;
+    Eigen::VectorXd gradient = ridge * (regression.weights_ - centre);
     Eigen::MatrixXd hessian = ridge * Eigen::MatrixXd::Identity(size, size);
     for (size_t i = 0; i < examples.size(); ++i) {
       const Eigen::MatrixXd& x = examples[i];
@@ -105,8 +121,16 @@ SoftmaxRegression SoftmaxRegression::fit(const std::vector<Eigen::MatrixXd>& exa
       gradient += share * (mean - x.row(static_cast<Eigen::Index>(labels[i])).transpose());
       hessian += share * (x.transpose() * p.asDiagonal() * x - mean * mean.transpose());
     }
-    const Eigen::VectorXd move = hessian.llt().solve(gradient);
+    // Far from the optimum a whole step of Newton's overshoots: half of it, until it is one.
+    Eigen::VectorXd move = hessian.llt().solve(gradient);
+    double next = loss(regression.weights_ - move);
+    for (int halving = 0; halving < 40 && !(next <= lost); ++halving) {
+      move /= 2;
+      next = loss(regression.weights_ - move);
+    }
+    if (!(next <= lost)) break;
     regression.weights_ -= move;
+    lost = next;
     if (move.norm() < 1e-8) break;
   }
   if (!regression.weights_.allFinite()) throw Error("the regression has no finite weights");
@@ -134,6 +158,7 @@ SoftmaxRegression SoftmaxRegression::from_json(const Json& json) {
 std::vector<std::string> expert_feature_names() {
   std::vector<std::string> names = shape_feature_names();
   names.emplace_back("HOG");
+  names.emplace_back(kHousehold);
   for (const std::string& name : local_feature_names()) names.push_back(name + std::string(kBag));
   return names;
 }
@@ -154,7 +179,9 @@ ObjectFeatures object_features(const std::vector<std::string>& names, const Obje
       if (found.count() > 0) all.local[local] = std::move(found);
       continue;
     }
-    FeatureVector vector = name == "HOG" ? hog_of(view.image, view.mask) : shape_feature(name, view.surface);
+    FeatureVector vector = name == "HOG"        ? hog_of(view.image, view.mask)
+                           : name == kHousehold ? household_features(view)
+                                                : shape_feature(name, view.surface);
     if (!vector.empty()) all.features[name] = std::move(vector);
   }
   return all;
@@ -190,7 +217,8 @@ ExpertSpec parse_expert(const std::string& text, const ClassifierOptions& option
 
 std::string name_of(const ExpertSpec& expert) {
   const std::string name = expert.feature + ":" + expert.options.method;
-  return expert.options.method == "forest" ? name : name + ":" + expert.options.distance;
+  const bool compares = expert.options.method == "knn" || expert.options.method == "svm";
+  return compares ? name + ":" + expert.options.distance : name;
 }
 
 Eigen::MatrixXd Ensemble::inputs(const std::vector<std::vector<double>>& scores) const {
@@ -206,7 +234,8 @@ Eigen::MatrixXd Ensemble::inputs(const std::vector<std::vector<double>>& scores)
 }
 
 Ensemble Ensemble::train(std::vector<TrainingSample> objects, const std::vector<ExpertSpec>& experts,
-                         int folds, const Random& random, int threads, Progress& progress) {
+                         int folds, const Random& random, int threads, Progress& progress,
+                         std::vector<HeldOut>* held_out) {
   if (experts.empty()) throw Error("there is no expert to train");
   Ensemble ensemble;
   ensemble.specs_ = experts;
@@ -248,11 +277,17 @@ Ensemble Ensemble::train(std::vector<TrainingSample> objects, const std::vector<
     all.push_back(ensemble.inputs(of_thing));
   }
   progress.check(0.9, "they are weighed");
-  ensemble.fusion_ = SoftmaxRegression::fit(all, labels, kRidge);
+  // What the examples do not decide stays with all experts alike: those that are best on examples of one
+  // origin are not those that are best elsewhere.
+  Eigen::VectorXd alike = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(experts.size() + classes));
+  alike.head(static_cast<Eigen::Index>(experts.size())).setConstant(1 / static_cast<double>(experts.size()));
+  ensemble.fusion_ = SoftmaxRegression::fit(all, labels, kRidge, alike);
   std::vector<double> right(classes, 0.0), count(classes, 0.0);
   for (size_t i = 0; i < used.size(); ++i) {
+    const std::vector<double> probabilities = ensemble.fusion_.probabilities(all[i]);
     count[labels[i]] += 1;
-    right[labels[i]] += best_of(ensemble.fusion_.probabilities(all[i])) == labels[i];
+    right[labels[i]] += best_of(probabilities) == labels[i];
+    if (held_out) held_out->push_back({labels[i], probabilities});
   }
   for (size_t c = 0; c < classes; ++c) ensemble.accuracies_.push_back(right[c] / count[c]);
   return ensemble;
@@ -293,23 +328,30 @@ Classification Ensemble::classify(FeatureSet features, const LocalFeatureSet& lo
   return result;
 }
 
-void Ensemble::save(const std::filesystem::path& path) const {
+Json Ensemble::to_json() const {
   Json experts = Json::array();
   for (size_t e = 0; e < specs_.size(); ++e)
     experts.push_back({{"expert", name_of(specs_[e])}, {"trained", classifiers_[e]->to_json()}});
   Json vocabularies = Json::object();
   for (const auto& [name, vocabulary] : vocabularies_) vocabularies[name] = vocabulary.to_json();
-  write_json(path, {{"kind", kKind},
-                    {"vocabularies", std::move(vocabularies)},
-                    {"version", kVersion},
-                    {"classes", classes_},
-                    {"accuracies", accuracies_},
-                    {"experts", std::move(experts)},
-                    {"fusion", fusion_.to_json()}});
+  return {{"kind", kKind},
+          {"vocabularies", std::move(vocabularies)},
+          {"version", kVersion},
+          {"classes", classes_},
+          {"accuracies", accuracies_},
+          {"experts", std::move(experts)},
+          {"fusion", fusion_.to_json()}};
 }
 
-Ensemble Ensemble::load(const std::filesystem::path& path) try {
-  const Json json = read_json(path);
+void Ensemble::save(const std::filesystem::path& path) const {
+  write_json(path, to_json());
+}
+
+Ensemble Ensemble::load(const std::filesystem::path& path) {
+  return from_json(read_json(path), path.string());
+}
+
+Ensemble Ensemble::from_json(const Json& json, const std::string& file) try {
   if (!json.is_object() || json.value("kind", "") != kKind)
     throw Error("this is no classifier", {}, "make one with `loci-perceive train`");
   if (json.at("version") != kVersion)
@@ -328,9 +370,9 @@ Ensemble Ensemble::load(const std::filesystem::path& path) try {
   return ensemble;
 } catch (const Error& error) {
   if (!error.location().file.empty()) throw;
-  throw Error(error.message(), {path.string(), 0, {}}, error.hint());
+  throw Error(error.message(), {file, 0, {}}, error.hint());
 } catch (const nlohmann::json::exception&) {
-  throw Error("the classifier contradicts itself", {path.string(), 0, {}}, "train it anew");
+  throw Error("the classifier contradicts itself", {file, 0, {}}, "train it anew");
 }
 
 }  // namespace loci::perception

@@ -20,10 +20,11 @@ namespace loci::perception {
 /// are enough.
 class SoftmaxRegression {
  public:
-  /// The weights that maximise the mean log probability of the labels minus ridge/2 · |w|², by Newton's
-  /// method. Each example is a matrix of classes × inputs; `ridge` > 0.
+  /// The weights that maximise the mean log probability of the labels minus ridge/2 · |w - prior|², by
+  /// Newton's method. Each example is a matrix of classes × inputs; `ridge` > 0; without a prior it is 0.
   static SoftmaxRegression fit(const std::vector<Eigen::MatrixXd>& examples,
-                               const std::vector<size_t>& labels, double ridge);
+                               const std::vector<size_t>& labels, double ridge,
+                               const Eigen::VectorXd& prior = {});
 
   std::vector<double> probabilities(const Eigen::MatrixXd& example) const;
 
@@ -50,8 +51,8 @@ struct ObjectFeatures {
   LocalFeatureSet local;
 };
 
-/// Descriptors that experts may rest on: those of shape, "HOG", and the bags "SIFTBag", "ORBBag", "SHOTBag",
-/// "FPFHBag".
+/// Descriptors that experts may rest on: those of shape, "HOG", "Household", and the bags "SIFTBag",
+/// "ORBBag", "SHOTBag", "FPFHBag".
 std::vector<std::string> expert_feature_names();
 /// The descriptors of these names (expert_feature_names()) of what is seen.
 ObjectFeatures object_features(const std::vector<std::string>& names, const ObjectView& view);
@@ -73,8 +74,8 @@ struct ExpertSpec {
 };
 
 /// "VFH:knn:L1", "SIFTBag:svm", "GRSD:forest": descriptor (expert_feature_names()), classifier and, except
-/// for forests, distance (chi-squared unless given). Other options as in `options`. Error that says what is
-/// wrong.
+/// for forests and networks, distance (chi-squared unless given). Other options as in `options`. Error that
+/// says what is wrong.
 ExpertSpec parse_expert(const std::string& text, const ClassifierOptions& options = {});
 std::string name_of(const ExpertSpec& expert);
 
@@ -90,10 +91,17 @@ struct Classification {
 /// calibrates that one.
 class Ensemble {
  public:
+  /// What was said of an object by experts that had not learned it.
+  struct HeldOut {
+    size_t label = 0;                   ///< the true class
+    std::vector<double> probabilities;  ///< by class
+  };
+
   /// Objects without all the descriptors are passed over. Error when fewer than two classes or fewer objects
   /// than `folds` of a class remain. Same seed, same ensemble on any number of threads.
   static Ensemble train(std::vector<TrainingSample> objects, const std::vector<ExpertSpec>& experts,
-                        int folds, const Random& random, int threads, Progress& progress);
+                        int folds, const Random& random, int threads, Progress& progress,
+                        std::vector<HeldOut>* held_out = nullptr);
 
   const std::vector<std::string>& classes() const { return classes_; }
   const std::vector<ExpertSpec>& experts() const { return specs_; }
@@ -109,6 +117,8 @@ class Ensemble {
   /// The words of bags, by the name of the bag.
   const std::map<std::string, Vocabulary>& vocabularies() const { return vocabularies_; }
 
+  Json to_json() const;
+  static Ensemble from_json(const Json& json, const std::string& file);
   /// JSON; load() gives an ensemble that answers the same, or an Error with the file.
   void save(const std::filesystem::path& path) const;
   static Ensemble load(const std::filesystem::path& path);

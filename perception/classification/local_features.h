@@ -2,6 +2,7 @@
 
 #include <map>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,9 @@ namespace loci::perception {
 /// What is seen of an object. Either part may be empty.
 struct ObjectView {
   SurfacePoints surface;
-  cv::Mat image;  ///< CV_8UC3 (BGR) or CV_8UC1
-  cv::Mat mask;   ///< CV_8U, 255 = the object; empty: all of the image
+  cv::Mat image;                   ///< CV_8UC3 (BGR) or CV_8UC1
+  cv::Mat mask;                    ///< CV_8U, 255 = the object; empty: all of the image
+  std::optional<Ground> ground{};  ///< what it stands on, in the frame of the points; unset = not known
 };
 
 /// Descriptors of key points, each of `length` values.

@@ -29,12 +29,6 @@ struct PrimitiveShape {
 /// "box", "cylinder", "cone", "sphere".
 std::string name_of(PrimitiveShape::Kind kind);
 
-/// What an object stands on, in the frame of the points: up·x = ground on it.
-struct Ground {
-  Vector3d up = Vector3d::UnitZ();
-  double height = 0;
-};
-
 struct PrimitiveOptions {
   double noise_m = 0.002;        ///< of the distance of a point from a surface
   double noise_per_m2 = 0.0015;  ///< what is added at a metre from the camera; grows with the square

@@ -15,6 +15,12 @@ struct SurfacePoints {
   std::vector<float> brightness{};  ///< 0 to 255, as many; empty = not known
 };
 
+/// What an object stands on, in the frame of the points: up·x = ground on it.
+struct Ground {
+  Vector3d up = Vector3d::UnitZ();
+  double height = 0;
+};
+
 /// One point per cell of 5 mm: the mean of those in it that have a normal, in order of the cells. All of them
 /// have as many points and normals.
 SurfacePoints thinned_surface(const SurfacePoints& surface);

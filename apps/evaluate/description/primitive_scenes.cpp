@@ -11,6 +11,7 @@
 #include "mapping/base/math.h"
 #include "mapping/render/render.h"
 #include "mapping/sensor/kinect.h"
+#include "mapping/simulation/household_scenes.h"
 #include "mapping/simulation/scenario.h"
 #include "mapping/simulation/shapes.h"
 
@@ -188,36 +189,6 @@ Primitive primitive_of(size_t kind, Random& draw) {
   }
 }
 
-/// What a Kinect's correlation window does to the disparity, as measured on the tables of real images: each
-/// value is that of the surface around it, which rounds edges and corners, and its error is shared by
-/// neighbours (their correlation falls linearly to nothing at 8 pixels).
-cv::Mat seen_through_window(const cv::Mat& depth, double focal_times_baseline, Random draw) {
-  constexpr int kHalf = 4;           // pixels
-  constexpr float kSameSurface = 1;  // px of disparity
-  constexpr double kSigma = 0.07;    // px, after the window
-  cv::Mat disparity = focal_times_baseline / depth, noise(depth.size(), CV_32F), result(depth.size(), CV_32F);
-  for (float& value : cv::Mat_<float>(noise))
-    value = static_cast<float>(draw.normal(kSigma * (2 * kHalf + 1)));
-  cv::blur(noise, noise, {2 * kHalf + 1, 2 * kHalf + 1});
-  for (int v = 0; v < depth.rows; ++v) {
-    for (int u = 0; u < depth.cols; ++u) {
-      const float own = disparity.at<float>(v, u);
-      float sum = 0, count = 0;
-      for (int y = std::max(0, v - kHalf); y <= std::min(depth.rows - 1, v + kHalf); ++y) {
-        const float* row = disparity.ptr<float>(y);
-        for (int x = std::max(0, u - kHalf); x <= std::min(depth.cols - 1, u + kHalf); ++x)
-          if (std::abs(row[x] - own) < kSameSurface) {
-            sum += row[x];
-            ++count;
-          }
-      }
-      const float seen = sum / count + noise.at<float>(v, u);  // NaN stays NaN.
-      result.at<float>(v, u) = static_cast<float>(focal_times_baseline) / seen;
-    }
-  }
-  return result;
-}
-
 /// A table before a camera.
 struct Layout {
   mapping::RenderScene scene;
@@ -311,7 +282,7 @@ class PrimitiveScenes : public mapping::Recording {
     mapping::KinectModel sensor;
     cv::Mat depth = view.depth;
     if (draw.uniform() < 0.5) {
-      depth = seen_through_window(depth, frame.camera.depth.fx * sensor.baseline_m, draw.fork(1));
+      depth = mapping::seen_through_window(depth, frame.camera.depth.fx * sensor.baseline_m, draw.fork(1));
       sensor.disparity_sigma_px = 0;
     }
     frame.depth = measured_by_kinect(depth, view.normal, frame.camera.depth, sensor, draw.fork(0));

@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 
 #include "apps/evaluate/description/primitive_scenes.h"
-#include "mapping/base/csv.h"
 #include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
 #include "perception/classification/ensemble.h"
@@ -29,26 +27,6 @@ std::string class_of_category(const std::string& category) {
   if (category.find("box") != std::string::npos) return "box";
   if (category.find("cylindric") != std::string::npos) return "cylinder";
   return "";
-}
-
-perception::LabelledRecording by_category(const fs::path& folder) {
-  perception::LabelledRecording labelled;
-  labelled.recording = mapping::open_recording(folder);
-  const auto images = perception::find_label_images(folder);
-  labelled.labels = [images](const std::string& frame) {
-    const auto found = images.find(frame);
-    return found == images.end() ? cv::Mat() : perception::read_label_image(found->second);
-  };
-  const CsvTable table = CsvTable::read(folder / "scenes.csv");
-  std::map<int64_t, std::string> classes;
-  const size_t scene = table.require_column("scene"), category = table.require_column("category");
-  for (size_t row = 0; row < table.rows(); ++row)
-    classes[table.integer(row, scene)] = class_of_category(table.cell(row, category));
-  labelled.class_of = [classes](const std::string& frame, int) {
-    const auto found = classes.find(perception::scene_number(frame));
-    return found == classes.end() ? std::string() : found->second;
-  };
-  return labelled;
 }
 
 TestSet described(const std::string& name, const perception::LabelledRecording& labelled,
@@ -153,7 +131,8 @@ ShapesResult evaluate_shapes(const std::vector<std::string>& folders, const Shap
                            primitive_scenes(static_cast<size_t>(options.test_scenes), random.fork(1)),
                            features, threads, testing, warnings));
   for (const std::string& folder : folders)
-    sets.push_back(described(fs::path(folder).lexically_normal().filename().string(), by_category(folder),
+    sets.push_back(described(fs::path(folder).lexically_normal().filename().string(),
+                             perception::open_labelled_recording_by_scene(folder, class_of_category),
                              features, threads, real, warnings));
   ShapesResult result;
   result.trained_on = train.samples.size();

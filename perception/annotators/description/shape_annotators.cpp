@@ -81,6 +81,35 @@ std::string joined(const Ensemble& model, const std::string& between,
   return text;
 }
 
+/// The image of a cluster, without its surface.
+ObjectView image_view(const types::Cluster& cluster) {
+  ObjectView view;
+  const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>();
+  if (!roi) return view;
+  view.image = types::from<cv::Mat>(roi.image.get());
+  if (roi.mask.is_set()) view.mask = types::from<cv::Mat>(roi.mask.get());
+  if (view.mask.size() != view.image.size()) view.mask.release();
+  return view;
+}
+
+/// Classes less probable than this are not stored.
+constexpr double kMinStored = 0.02;
+
+/// A part of the surface is enough: the features need no more points.
+ObjectView household_view(const types::SceneCas& scene, const types::Cluster& cluster, const cv::Mat& points,
+                          const cv::Mat& normals) {
+  constexpr size_t kEnough = 1500;
+  ObjectView view = image_view(cluster);
+  const auto indices = cluster_indices(cluster);
+  const size_t step = std::max<size_t>(1, indices.size() / kEnough);
+  for (size_t k = 0; k < indices.size(); k += step) {
+    view.surface.points.push_back(to_vector3f(points.ptr<cv::Vec3f>()[indices[k]]));
+    view.surface.normals.push_back(to_vector3f(normals.ptr<cv::Vec3f>()[indices[k]]));
+  }
+  view.ground = cluster_ground(scene, cluster);
+  return view;
+}
+
 }  // namespace
 
 SurfacePoints cluster_surface(const types::SceneCas& scene, const types::Cluster& cluster) {
@@ -96,13 +125,10 @@ SurfacePoints cluster_surface(const types::SceneCas& scene, const types::Cluster
 }
 
 ObjectView cluster_view(const types::SceneCas& scene, const types::Cluster& cluster) {
-  ObjectView view;
-  if (scene.has(types::SceneCas::kCloud) && scene.has(types::SceneCas::kNormals))
+  ObjectView view = image_view(cluster);
+  if (scene.has(types::SceneCas::kCloud) && scene.has(types::SceneCas::kNormals)) {
     view.surface = cluster_surface(scene, cluster);
-  if (const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>()) {
-    view.image = types::from<cv::Mat>(roi.image.get());
-    if (roi.mask.is_set()) view.mask = types::from<cv::Mat>(roi.mask.get());
-    if (view.mask.size() != view.image.size()) view.mask.release();
+    if (scene.scene().map_from_camera.is_set()) view.ground = cluster_ground(scene, cluster);
   }
   return view;
 }
@@ -153,7 +179,7 @@ void PclFeatureAnnotator::start(Context& /*context*/) {
 void PclFeatureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   for (const types::Cluster& cluster : scene.clusters()) {
-    const ObjectView view{cluster_surface(scene, cluster), {}, {}};
+    const ObjectView view{cluster_surface(scene, cluster), {}, {}, {}};
     for (const std::string& name : keypoints_)
       annotate_local(cas, cluster, descriptor().name, name, local_features(name, view));
     for (const auto& [name, vector] : feature_set(features_, view.surface)) {
@@ -275,6 +301,49 @@ void FeatureClassifier::process(cas::Cas& cas, Context& /*context*/) {
       confidence.name.set(model_->classes()[c]);
       confidence.confidence.set(result.probabilities[c]);
       confidence.accuracy.set(model_->accuracies()[c]);
+      annotation.confidences.push_back(confidence);
+    }
+    cluster.annotations.push_back(annotation);
+  }
+}
+
+AnnotatorDescriptor HouseholdClassifier::descriptor() const {
+  return {"HouseholdClassifier",
+          "Names household objects by shape, size and colour, where it is sure enough.",
+          {"Scene", "Cluster", "ReferenceClusterPoints", "PlanarSupport", "view:cloud", "view:normals"},
+          {"ClassificationAnnotation"},
+          {"StandaloneImageROI"}};
+}
+
+void HouseholdClassifier::declare(OptionTable& table) {
+  table.text("model", path_,
+             "Model file, written by `loci-evaluate description --household`; empty = the shipped one.");
+}
+
+void HouseholdClassifier::start(Context& /*context*/) {
+  if (!path_.empty()) own_ = HouseholdModel::load(path_);
+}
+
+void HouseholdClassifier::process(cas::Cas& cas, Context& /*context*/) {
+  const HouseholdModel& model = own_ ? *own_ : HouseholdModel::shipped();
+  const types::SceneCas scene(cas);
+  const cv::Mat points = cloud_points(scene), normals = cloud_normals(scene);
+  for (const types::Cluster& cluster : scene.clusters()) {
+    const auto answer = model.classify(household_view(scene, cluster, points, normals));
+    if (!answer) continue;
+    const auto annotation = types::ClassificationAnnotation::create(cas);
+    annotation.source.set(descriptor().name);
+    annotation.confidence.set(answer->probability);
+    annotation.kind.set("object");
+    annotation.label.set(answer->label);
+    annotation.feature.set("Household");
+    annotation.classifier.set("network");
+    annotation.model.set("household");
+    for (const auto& [name, probability] : answer->classes) {
+      if (probability < kMinStored) break;
+      const auto confidence = types::ClassConfidence::create(cas);
+      confidence.name.set(name);
+      confidence.confidence.set(probability);
       annotation.confidences.push_back(confidence);
     }
     cluster.annotations.push_back(annotation);

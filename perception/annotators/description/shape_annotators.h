@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "perception/classification/ensemble.h"
+#include "perception/classification/household_model.h"
 #include "perception/classification/primitive_shape.h"
 #include "perception/pipeline/annotator.h"
 #include "perception/types/scene_cas.h"
@@ -63,6 +64,20 @@ class FeatureClassifier : public Annotator {
   std::string kind_ = "shape";
   double min_confidence_ = 0;
   std::optional<Ensemble> model_;
+};
+
+/// Names household objects by shape, size and colour: cup, plate, bottle, box, ... What is not sure enough
+/// gets the name of its group, or none.
+class HouseholdClassifier : public Annotator {
+ public:
+  AnnotatorDescriptor descriptor() const override;
+  void declare(OptionTable& table) override;
+  void start(Context& context) override;
+  void process(cas::Cas& cas, Context& context) override;
+
+ private:
+  std::string path_;
+  std::optional<HouseholdModel> own_;
 };
 
 /// The box, cylinder, cone or sphere that explains a cluster best, with its numbers.

@@ -141,7 +141,10 @@ int64_t scene_number(const std::string& frame_name) {
   return last - first > 15 ? -1 : std::stoll(frame_name.substr(first, last - first + 1));
 }
 
-LabelledRecording open_labelled_recording(const fs::path& folder) {
+namespace {
+
+/// Without classes.
+LabelledRecording open_label_images(const fs::path& folder) {
   LabelledRecording labelled;
   labelled.recording = mapping::open_recording(folder);
   const auto images = find_label_images(folder);
@@ -152,6 +155,13 @@ LabelledRecording open_labelled_recording(const fs::path& folder) {
     const auto found = images.find(frame);
     return found == images.end() ? cv::Mat() : read_label_image(found->second);
   };
+  return labelled;
+}
+
+}  // namespace
+
+LabelledRecording open_labelled_recording(const fs::path& folder) {
+  LabelledRecording labelled = open_label_images(folder);
   const CsvTable table = CsvTable::read(folder / "objects.csv");
   const size_t scene = table.require_column("scene"), group = table.require_column("label_group");
   const int own = table.column("class");
@@ -161,6 +171,22 @@ LabelledRecording open_labelled_recording(const fs::path& folder) {
     classes[{table.integer(row, scene), table.integer(row, group)}] = table.cell(row, name);
   labelled.class_of = [classes](const std::string& frame, int object) {
     const auto found = classes.find({scene_number(frame), object});
+    return found == classes.end() ? std::string() : found->second;
+  };
+  return labelled;
+}
+
+LabelledRecording open_labelled_recording_by_scene(
+    const fs::path& folder,
+    const std::function<std::string(const std::string& category)>& class_of_category) {
+  LabelledRecording labelled = open_label_images(folder);
+  const CsvTable table = CsvTable::read(folder / "scenes.csv");
+  const size_t scene = table.require_column("scene"), category = table.require_column("category");
+  std::map<int64_t, std::string> classes;
+  for (size_t row = 0; row < table.rows(); ++row)
+    classes[table.integer(row, scene)] = class_of_category(table.cell(row, category));
+  labelled.class_of = [classes](const std::string& frame, int) {
+    const auto found = classes.find(scene_number(frame));
     return found == classes.end() ? std::string() : found->second;
   };
   return labelled;
@@ -178,13 +204,12 @@ std::vector<LabelledPart> labelled_parts(const LabelledRecording& labelled, cons
   return parts;
 }
 
-LabelledSurfaces labelled_surfaces(const LabelledRecording& labelled, Progress& progress,
-                                   Warnings& warnings) {
+LabelledSurfaces labelled_surfaces(const LabelledRecording& labelled, Progress& progress, Warnings& warnings,
+                                   const std::string& flow) {
   AnnotatorRegistry registry;
   add_annotators(registry);
   Pipeline pipeline =
-      Pipeline::parse("reader: RecordingReader\nflow: [NormalEstimator, PlaneClusterExtractor]\n",
-                      "the tabletop pipeline", registry);
+      Pipeline::parse("reader: RecordingReader\nflow: " + flow + "\n", "the tabletop pipeline", registry);
   Resources resources;
   resources.put(labelled.recording);
   Context context{resources, warnings, 1, {}};

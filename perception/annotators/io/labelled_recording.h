@@ -64,6 +64,12 @@ struct LabelledRecording {
 /// label_group (label rounded down to tens), and class or object: what it is.
 LabelledRecording open_labelled_recording(const std::filesystem::path& folder);
 
+/// A folder with a recording, label images and scenes.csv (scene, category): all objects of a scene have the
+/// class of its category, "" = they are left out.
+LabelledRecording open_labelled_recording_by_scene(
+    const std::filesystem::path& folder,
+    const std::function<std::string(const std::string& category)>& class_of_category);
+
 /// Objects of labelled frames whose class is known.
 struct LabelledSurfaces {
   std::vector<LabelledSurface> found;  ///< those that the tabletop pipeline finds
@@ -79,8 +85,14 @@ struct LabelledPart {
 /// Those of a frame, in the order of their labels.
 std::vector<LabelledPart> labelled_parts(const LabelledRecording& labelled, const std::string& frame);
 
-/// Runs the tabletop pipeline (without a map) and gives each cluster the class of the object with which it
-/// shares most pixels, at least half of both together.
-LabelledSurfaces labelled_surfaces(const LabelledRecording& labelled, Progress& progress, Warnings& warnings);
+/// The flow that finds objects on a table.
+inline constexpr const char* kTabletopFlow = "[NormalEstimator, PlaneClusterExtractor]";
+/// The same with what is too low to be separated by height, as in the default pipeline.
+inline constexpr const char* kObjectFlow = "[NormalEstimator, PlaneClusterExtractor, FlatObjectExtractor]";
+
+/// Runs a flow (without a map) and gives each cluster the class of the object with which it shares most
+/// pixels, at least half of both together.
+LabelledSurfaces labelled_surfaces(const LabelledRecording& labelled, Progress& progress, Warnings& warnings,
+                                   const std::string& flow = kTabletopFlow);
 
 }  // namespace loci::perception

@@ -211,6 +211,49 @@ TEST(SoftmaxRegression, finds_the_shares_behind_the_labels) {
   EXPECT_NEAR(regression.probabilities(examples[0])[0], 0.75, 1e-3);
 }
 
+TEST(SoftmaxRegression, calibrates_an_expert_that_is_very_sure_of_one_of_many_classes) {
+  // A whole step of Newton's method goes so far that the next one would lead away for good.
+  constexpr Eigen::Index kClasses = 29;
+  std::vector<Eigen::MatrixXd> examples;
+  std::vector<size_t> labels;
+  for (size_t i = 0; i < 290; ++i) {
+    Eigen::MatrixXd scores = Eigen::MatrixXd::Constant(kClasses, 1, std::log(0.01));
+    scores(static_cast<Eigen::Index>(i % kClasses), 0) = 0;
+    examples.push_back(scores);
+    labels.push_back(i % 10 == 0 ? (i + 1) % kClasses : i % kClasses);  // one in ten is wrong
+  }
+  const auto regression = SoftmaxRegression::fit(examples, labels, 1e-3);
+  EXPECT_NEAR(regression.probabilities(examples[1])[1], 0.9, 0.02);
+}
+
+TEST(Classifier, a_network_learns_and_is_the_same_after_saving) {
+  LabelledVectors data;
+  data.classes = 3;
+  Random draw(5);
+  const auto example = [&](size_t label) {
+    const auto x = static_cast<float>(draw.normal(0.03) + 0.2 * (label == 1)),
+               y = static_cast<float>(draw.normal(0.03) + 0.2 * (label == 2));
+    return FeatureVector{0.3F + x, 0.3F + y, 2 - x - y};
+  };
+  for (size_t i = 0; i < 300; ++i) {
+    data.labels.push_back(i % 3);
+    data.vectors.push_back(example(i % 3));
+  }
+  ClassifierOptions options;
+  options.method = "network";
+  const auto classifier = train_classifier(data, options, Random(0));
+  EXPECT_EQ(classifier->to_json(), train_classifier(data, options, Random(0))->to_json());
+  const auto again = classifier_from_json(parse_json(classifier->to_json().dump(), "model"));
+  int right = 0;
+  for (size_t i = 0; i < 99; ++i) {
+    const FeatureVector vector = example(i % 3);
+    const std::vector<double> scores = classifier->scores(vector);
+    EXPECT_EQ(scores, again->scores(vector));
+    right += scores[i % 3] > 0.5;
+  }
+  EXPECT_GE(right, 95);
+}
+
 TEST(Ensemble, tells_boxes_from_cylinders_that_it_has_not_seen) {
   const std::vector<std::string> features = {"VFH", "PFH"};
   const auto examples = things(features, 40, 1), tests = things(features, 20, 2);
