@@ -108,24 +108,44 @@ class Segmentation {
     return pieces;
   }
 
+  /// Components of planes. Other surfels (thin legs, but also stray points between two objects) are joined to
+  /// the one component that they touch.
   std::vector<Piece> connected() const {
     CellIndex cells;
     std::vector<uint32_t> cell_of_member;
-    for (const uint32_t i : members_)
-      cell_of_member.push_back(cells.insert(cell_of(surface_.position[i], kPieces.link_m)));
+    std::vector<bool> plane;  // By cell.
+    for (const uint32_t i : members_) {
+      const uint32_t cell = cells.insert(cell_of(surface_.position[i], kPieces.link_m));
+      cell_of_member.push_back(cell);
+      plane.resize(cells.size(), false);
+      if (surface_.weight[i] > 0.F) plane[cell] = true;
+    }
     Sets sets(cells.size());
-    for (uint32_t c = 0; c < cells.size(); ++c)
-      for (int x = -1; x <= 1; ++x)
-        for (int y = -1; y <= 1; ++y)
-          for (int z = -1; z <= 1; ++z) {
-            const uint32_t other = cells.find(cells.cells()[c] + Eigen::Vector3i(x, y, z));
-            if (other != CellIndex::kNone) sets.join(c, other);
-          }
+    for_touching(cells, [&](uint32_t a, uint32_t b) {
+      if (plane[a] == plane[b]) sets.join(a, b);
+    });
+    std::map<size_t, std::set<size_t>> touched;  // Components of planes, by component of other surfels.
+    for_touching(cells, [&](uint32_t a, uint32_t b) {
+      if (!plane[a] && plane[b]) touched[sets.root(a)].insert(sets.root(b));
+    });
+    for (const auto& [other, planes] : touched)
+      if (planes.size() == 1) sets.join(other, *planes.begin());
     std::map<size_t, Piece> by_root;
     for (size_t k = 0; k < members_.size(); ++k) add(members_[k], by_root[sets.root(cell_of_member[k])]);
     std::vector<Piece> pieces;
     for (auto& [root, piece] : by_root) pieces.push_back(std::move(piece));
     return pieces;
+  }
+
+  template <class Visit>
+  static void for_touching(const CellIndex& cells, const Visit& visit) {
+    for (uint32_t c = 0; c < cells.size(); ++c)
+      for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+          for (int z = -1; z <= 1; ++z) {
+            const uint32_t other = cells.find(cells.cells()[c] + Eigen::Vector3i(x, y, z));
+            if (other != CellIndex::kNone && other != c) visit(c, other);
+          }
   }
 
   /// The support below whose top a component stands: its legs, its cabinets.
