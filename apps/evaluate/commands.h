@@ -16,6 +16,7 @@ Command segmentation_command();
 Command nbv_command();
 Command normals_command();
 Command occupancy_command();
+Command questions_command();
 Command memory_command();
 Command system_command();
 Command tracking_command();

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   program.add(loci::apps::normals_command());
   program.add(loci::apps::occupancy_command());
   program.add(loci::apps::memory_command());
+  program.add(loci::apps::questions_command());
   program.add(loci::apps::system_command());
   program.add(loci::apps::tracking_command());
   program.add(loci::apps::update_command());

@@ -160,11 +160,13 @@ Command ask_command() {
                 struct Arguments {
                   MemoryArguments memory;
                   std::vector<std::string> sentences;
+                  bool details = false;
                 };
                 auto arguments = std::make_shared<Arguments>();
                 arguments->memory.declare(table);
                 table.positional("QUESTION...", &arguments->sentences,
                                  "A question or a task; of several, \"it\" is what the one before was about");
+                table.flag("--details", arguments->details, "Print all that is known, not only the answer");
                 return [arguments](Session& session) {
                   const memory::Store store = memory::Store::open_read(arguments->memory.memory);
                   const auto answers = ask(store, memory::NaturalLanguageQuestion{
@@ -172,7 +174,8 @@ Command ask_command() {
                   std::string text;
                   Json json = Json::array();
                   for (const memory::NaturalLanguageAnswer& answer : answers) {
-                    text += (text.empty() ? "" : "\n") + to_text(answer, memory::TimeWriter(store));
+                    text += (text.empty() ? "" : "\n") +
+                            to_text(answer, memory::TimeWriter(store), arguments->details);
                     json.push_back(to_json(answer));
                   }
                   session.answer(text, json.size() == 1 ? json[0] : Json{{"answers", json}});

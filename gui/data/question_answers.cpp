@@ -1,6 +1,7 @@
 #include "gui/data/question_answers.h"
 
 #include "memory/questions/natural_language.h"
+#include "memory/questions/sentence_parser.h"
 
 namespace loci::gui {
 namespace {
@@ -8,7 +9,8 @@ namespace {
 std::string text_of(const memory::NaturalLanguageAnswer& answer, const memory::TimeWriter& times) {
   std::string text;
   for (const std::string& note : answer.notes) text += "(" + note + ")\n";
-  if (answer.why_not) text += answer.why_not->text + "\n";
+  if (answer.why_not && !answer.reply) text += answer.why_not->text + "\n";
+  if (answer.reply) text += answer.reply->text + "\n";
   if (answer.answer) text += answer.answer->to_text(times);
   return text;
 }

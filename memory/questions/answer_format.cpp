@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace loci::memory {
 namespace format {
@@ -210,6 +211,10 @@ std::string move_text(const Change& change) {
 }
 
 }  // namespace
+
+bool is_opening(const Change& change) {
+  return std::abs(change.joint_position.value_or(0)) > std::abs(change.from_joint_position.value_or(0));
+}
 
 std::string to_text(Verdict verdict) {
   switch (verdict) {

@@ -81,6 +81,9 @@ struct Change {
   std::string source = {};
 };
 
+/// Whether a change of a joint opens it further.
+bool is_opening(const Change& change);
+
 enum class Verdict { yes, no, not_observed };
 std::string to_text(Verdict verdict);  ///< "yes", "no", "not_observed"
 

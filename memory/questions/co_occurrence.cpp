@@ -356,15 +356,13 @@ std::vector<Question> co_occurrence_questions() {
                     CoOccurrenceQuestion{given.text("object"), given.text("with"), given.as_of()});
        },
        .time = SentenceTime::none,
-       .sentences =
-           {{"how often (is|are|was|were|have|do you see|did you see) <object> and <with> [been] [seen] "
-             "together",
-             "How often are the red cup and the plate seen together?"},
-            {"(is|are|was|were|have) <object> and <with> [been] [seen|used|often|ever] [seen] together"},
-            {"$what $be [usually|often|mostly] (seen|used|found|standing) [together] with <object>",
-             "What is used together with the tea cup?"},
-            {"$what $be [usually|often|mostly] together with <object>"},
-            {"$what (goes|go|belongs|belong) [together] with <object>"}}},
+       .sentences = {{"howoften ($be|has|do someone see) <object> and <with> [been] [see] together",
+                      Asks::number, "How often are the red cup and the plate seen together?"},
+                     {"($be|has) <object> and <with> [been] [usually] [see|move] together", Asks::verdict},
+                     {"$what $be [usually] (see|move|find|stand) [together] with <object>", Asks::objects,
+                      "What is used together with the tea cup?"},
+                     {"$what $be [usually] together with <object>", Asks::objects},
+                     {"$what (go|belong) [together] with <object>", Asks::objects}}},
       {.name = "missing",
        .description = "What is missing at a place, by what its earlier visits showed",
        .parameters = {place,
@@ -377,9 +375,10 @@ std::vector<Question> co_occurrence_questions() {
          return ask(given.store(),
                     MissingQuestion{given.text("place"), given.text("occasion"), given.as_of()});
        },
-       .sentences = {{"what is missing (on|in|from|at) <place> for <occasion>",
+       .sentences = {{"what is miss (on|in|from|at) <place> for <occasion>", Asks::objects,
                       "What is missing on the table for breakfast?"},
-                     {"($what (is|are)|is (anything|something)) missing [(on|in|from|at) <place>]"}}},
+                     {"$what is miss [(on|in|from|at) <place>]", Asks::objects},
+                     {"is anything miss [(on|in|from|at) <place>]", Asks::exists, "Is anything missing?"}}},
       {.name = "scene-type",
        .group = QuestionGroup::inspect,
        .description = "The scenes and the occasion that a scene is most similar to",
@@ -391,10 +390,10 @@ std::vector<Question> co_occurrence_questions() {
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), SceneTypeQuestion{given.number("scene"), given.as_of()});
        },
-       .sentences = {{"what kind of (scene|situation|meal|occasion) is (this|that|it)",
+       .sentences = {{"what kind of (scene|situation|meal|occasion) is (this|that|it)", Asks::summary,
                       "What kind of scene is this?"},
-                     {"(what|which) (meal|occasion|situation) (is|was) (this|that|it)"},
-                     {"what is going on [here]"}}},
+                     {"$which (meal|occasion|situation) $be (this|that|it)"},
+                     {"what is go on [here]"}}},
   };
 }
 

@@ -9,6 +9,8 @@ namespace loci::memory {
 // Which objects are seen together: co-occurrence, missing, scene-type.
 
 struct Question;
+struct Reply;
+struct ReplyContext;
 std::vector<Question> co_occurrence_questions();
 
 // ---- co-occurrence
@@ -37,6 +39,7 @@ struct CoOccurrenceAnswer {
 };
 CoOccurrenceAnswer ask(const Store& store, const CoOccurrenceQuestion& question);
 std::string to_text(const CoOccurrenceAnswer& answer, const TimeWriter& times);
+void write_reply(const CoOccurrenceAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const CoOccurrenceAnswer& answer);
 
 // ---- missing: what was at a place in most visits that showed something of what is there now
@@ -63,6 +66,7 @@ struct MissingAnswer {
 };
 MissingAnswer ask(const Store& store, const MissingQuestion& question);
 std::string to_text(const MissingAnswer& answer, const TimeWriter& times);
+void write_reply(const MissingAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const MissingAnswer& answer);
 
 // ---- scene-type (§3.2.4): the scenes with most objects in common, and the occasion whose scenes are most

@@ -80,6 +80,9 @@ void locate(const Snapshot& snapshot, const std::string& subject, NearAnswer& an
     return;
   }
   const std::vector<PlaceRow> places = snapshot.places_called(subject);
+  if (answer.on_top && !places.empty())
+    throw UnknownName(UnknownName::Kind::object, fmt::format("'{}' is a place, not an object", subject), {},
+                      "");
   if (!places.empty()) {
     const std::optional<Vector3d> centre = centre_of(places[0]);
     if (!centre) throw Error(fmt::format("the position of {} is not known", places[0].name));
@@ -96,6 +99,15 @@ void locate(const Snapshot& snapshot, const std::string& subject, NearAnswer& an
     return;
   }
   throw Error(fmt::format("the position of '{}' is not known", subject));
+}
+
+/// Whether what is `offset` away stands on the object asked about.
+bool is_on_top(const Vector3d& offset, const BeliefRow& belief, const Snapshot& snapshot,
+               const NearAnswer& answer) {
+  const auto below = object_id(answer.around);
+  const BeliefRow* support = below ? snapshot.belief(*below) : nullptr;
+  return support != nullptr && support->size && support->place == belief.place && offset.z() > 0 &&
+         offset.head<2>().norm() <= support->size->head<2>().maxCoeff() / 2;
 }
 
 }  // namespace
@@ -148,13 +160,20 @@ NearAnswer ask(const Store& store, const NearQuestion& question) {
     throw Error(fmt::format("a radius of {} m is not positive", question.radius_m), {},
                 "give metres above 0");
   const Snapshot snapshot(store, question.as_of);
-  NearAnswer answer{.asked = question.subject, .radius_m = question.radius_m};
+  NearAnswer answer{.asked = question.subject, .radius_m = question.radius_m, .on_top = question.on_top};
   locate(snapshot, question.subject, answer);
+  std::optional<std::set<Id>> meant;
+  if (!question.only.empty()) {
+    const std::vector<Id> objects = snapshot.find_objects(question.only);
+    meant.emplace(objects.begin(), objects.end());
+  }
   for (const BeliefRow& belief : snapshot.beliefs()) {
+    if (meant && !meant->contains(belief.object)) continue;
     if (!belief.position || belief.status == ObjectStatus::gone ||
         object_name(belief.object) == answer.around)
       continue;
     Vector3d offset = *belief.position - answer.point;
+    if (question.on_top && !is_on_top(offset, belief, snapshot, answer)) continue;
     if (answer.level) offset.z() = 0;
     if (offset.norm() <= question.radius_m)
       answer.objects.push_back({snapshot.object_belief(belief), offset.norm()});
@@ -187,43 +206,63 @@ Json to_json(const NearAnswer& answer) {
 
 namespace {
 
-/// The sentences of `on` and `in`, which differ in their preposition.
+/// The sentences of `on` and `in`, which differ in their preposition ($p).
 std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
-  const bool on = preposition == "$on";
+  using enum Asks;
+  const bool on = preposition == "on";
   const auto example = [on](const char* of_on, const char* of_in = "") {
     return std::string(on ? of_on : of_in);
   };
   std::vector<SentenceForm> forms = {
-      {"$be there (anything|something|any $things|$things|still anything|anything left) $p <place>",
+      {"$be there (anything|thing|anything else) [stand|leave] $p <place>", exists,
        example("Is there anything on the couch table?")},
-      {"(is|was) (anything|something) $p <place>"},
-      {"(is|are) there <object> $p <place>", example("Is there any cereal on the kitchen table?")},
-      {"how many $things (are|are there|were|do we have|have we) $p <place>"},
-      {"how many <object> (are|are there|were|do we have|have we) $p <place>"},
-      {"(do|did) (we|i|you|they) have <object> $p <place>", example("", "Do we have milk in the fridge?")},
-      {"(have|had) (we|i|you|they) [got] <object> $p <place>"},
-      {"(is|are) <object> [still|now|already] $p <place>", example("Is the milk still on the table?")},
-      {"what (is|are|was|were|lies|stands|sits|stand|lie) [there|lying|standing|placed] $p <place>",
-       example("What is on the table?")},
-      {"(what|which) $things (is|are|was|were|stand|lie|do we have|are there) [standing|lying|placed] $p "
-       "<place>",
-       example("What objects are standing on the counter?")},
-      {"(what|which) <object> (is|are|was|were|stand|stands|lie|lies) [standing|lying|placed] $p <place>"},
-      {"what (do|did) (we|you|i) (have|see|know|find) $p <place>"},
-      {"(list|show|show me|tell me|name) [all|everything|what is] [$things|contents] $p <place>"},
+      {"[$be] anything [stand|leave|keep] $p <place>", exists},
+      {"$be there [anything] <object> [leave|stand|keep] $p <place>", exists,
+       example("Is there any cereal on the kitchen table?")},
+      {"$be anything <object> [stand|leave] $p <place>", exists},
+      {"(do|has|can) someone [has|get|see|find] <object> [leave] $p <place>", exists,
+       example("", "Do we have milk in the fridge?")},
+      {"has someone get <object> $p <place>", exists},
+      {"is <object> [stand|now|keep] $p <place>", verdict, example("Is the milk still on the table?")},
+      {"<object> is [stand|keep] $p <place>", verdict},
+      {"(is someone|someone is) (sure|certain) $that <object> is [stand] $p <place>", verdict},
+      {"howsure is someone $that <object> is [stand] $p <place>", probability,
+       example("How sure are you that the milk is on the table?")},
+      {"(why|how) (do|is|can) someone (think|know|say|sure) $that <object> is [stand] $p <place>", reason,
+       example("Why do you think that the milk is on the table?")},
+      {"why is <object> [stand] $p <place>", reason},
+      {"howmany thing ($be [there]|do someone (has|see)|has someone) [stand|leave] $p <place>", number,
+       example("How many things are on the counter?")},
+      {"howmany <object> ($be [there]|do someone (has|see|keep)|has someone|stand) [stand|leave] $p <place>",
+       number, example("How many cups are on the table?")},
+      {"[what is] howmany (thing|<object>) $p <place>", number},
+      {"what $be [there] [stand|put|keep|leave] $p <place>", objects,
+       example("What is on the table?", "What is in the first drawer?")},
+      {"what stand $p <place>", objects},
+      {"what else $be [there] [stand] $p <place>", objects},
+      {"$which thing ($be [there]|stand|do someone has|can someone see) [stand|put|leave] $p <place>",
+       objects, example("What objects are standing on the counter?")},
+      {"$which <object> ($be [there]|stand) [stand|put] $p <place>", objects,
+       example("Which cup is on the counter?")},
+      {"what (do|can) someone (has|see|know|find) $p <place>", objects},
+      {"(list|show|show me|tell me|name) [everything|what is] [thing|content] $p <place>", objects},
+      {"when (do|has) someone $last look (at|$p) <place>", last_time,
+       example("When did you last look at the shelf?")},
   };
-  for (SentenceForm& form : forms)
-    while (form.form.find("$p ") != std::string::npos)
-      form.form.replace(form.form.find("$p "), 2, preposition);
   if (on)
-    forms.insert(forms.end(),
-                 {{"(is|was) <place> (empty|free|clear|full|occupied|in use|tidy)", "Is the table free?"},
-                  {"what did <place> look like"}});
+    forms.insert(forms.end(), {{"$be <place> empty", empty, "Is the table free?"},
+                               {"$be <place> full", exists},
+                               {"$be there anything at <place>", exists},
+                               {"what do <place> look like", objects}});
   else
-    forms.insert(
-        forms.end(),
-        {{"what (does|did) <place> contain"},
-         {"(list|show|show me|tell me|name) [all|everything|what is] [$things|contents] of <place>"}});
+    forms.insert(forms.end(),
+                 {{"$which [thing] do <place> contain", objects},
+                  {"do <place> contain (anything|thing)", exists},
+                  {"do <place> contain <object>", exists},
+                  {"(list|show|show me|tell me|name|what is) [everything] content of <place>", objects}});
+  for (SentenceForm& form : forms)
+    for (size_t at = form.form.find("$p"); at != std::string::npos; at = form.form.find("$p"))
+      form.form.replace(at, 2, preposition);
   return forms;
 }
 
@@ -237,15 +276,18 @@ Question contents_question(const char* name, const char* description, const std:
       .run = [](const Arguments& given) -> Answer {
         return ask(given.store(), ContentsQuestion{given.text("place"), given.as_of(), given.text("object")});
       },
+      .time = SentenceTime::moment_or_period,
+      .over_period = "contents-history",
       .sentences = contents_sentences(preposition)};
 }
 
 }  // namespace
 
 std::vector<Question> contents_questions() {
+  const std::map<std::string, std::string> on_top = {{"relation", "on"}};
   return {
-      contents_question("on", "What is on a place", "table_1", "$on"),
-      contents_question("in", "What is in a place", "drawer_1", "$in"),
+      contents_question("on", "What is on a place", "table_1", "on"),
+      contents_question("in", "What is in a place", "drawer_1", "in"),
       {.name = "near",
        .description = "What is within a radius of a point, object or place",
        .parameters = {{.name = "around",
@@ -256,17 +298,36 @@ std::vector<Question> contents_questions() {
                       {.name = "radius",
                        .type = ParameterType::length,
                        .help = "Between centres: metres, or \"50 cm\"",
-                       .default_text = "0.5 m"}},
+                       .default_text = "0.5 m"},
+                      {.name = "relation",
+                       .help = "on: only what stands on the object",
+                       .default_text = "near",
+                       .choices = {"near", "on"}},
+                      only_object_parameter()},
        .examples = {"red --radius 0.4", "2.0,1.0,0.8 --radius 1 --json"},
        .run = [](const Arguments& given) -> Answer {
          NearQuestion question{.subject = given.text("around"), .as_of = given.as_of()};
          question.radius_m = given.length("radius").value_or(question.radius_m);
+         question.only = given.text("object");
+         question.on_top = given.text("relation") == "on";
          return ask(given.store(), question);
        },
-       .sentences = {{"$what $is $beside <around>", "What is near the red cup?"},
-                     {"$what else $is [there] $beside <around>", "What else is there beside the red cup?"},
-                     {"$what $is within <radius> (of|from|around) <around>",
-                      "What is within 50 cm of the red cup?"}}},
+       .sentences = {{"[$what ($be|stand)|show everything] [stand] near <around>", Asks::objects,
+                      "What is near the red cup?"},
+                     {"what else ($be|stand) [there] near <around>", Asks::objects,
+                      "What else is there beside the red cup?"},
+                     {"$what ($be|stand) [stand] within <radius> (of|from|near) <around>", Asks::objects,
+                      "What is within 50 cm of the red cup?"},
+                     {"$be [there] anything [stand] near <around>", Asks::exists,
+                      "Is there anything next to the milk?"},
+                     {"$be <object> [stand] near <around>", Asks::verdict, "Is the oil next to the pot?"},
+                     {"$be there <object> [stand] near <around>", Asks::exists},
+                     {"[$what ($be|stand)|$be [there] anything] [stand] (behind|under|before|above) <around>",
+                      Asks::agent, "What is behind the milk?"},
+                     {"$what [else] ($be|stand) [there] [stand] on <around>", Asks::objects, "", on_top},
+                     {"$be [there] anything [stand] on <around>", Asks::exists, "", on_top},
+                     {"$be [there] <object> [stand] on <around>", Asks::verdict,
+                      "Is there an apple on the plate?", on_top}}},
   };
 }
 

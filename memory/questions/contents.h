@@ -9,6 +9,8 @@ namespace loci::memory {
 // What is at a place or near a point: on, in, near.
 
 struct Question;
+struct Reply;
+struct ReplyContext;
 std::vector<Question> contents_questions();
 
 // ---- on, in
@@ -37,6 +39,7 @@ struct ContentsAnswer {
 };
 ContentsAnswer ask(const Store& store, const ContentsQuestion& question);
 std::string to_text(const ContentsAnswer& answer, const TimeWriter& times);
+void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const ContentsAnswer& answer);
 
 // ---- near
@@ -45,6 +48,8 @@ struct NearQuestion {
   std::string subject = {};  ///< "1.2,0.4" or "1.2,0.4,0.9" (map frame, metres), an object or a place
   double radius_m = 0.5;
   AsOf as_of = {};
+  std::string only = {};  ///< only these objects; empty = all
+  bool on_top = false;    ///< only what stands on the object: over its footprint, and higher
 };
 struct NearObject {
   ObjectBelief object = {};
@@ -56,10 +61,12 @@ struct NearAnswer {
   Vector3d point = Vector3d::Zero();
   bool level = false;  ///< the point has no height
   double radius_m = 0;
+  bool on_top = false;
   std::vector<NearObject> objects = {};  ///< nearest first; gone objects are left out
 };
 NearAnswer ask(const Store& store, const NearQuestion& question);
 std::string to_text(const NearAnswer& answer, const TimeWriter& times);
+void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const NearAnswer& answer);
 
 }  // namespace loci::memory

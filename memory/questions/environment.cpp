@@ -182,9 +182,8 @@ void add_motions(const Snapshot& snapshot, std::vector<EnvironmentPart>& parts) 
     const auto found =
         event.kind == EventKind::joint_changed && event.joint ? motions.find(*event.joint) : motions.end();
     if (found == motions.end()) continue;
-    const bool opened =
-        std::abs(event.joint_position.value_or(0)) > std::abs(event.from_joint_position.value_or(0));
-    (opened ? found->second->opened : found->second->closed) = snapshot.change(event);
+    const Change change = snapshot.change(event);
+    (is_opening(change) ? found->second->opened : found->second->closed) = change;
   }
 }
 
@@ -300,7 +299,16 @@ std::optional<mapping::World> world_of(const Snapshot& snapshot) {
 
 std::string find_part_without_place(const Snapshot& snapshot, const std::string& name) {
   const std::vector<EnvironmentPart> parts = parts_called(all_parts(snapshot, map_of(snapshot)), name);
-  return parts.size() == 1 && !parts[0].place ? parts[0].name : "";
+  const bool has_place =
+      std::ranges::any_of(parts, [](const EnvironmentPart& part) { return part.place.has_value(); });
+  return parts.empty() || has_place ? "" : parts[0].name;
+}
+
+std::set<std::string> joints_called(const Snapshot& snapshot, const std::string& name) {
+  std::set<std::string> joints;
+  for (const EnvironmentPart& part : parts_called(all_parts(snapshot, map_of(snapshot)), name))
+    if (part.motion) joints.insert(part.motion->map_joint);
+  return joints;
 }
 
 RoomAnswer ask(const Store& store, const RoomQuestion& question) {
@@ -376,27 +384,29 @@ std::vector<Question> environment_questions() {
        .parameters = {part},
        .examples = {"", "drawers --at 17:45 --json"},
        .run = ask_part<RoomQuestion>,
-       .sentences =
-           {{"what (does|do) [this|our] $room (consist of|contain|have)", "What does this room consist of?"},
-            {"what is this (room|kitchen) (made of|made up of)"},
-            {"(describe|show|show me) [this] $room"},
-            {"(what|which) (furniture|places|surfaces|parts) (is|are|do you know|are there|do we have|does "
-             "[this] (room|kitchen) have) [there] [here]"}}},
+       .sentences = {{"what (do|is) [this] room (consist of|contain|has|made of|made up of)", Asks::summary,
+                      "What does this room consist of?"},
+                     {"(describe|show|show me) [this] room"},
+                     {"howmany <part> ($be [there]|do (someone|[this] room) has|has someone)", Asks::number,
+                      "How many drawers are there?"},
+                     {"$which (furniture|places|surfaces|parts) (is [there] [here]|do someone (know|has)|do "
+                      "[this] room "
+                      "has)"}}},
       {.name = "opens",
        .group = QuestionGroup::inspect,
        .description = "What opens, whether it is open, and when it was opened",
        .parameters = {part},
        .examples = {"", "drawer_1 --at 17:45"},
        .run = ask_part<OpensQuestion>,
-       .sentences =
-           {{"what (opens|can be opened|can open|can i open|can one open|moves)", "What opens?"},
-            {"(what|which) <part> (is open|are open|is closed|are closed|can be opened|can open|open)",
-             "Which drawers are open?"},
-            {"(is|are) <part> (open|opened|closed|shut|ajar)", "Is the drawer open?"},
-            {"when (was|were|did) <part> (last (open|opened|closed|shut)|(open|opened|closed|shut) last)",
-             "When was the drawer last opened?"},
-            {"when (did|have|has) (you|we|i|$someone) last $open <part>"},
-            {"how (far|wide) (does|do|is|can) <part> (open|opened)"}}},
+       .sentences = {{"what (opened|open|can is opened|can open|can someone open|move)", Asks::summary,
+                      "What opens?"},
+                     {"$which <part> (is|was) open", Asks::open, "Which drawers are open?"},
+                     {"$which <part> (is|was) close", Asks::closed},
+                     {"$which <part> (can is opened|can open|open)"},
+                     {"$be <part> [stand] open", Asks::open, "Is the drawer open?"},
+                     {"$be <part> close", Asks::closed, "Is drawer_2 closed?"},
+                     {"when $be <part> [last] (open|opened) [last]", Asks::last_time},
+                     {"how (far|wide) (do|is|can) <part> (open|opened)"}}},
   };
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 
 #include "mapping/base/json_fwd.h"
 #include "mapping/world/world.h"
@@ -13,6 +14,8 @@ namespace loci::memory {
 // there.
 
 struct Question;
+struct Reply;
+struct ReplyContext;
 class Snapshot;
 std::vector<Question> environment_questions();
 
@@ -20,6 +23,8 @@ std::vector<Question> environment_questions();
 std::optional<mapping::World> world_of(const Snapshot& snapshot);
 /// The part of the map of this name that is no place; "" = none.
 std::string find_part_without_place(const Snapshot& snapshot, const std::string& name);
+/// The map's joints that move the parts of this name.
+std::set<std::string> joints_called(const Snapshot& snapshot, const std::string& name);
 
 /// The joint of a part and its state.
 struct PartMotion {
@@ -62,6 +67,7 @@ struct RoomAnswer {
 /// UnknownName with the nearest names for an unknown part; so for opens.
 RoomAnswer ask(const Store& store, const RoomQuestion& question);
 std::string to_text(const RoomAnswer& answer, const TimeWriter& times);
+void write_reply(const RoomAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const RoomAnswer& answer);
 
 // ---- opens
@@ -76,6 +82,7 @@ struct OpensAnswer {
 };
 OpensAnswer ask(const Store& store, const OpensQuestion& question);
 std::string to_text(const OpensAnswer& answer, const TimeWriter& times);
+void write_reply(const OpensAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const OpensAnswer& answer);
 
 }  // namespace loci::memory

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "memory/questions/answer_format.h"
+#include "memory/questions/environment.h"
 #include "memory/questions/question.h"
 #include "memory/questions/snapshot.h"
 
@@ -17,7 +18,8 @@ using namespace format;
 namespace {
 
 const std::vector<std::string> kChangeKinds = {
-    "appeared", "came", "gone", "hidden", "joint_changed", "left", "looks_different", "moved", "reappeared"};
+    "appeared",        "came",  "closed", "gone",       "handled",  "hidden", "joint_changed", "left",
+    "looks_different", "moved", "opened", "reappeared", "relocated"};
 
 bool is_at(const std::set<Id>& places, const std::optional<PlaceRef>& place) {
   return place && places.contains(place->id);
@@ -25,12 +27,19 @@ bool is_at(const std::set<Id>& places, const std::optional<PlaceRef>& place) {
 
 bool is_of_kind(const Change& change, const std::string& kind, const std::set<Id>& places) {
   const bool moved = change.kind == EventKind::moved;
+  const auto& came_from = change.from_place ? change.from_place : change.place;
   if (kind == "left")
-    return change.kind == EventKind::gone ||
+    return (change.kind == EventKind::gone && (places.empty() || is_at(places, came_from))) ||
            (moved && is_at(places, change.from_place) && !is_at(places, change.place));
   if (kind == "came")
-    return change.kind == EventKind::appeared || change.kind == EventKind::reappeared ||
+    return ((change.kind == EventKind::appeared || change.kind == EventKind::reappeared) &&
+            (places.empty() || is_at(places, change.place))) ||
            (moved && is_at(places, change.place) && !is_at(places, change.from_place));
+  if (kind == "handled" || kind == "relocated")
+    return moved || change.kind == EventKind::reappeared ||
+           (change.kind == EventKind::gone && kind == "handled");
+  if (kind == "opened" || kind == "closed")
+    return change.kind == EventKind::joint_changed && is_opening(change) == (kind == "opened");
   return kind.empty() || to_text(change.kind) == kind;
 }
 
@@ -93,15 +102,20 @@ ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
   std::set<Id> objects, places;
   if (!question.subject.empty())
     for (const Id object : snapshot.find_objects(question.subject)) objects.insert(object);
-  if (!question.place.empty())
-    for (const PlaceRow& place : snapshot.find_places(question.place)) places.insert(place.id);
+  std::set<std::string> joints;  // of parts that need not be places
+  if (!question.place.empty()) {
+    joints = joints_called(snapshot, question.place);
+    if (joints.empty() || !snapshot.places_called(question.place).empty())
+      for (const PlaceRow& place : snapshot.find_places(question.place)) places.insert(place.id);
+  }
   const auto is_one_of = [](const std::set<Id>& ids, std::optional<Id> id) {
     return id && ids.contains(*id);
   };
   for (const EventRow& event : store.events(question.as_of, question.from, question.to)) {
     if (!question.subject.empty() && !is_one_of(objects, event.object)) continue;
-    if (!question.place.empty() && !is_one_of(places, event.place) && !is_one_of(places, event.from_place))
-      continue;
+    const bool at_place = is_one_of(places, event.place) || is_one_of(places, event.from_place) ||
+                          (event.joint && joints.contains(*event.joint));
+    if (!question.place.empty() && !at_place) continue;
     const Change change = snapshot.change(event);
     if (is_of_kind(change, question.kind, places)) answer.changes.push_back(change);
   }
@@ -181,49 +195,59 @@ Json to_json(const TimelineAnswer& answer) {
 namespace {
 
 std::vector<SentenceForm> changes_sentences() {
+  using enum Asks;
+  const auto kind = [](const char* name) { return std::map<std::string, std::string>{{"kind", name}}; };
+  const auto left = kind("left"), came = kind("came"), handled = kind("handled"), opened = kind("opened"),
+             shut = kind("closed");
   return {
-      {"when did <object> [last] (leave|reach|get to|come to|arrive on|arrive at|arrive in|go to|disappear "
-       "from) "
-       "<place>",
-       "When did the red cup leave the table?"},
-      {"what (happened|has happened) (to|with) <object>", "What happened to the cereal?"},
-      {"(has|have|was|were) $someone $moved <object>"},
-      {"did $someone $move <object>"},
-      {"who $moved <object>"},
-      {"(has|have|was|were) <object> [been] ($moved|taken away)", "Was the red cup moved this morning?"},
-      {"did <object> move"},
-      {"when (was|were) <object> $moved"},
-      {"[is there|was there|is|was] (anything|something) (new|different) [(on|in|at) <place>]",
+      {"when (do|has|was) <object> [last] (leave|vanish from|go from|take from|move from) <place>", last_time,
+       "When did the red cup leave the table?", left},
+      {"when (do|has|was) <object> [last] (come|move|go|put|bring) $to <place>", last_time,
+       "When did the tea come to the table?", came},
+      {"when (do|has|was) <object> (vanish|go|leave|take) [away]", last_time,
+       "When did the banana disappear?", left},
+      {"when (do|has) <object> come", last_time, "", came},
+      {"when (do|has|was) <object> [last] move [last]", last_time, "When was the pot moved?", handled},
+      {"when (do|has) someone [last] move <object> [last]", last_time, "", handled},
+      {"when (do|has) someone [last] take <object>", last_time, "", left},
+      {"when (do|has|was) <place> [been] [last] (open|opened) [last] [time]", last_time,
+       "When was the drawer last opened?", opened},
+      {"when (do|has) someone [last] (open|opened) <place> [last]", last_time, "", opened},
+      {"when (do|has|was) <place> [been] [last] close [last] [time]", last_time, "", shut},
+      {"when (do|has) someone [last] close <place> [last]", last_time, "", shut},
+      {"[what [has]] happen (to|with) <object>", summary, "What happened to the cereal?"},
+      {"(has|do|was|is) someone (move|take) <object> [away]", verdict, "Did someone move the tea?", handled},
+      {"(has|was|do) <object> [been] (move|take) [away]", verdict, "Was the red cup moved this morning?",
+       handled},
+      {"(has|do|was) <object> [been] (leave|vanish from|go from|take from) <place>", verdict, "", left},
+      {"(has|do|was) <object> [been] (come|put|move) $to <place>", verdict, "", came},
+      {"(has|was|do) <place> [been] opened", verdict, "Was the drawer opened this morning?", opened},
+      {"do <place> open", verdict, "", opened},
+      {"(has|do) someone (open|opened) <place>", verdict, "", opened},
+      {"(has|do) someone close <place>", verdict, "", shut},
+      {"(has|do|was|is) anything [been] (change|happen|move|take|vanish|go|come) [$at <place>]", verdict,
+       "Did anything change on the shelf?"},
+      {"[is there|was there|is|was] anything new [$at <place>]", verdict,
        "Is there anything new on the counter?"},
-      {"$what (disappeared|vanished|went missing|went|left|has gone|have gone|is gone|are gone|has "
-       "disappeared|"
-       "have disappeared) [away] from <place>",
-       "What disappeared from the table?",
-       {{"kind", "left"}}},
-      {"what (disappeared|vanished) (on|in|at|inside) <place>", "", {{"kind", "left"}}},
-      {"what (was|has been) (taken|removed|taken away) from <place>", "", {{"kind", "left"}}},
-      {"what (disappeared|has disappeared|is gone|has gone|went away|was removed|has been removed)",
-       "",
-       {{"kind", "left"}}},
-      {"$what (appeared|has appeared|have appeared|came|arrived|was put|were put|was added) "
-       "(on|onto|in|into|at|to) "
-       "<place>",
-       "What appeared on the table?",
-       {{"kind", "came"}}},
-      {"what (appeared|has appeared)", "", {{"kind", "came"}}},
-      {"$what (moved|has moved|have moved|was moved) (on|in|at) <place>", "", {{"kind", "moved"}}},
-      {"what (changed|has changed|happened|has happened) (on|in|at|inside) <place>",
-       "What changed on the table since nine?"},
-      {"(was|were|has|has been|did $someone|has $someone) <place> (opened|open|closed|close|shut)",
-       "Was the drawer opened this morning?"},
-      {"(did|has) $someone $open <place>"},
-      {"when was <place> (opened|closed|shut)"},
-      {"what (changed|has changed|happened|has happened|is new|is different|moved|has moved|did i miss|did "
-       "we miss|"
-       "has been moved|was moved)",
+      {"$what [has|was|is] [been] (vanish|go|leave|take|miss) [away] from <place>", objects,
+       "What disappeared from the table?", left},
+      {"$what [has] leave <place>", objects, "", left},
+      {"$what (vanish|go) $at <place>", objects, "", left},
+      {"what [has|was|is] [been] (vanish|go|leave|take) [away]", objects, "", left},
+      {"$what [has|was] [been] (come|put|go|move|bring) (to|on|in|at) <place>", objects,
+       "What appeared on the table?", came},
+      {"what [has] come", objects, "", came},
+      {"$what [has|was] [been] move [$at <place>]", objects, "What moved after noon?", kind("relocated")},
+      {"what [has|was] [been] (change|happen) $at <place>", objects, "What changed on the table since nine?"},
+      {"(what [has] (change|happen)|what is new|what (do|has) someone miss)", objects,
        "What changed since this morning?"},
-      {"(did|has) (anything|something) (change|changed|happen|happened|move|moved)"},
-      {"(was|has) (anything|something) [been] (moved|taken|removed|changed)"},
+      {"howoften (has|was|do) <object> [been] move", number, "How often did the milk move?", handled},
+      {"howoften (has|was|do) <place> [been] (open|opened)", number, "How often was the drawer opened?",
+       opened},
+      {"howoften (has|do) someone (open|opened) <place>", number, "", opened},
+      {"$which <place> (was|has been) [last] opened [last]", place, "Which drawer was opened last?", opened},
+      {"who [has] (move|take|put|touch|leave) <object>", agent, "Who moved the pot?", handled},
+      {"who [has] (open|opened) <place>", agent, "", opened},
   };
 }
 
@@ -241,7 +265,8 @@ std::vector<Question> event_questions() {
        .parameters = {{.name = "object", .type = ParameterType::object, .help = "Only of these objects"},
                       {.name = "place", .type = ParameterType::place, .help = "Only at this place"},
                       {.name = "kind",
-                       .help = "Only these; came and left include moves to or from the place",
+                       .help = "Only these; came and left include moves to or from the place, handled: "
+                               "moved, gone or reappeared; relocated: moved or reappeared",
                        .choices = kChangeKinds}},
        .period = true,
        .examples = {"", "--between 08:00 10:00"},
@@ -257,9 +282,9 @@ std::vector<Question> event_questions() {
        .examples = {"", "--from 09:00 --json"},
        .run = ask_period<TimelineQuestion>,
        .time = SentenceTime::period,
-       .sentences = {{"what (did|have) (you|we|robot) (see|seen|notice|noticed|do|done|experience)",
+       .sentences = {{"what (do|has) someone (see|do|done)", Asks::summary,
                       "What did you see between eight and nine?"},
-                     {"(tell me about|how was) (your|our|my) day"},
+                     {"(tell me about|about|how was) day"},
                      {"[show [me]] timeline"}}},
       {.name = "scenes",
        .group = QuestionGroup::inspect,
@@ -268,7 +293,7 @@ std::vector<Question> event_questions() {
        .examples = {"", "--from 09:00 --json"},
        .run = ask_period<ScenesQuestion>,
        .time = SentenceTime::period,
-       .sentences = {{"(when|where) did you look", "When did you look?"}}},
+       .sentences = {{"(when|where) do someone look", Asks::summary, "When did you look?"}}},
   };
 }
 

@@ -9,6 +9,8 @@ namespace loci::memory {
 // What happened and when: changes, scenes, timeline.
 
 struct Question;
+struct Reply;
+struct ReplyContext;
 std::vector<Question> event_questions();
 
 // ---- changes
@@ -19,7 +21,8 @@ struct ChangesQuestion {
   std::string place = {};    ///< empty = everywhere
   AsOf as_of = {};
   /// A kind of Change, or "left" (gone, or moved away from the place asked about) and "came" (appeared,
-  /// reappeared, or moved there); a move neither left nor came where no place is asked about. Empty = all.
+  /// reappeared, or moved there), "handled" (moved, gone or reappeared), "opened" or "closed" of a joint; a
+  /// move neither left nor came where no place is asked about. Empty = all.
   std::string kind = {};
 };
 struct ChangesAnswer {
@@ -29,6 +32,7 @@ struct ChangesAnswer {
 /// Error that lists the kinds for an unknown one.
 ChangesAnswer ask(const Store& store, const ChangesQuestion& question);
 std::string to_text(const ChangesAnswer& answer, const TimeWriter& times);
+void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const ChangesAnswer& answer);
 
 // ---- scenes
@@ -50,6 +54,7 @@ struct ScenesAnswer {
 };
 ScenesAnswer ask(const Store& store, const ScenesQuestion& question);
 std::string to_text(const ScenesAnswer& answer, const TimeWriter& times);
+void write_reply(const ScenesAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const ScenesAnswer& answer);
 
 // ---- timeline
@@ -68,6 +73,7 @@ struct TimelineAnswer {
 };
 TimelineAnswer ask(const Store& store, const TimelineQuestion& question);
 std::string to_text(const TimelineAnswer& answer, const TimeWriter& times);
+void write_reply(const TimelineAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const TimelineAnswer& answer);
 
 }  // namespace loci::memory

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "memory/questions/answer_format.h"
 #include "memory/questions/question.h"
@@ -123,10 +124,14 @@ HistoryAnswer ask(const Store& store, const HistoryQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   HistoryAnswer answer{.asked = question.subject};
   const std::vector<EventRow> events = store.events(question.as_of, question.from, question.to);
+  std::set<Id> places;
+  if (!question.place.empty())
+    for (const PlaceRow& place : snapshot.find_places(question.place)) places.insert(place.id);
   for (const Id object : snapshot.find_objects(question.subject)) {
     ObjectHistory history{.now = snapshot.object_belief(object), .stays = stays_of(snapshot, object)};
     std::erase_if(history.stays, [&](const Stay& stay) {
-      return (question.from && stay.scenes.back().time < *question.from) ||
+      const bool elsewhere = !places.empty() && (!stay.place || !places.contains(stay.place->id));
+      return elsewhere || (question.from && stay.scenes.back().time < *question.from) ||
              (question.to && stay.scenes.front().time > *question.to);
     });
     for (const EventRow& event : events)
@@ -171,48 +176,70 @@ namespace {
 
 std::vector<SentenceForm> where_sentences() {
   using enum SentenceTime;
+  using enum Asks;
   return {
-      {"where $be <object>", "Where is the red cup?"},
-      {"where <object> $be"},
-      {"where (did|have|had|do) (i|we|you|he|she|they|someone|somebody|anyone) "
-       "(leave|left|put|place|placed|lay|lose|lost) <object>",
+      {"where $be <object> [stand|go|find|put]", place, "Where is the red cup?"},
+      {"where [stand] <object> [$be|stand]", place},
+      {"where (do|has) someone $last (leave|put|lose|see|move) <object> [last]", place,
        "Where did I leave my tea cup?"},
-      {"where (did|have|had) $witness [last] (see|seen|saw|notice|noticed) <object> [last]"},
-      {"where (is|are|has|have|did) <object> (gone|gone to|got to|go|go to|end up|ended up)"},
-      {"where (i|we|you) (left|put|placed|lost|can find|could find) <object>"},
-      {"where (can|could|do|should) (i|we|you|one) (find|look for|see|get) <object>"},
-      {"(find|locate|search|search for|look for) <object>"},
-      {"(i|we) (cannot|can not|could not|can't) find <object>"},
-      {"(i|we) [have] (lost|misplaced|miss) <object>"},
-      {"(i am|we are) looking for <object>"},
-      {"(has|have|did) ($someone|you) (seen|see) <object> [anywhere|somewhere|lately|recently|around]",
+      {"where [do|can] someone [can] (leave|put|lose|find|get) <object>", place},
+      {"where (do|has|is) <object> (go|vanish|move|come) [to]", place},
+      {"(find|someone is find|someone can not find|someone [has] lose) <object>", place,
+       "I can't find the tea."},
+      {"(has|do|can|is) someone (see|find) <object> [anywhere|somewhere|lately|recently]", place,
        "Have you seen my tea cup?"},
-      {"do you (remember|know) <object>"},
-      {"(do|did) (we|i|you) have <object>", "Do we have milk?"},
-      {"(have|had) (we|i|you) got <object>"},
-      {"(is|are) there <object> [left]"},
-      {"when (was|is) last time [that] $witness (saw|have seen|noticed) <object>",
+      {"[what $be] (location|position|whereabouts) of <object>", place},
+      {"$which (place|spot) $be <object> [stand] [at|on|in]", place},
+      {"$at $which [place|spot] $be <object> [stand]", place},
+      {"$at $which <part> $be <object> [stand]",
+       place,
+       "In which drawer is the cup?",
+       {{"object", "{object} in {part}"}}},
+      {"$which <part> $be <object> [stand] $at", place, "", {{"object", "{object} in {part}"}}},
+      {"(do|has) someone (has|get|own) <object> [leave]", exists, "Do we have milk?"},
+      {"has someone get <object>", exists},
+      {"has someone <object> [leave]", exists},
+      {"$be there <object> [leave]", exists},
+      {"do <object> exist", exists},
+      {"$be <object> (go|vanish|miss|lose)", gone, "Is the plate gone?"},
+      {"(has|do) <object> (go|vanish) [away]", gone},
+      {"when (do|has|was) someone $last see <object> [last]", last_time, "", {}, at},
+      {"when $be <object> [last] see [last] [time]", last_time, "", {}, at},
+      {"when $be [last] time $that someone (see|has see) <object>",
+       last_time,
        "When was the last time you saw it?",
        {},
        at},
-      {"when (did|have|has) $witness last (see|seen|noticed|notice) <object>", "", {}, at},
-      {"when (was|were) <object> (last seen|seen last|seen last time)", "", {}, at},
-      {"how long [ago] (is it|was it|did you see|have you not seen) [since you saw] <object>", "", {}, at},
+      {"when [do|has] someone first see <object>", first_time, "When did you first see the milk?", {}, at},
+      {"when $be <object> first see", first_time, "", {}, at},
+      {"howlong [ago] (do|has|is|was) someone [not] $last see <object>",
+       ago,
+       "How long ago did you see the jam?",
+       {},
+       at},
+      {"howlong [ago] $be [it since someone see] <object> [last] [see]", ago, "", {}, at},
+      {"howsure $be someone [about|of] <object>", probability, "How sure are you about the pot?"},
+      {"howsure $be someone where <object> $be", probability},
+      {"why (do|is) someone (think|know|say|sure) $that <object> $be (go|vanish)", reason,
+       "Why do you think that the plate is gone?"},
+      {"how (do|can) someone (think|know|say) $that <object> $be (go|vanish)", reason},
+      {"why $be <object> (go|vanish)", reason},
   };
 }
 
 std::vector<SentenceForm> history_sentences() {
+  using enum Asks;
   return {
-      {"where (has|have) <object> been [before|lately|all day]", "Where has the red cup been?"},
-      {"where else (has|have) <object> been"},
-      {"(how long|since when|for how long) (is|are|was|were|has|have) <object> [been] [standing|lying] "
-       "(on|in|inside|at) <any>",
+      {"where [else] has <object> been [before|lately]", summary, "Where has the red cup been?"},
+      {"how (has|do) <object> (travelled|travel|move|go|wandered|wander) [about] [through (day|room)]"},
+      {"[show [me]|what is] history of <object>"},
+      {"$which place has <object> (been|stand) $at"},
+      {"what (do|has) <object> (do|done)"},
+      {"howlong (is|was|has|do) <object> [been] [stand|keep] $at <place>", duration,
        "How long was the red cup on the table?"},
-      {"how (has|have|did) <object> (travelled|traveled|travel|moved|move|wandered|wander) [around|about] "
-       "[through (day|kitchen|flat|house)]"},
-      {"[show [me]|tell me|what is] history of <object>"},
-      {"which places (has|have) <object> (been|stood|lain) (on|in|at)"},
-      {"what (did|has) <object> (do|done)"},
+      {"howlong (is|was|has) <object> [been] [stand] there", duration, "", {{"place", "there"}}},
+      {"sincewhen (is|has) <object> [been] [stand] $at <place>", first_time,
+       "Since when is the milk on the table?"},
   };
 }
 
@@ -227,16 +254,17 @@ std::vector<Question> location_questions() {
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), WhereQuestion{given.text("object"), given.as_of()});
        },
-       .time = SentenceTime::moment_or_history,
+       .time = SentenceTime::moment_or_period,
+       .over_period = "history",
        .sentences = where_sentences()},
       {.name = "history",
        .description = "Where an object was, over time",
-       .parameters = {object_parameter()},
+       .parameters = {object_parameter(), only_place_parameter()},
        .period = true,
        .examples = {"object_1", "red --between \"this morning\" noon --json"},
        .run = [](const Arguments& given) -> Answer {
-         return ask(given.store(),
-                    HistoryQuestion{given.text("object"), given.from(), given.to(), given.as_of()});
+         return ask(given.store(), HistoryQuestion{given.text("object"), given.from(), given.to(),
+                                                   given.as_of(), given.text("place")});
        },
        .time = SentenceTime::period,
        .sentences = history_sentences()},

@@ -9,6 +9,8 @@ namespace loci::memory {
 // Where objects are and were: where, history.
 
 struct Question;
+struct Reply;
+struct ReplyContext;
 std::vector<Question> location_questions();
 
 // ---- where
@@ -24,6 +26,7 @@ struct WhereAnswer {
 /// UnknownName with the nearest names where the subject means nothing in this memory; so for all questions.
 WhereAnswer ask(const Store& store, const WhereQuestion& question);
 std::string to_text(const WhereAnswer& answer, const TimeWriter& times);
+void write_reply(const WhereAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const WhereAnswer& answer);
 
 // ---- history
@@ -39,6 +42,7 @@ struct HistoryQuestion {
   std::string subject = {};
   std::optional<TimeNs> from = {}, to = {};  ///< only stays and changes that reach into this period
   AsOf as_of = {};
+  std::string place = {};  ///< only stays there; empty = everywhere
 };
 struct ObjectHistory {
   ObjectBelief now = {};
@@ -51,6 +55,7 @@ struct HistoryAnswer {
 };
 HistoryAnswer ask(const Store& store, const HistoryQuestion& question);
 std::string to_text(const HistoryAnswer& answer, const TimeWriter& times);
+void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const HistoryAnswer& answer);
 
 }  // namespace loci::memory

@@ -5,17 +5,11 @@
 #include <vector>
 
 #include "memory/questions/question.h"
+#include "memory/questions/reply.h"
 
 namespace loci::memory {
 
-// Questions and tasks in English, by the sentence forms of the declared questions.
-
-/// The query that a sentence means; unset when no form matches. Times are cut out first, wherever they stand:
-/// "this morning", "between nine and ten", "since 9:00", "two hours ago".
-std::optional<Query> parse_sentence(const std::string& sentence, const TimeReader& times);
-
-/// Examples of the forms nearest to a sentence, nearest first.
-std::vector<std::string> nearest_examples(const std::string& sentence, size_t count = 3);
+// Questions and tasks in English, by the rules of the declared questions (sentence_parser.h).
 
 /// Sentences, one after the other: "it" is what the one before was about.
 struct NaturalLanguageQuestion {
@@ -27,19 +21,22 @@ struct NaturalLanguageQuestion {
 /// Why there is no answer.
 struct NoAnswer {
   std::string reason = {};  ///< not_understood, never_seen, not_yet_seen, unknown_place, not_possible
-  std::string text = {};
+  std::string text = {};    ///< one sentence
+  std::string hint = {};    ///< what may be meant instead
 };
 struct NaturalLanguageAnswer {
   std::string sentence = {};
   std::optional<Query> query = {};      ///< unset = not understood
   std::vector<std::string> notes = {};  ///< how words were interpreted
   std::optional<Answer> answer = {};
+  std::optional<Reply> reply = {};        ///< of the answer
   std::optional<NoAnswer> why_not = {};   ///< set where there is no answer
   std::vector<std::string> nearest = {};  ///< sentences that are understood, when this one is not
 };
 /// One answer per sentence; a sentence without an answer is no error.
 std::vector<NaturalLanguageAnswer> ask(const Store& store, const NaturalLanguageQuestion& question);
-std::string to_text(const NaturalLanguageAnswer& answer, const TimeWriter& times);
+/// The reply and its evidence; with `details` the command and the whole answer.
+std::string to_text(const NaturalLanguageAnswer& answer, const TimeWriter& times, bool details = false);
 Json to_json(const NaturalLanguageAnswer& answer);
 
 /// Questions to suggest for this memory: about its objects first, then an example of each form.

@@ -112,9 +112,10 @@ namespace {
 void add_superlatives(std::vector<SentenceForm>& forms) {
   for (const std::string word : {"biggest", "smallest", "tallest"}) {
     const std::string adjective = word == "biggest" ? "(biggest|largest)" : word;
-    const std::string form = "(what|which|which thing|which object|which one) is " + adjective;
-    forms.push_back({form + " [thing|object|item|one|of all]", "", {{"object", word}}});
-    forms.push_back({form + " [thing|object|item|one] (on|in) <place>",
+    const std::string form = "$which [thing|one] is " + adjective;
+    forms.push_back({form + " [thing|one|of all]", Asks::objects, "", {{"object", word}}});
+    forms.push_back({form + " [thing|one] (on|in) <place>",
+                     Asks::objects,
                      word == "biggest" ? "What is the biggest object on the table?" : "",
                      {{"object", word + " on {place}"}}});
   }
@@ -122,37 +123,45 @@ void add_superlatives(std::vector<SentenceForm>& forms) {
 
 std::vector<SentenceForm> objects_sentences() {
   using enum SentenceTime;
+  using enum Asks;
   std::vector<SentenceForm> forms = {
-      {"(what|which) $things (do you know|are there|have you seen|do you remember|do we have|exist)",
+      {"$which thing (do someone (know|has|see)|is there|has someone see)", objects,
        "What objects do you know?"},
-      {"what do you (know|remember)"},
-      {"(list|show me|show|name) [all|everything] [$things]"},
-      {"(list|show me|show|name) [all|everything] [that is] <object>", "Show me all red objects."},
-      {"(what|which) $things (is|are) <object>"},
-      {"how many <object> (are there|do we have|have we|do you know|have you seen)",
+      {"what do someone know", objects},
+      {"(list|show|show me|name) [everything] [thing]", objects},
+      {"(list|show|show me|name) [everything] [that is] <object>", objects, "Show me all red objects."},
+      {"$which thing $be <object>", objects},
+      {"$which <object> (do someone (know|has|own)|is there|has someone)", objects,
+       "What red things do you know?"},
+      {"howmany <object> ($be [there]|do someone (has|know|see|own)|has someone [get|see])", number,
        "How many red objects are there?"},
-      {"$what (have|has|did) (you|we|robot|anyone) not (see|seen|noticed)",
-       "What have you not seen since nine?",
-       {},
-       since},
-      {"$what (have|has) not been seen", "", {}, since},
+      {"[what is] howmany <object>", number},
+      {"$what [has] (someone not (see|find)|not been see)", objects, "", {}, since},
+      {"$what (has|do) someone not see", objects, "What have you not seen since nine?", {}, since},
+      {"$what has not been see", objects, "", {}, since},
   };
   add_superlatives(forms);
   return forms;
 }
 
 std::vector<SentenceForm> about_sentences() {
+  using enum Asks;
+  const auto about = [](const char* name) { return std::map<std::string, std::string>{{"property", name}}; };
   return {
-      {"(describe|tell me [everything|all|more] about|what about) <object>",
-       "What do you know about the red cup?"},
-      {"what (do|did) (you|we) know (about|of) <object>"},
-      {"(who owns|who is owner of|whose is|whose are|who has) <object>", "Who owns the red cup?"},
-      {"whose <object> is (this|that|it)"},
-      {"(what|which) (color|colour|shape|size|class|kind|brand) (is|are|has|have|does|do) <object> [have|of]",
-       "What colour is the cup?"},
-      {"how (big|large|small|tall|high|wide|long|heavy) (is|are) <object>"},
-      {"what (does|do) <object> look like"},
-      {"what (is written|does it say|is printed) on <object>"},
+      {"(describe|tell me [everything|more] about|everything about|about|what about) <object>"},
+      {"what do someone know (about|of) <object>", summary, "What do you know about the red cup?"},
+      {"(who own|who is own of|whose is|who has) <object>", property, "Who owns the red cup?",
+       about("owner")},
+      {"whose <object> is (this|that|it)", property, "", about("owner")},
+      {"$which colour ($be|has|do) <object> [has|of]", property, "What colour is the cup?", about("colour")},
+      {"[what is] colour of <object>", property, "", about("colour")},
+      {"[what is] size of <object>", property, "", about("size")},
+      {"$which size ($be|has|do) <object> [has|of]", property, "", about("size")},
+      {"how (big|large|small|tall|high|wide|long|heavy) $be <object>", property, "How big is the bowl?",
+       about("size")},
+      {"$which (shape|class|kind|brand) ($be|has|do) <object> [has|of]"},
+      {"what do <object> look like"},
+      {"(what is written|what do it say|what is printed) on <object>"},
   };
 }
 
@@ -180,7 +189,11 @@ std::vector<Question> object_questions() {
       {.name = "about",
        .group = QuestionGroup::inspect,
        .description = "What is known about an object: by annotators and by people",
-       .parameters = {object_parameter()},
+       .parameters = {object_parameter(),
+                      {.name = "property",
+                       .help = "What the reply to a sentence is about",
+                       .default_text = "all",
+                       .choices = {"colour", "size", "owner"}}},
        .examples = {"red", "object_1 --json"},
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), AboutQuestion{.subject = given.text("object"), .as_of = given.as_of()});

@@ -10,6 +10,8 @@ namespace loci::memory {
 // The objects and what is known of them: objects, about.
 
 struct Question;
+struct Reply;
+struct ReplyContext;
 std::vector<Question> object_questions();
 
 struct ObjectsQuestion {
@@ -23,6 +25,7 @@ struct ObjectsAnswer {
 };
 ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question);
 std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times);
+void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const ObjectsAnswer& answer);
 
 struct AboutQuestion {
@@ -42,6 +45,7 @@ struct AboutAnswer {
 };
 AboutAnswer ask(const Store& store, const AboutQuestion& question);
 std::string to_text(const AboutAnswer& answer, const TimeWriter& times);
+void write_reply(const AboutAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const AboutAnswer& answer);
 Json to_json(const AnnotationSupport& evidence);
 

@@ -600,6 +600,23 @@ Answer ask_was(const Arguments& given) {
                          .as_of = given.as_of()});
 }
 
+std::vector<SentenceForm> was_sentences() {
+  using enum Asks;
+  return {
+      {"was <object> [stand|leave|see] $at <place>", verdict,
+       "Was the red cup on the table between nine and ten?"},
+      {"was there <object> [stand|leave|see] $at <place>", verdict},
+      {"was <object> there [at]", verdict, "Was it there at all between nine and ten?", {{"place", "there"}}},
+      {"<object> was [stand] $at <place>", verdict},
+      {"has <object> been [stand|see] $at <place>", verdict, "Has the cup been on the table today?"},
+      {"do <object> stand $at <place>", verdict},
+      {"(do|has) someone see <object> [stand] $at <place>", verdict},
+      {"when was <object> [stand] $at <place>", summary, "When was the red cup on the table?"},
+      {"when (was|do someone) [last] [see] <object> [last] [see] $at <place> [last] [time]", last_time},
+      {"when (was|do someone) first [see] <object> $at <place>", first_time},
+  };
+}
+
 }  // namespace
 
 std::vector<Question> presence_questions() {
@@ -617,19 +634,7 @@ std::vector<Question> presence_questions() {
                     "object_1 in drawer_1 --between 08:00 18:00 --json"},
        .run = ask_was,
        .time = SentenceTime::period,
-       .sentences =
-           {{"(was|were) <object> (on|in|inside|at) <place>",
-             "Was the red cup on the table between nine and ten?"},
-            {"(was|were) <object> ever (on|in|inside|at) <place>"},
-            {"(was|were) there <object> (on|in|inside|at) <place>"},
-            {"(was|were) <object> [ever|still] there [at all|ever]",
-             "Was it there at all between nine and ten?",
-             {{"place", "there"}}},
-            {"when (was|were) <object> (on|in|inside|at) <place>", "When was the red cup on the table?"},
-            {"when (was|were) <object> (last seen|seen last|seen|last|ever) (on|in|inside|at) <place>"},
-            {"(has|have) <object> [ever] (been|stood|lain) (on|in|inside|at) <place>"},
-            {"did <object> (stand|lie) (on|in|inside|at) <place>"},
-            {"(did|have|has) $witness [ever] (see|seen) <object> (on|in|inside|at) <place>"}}},
+       .sentences = was_sentences()},
   };
 }
 

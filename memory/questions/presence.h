@@ -10,6 +10,8 @@ namespace loci::memory {
 // Whether an object was at a place in a period: was.
 
 struct Question;
+struct Reply;
+struct ReplyContext;
 std::vector<Question> presence_questions();
 
 struct WasQuestion {
@@ -46,6 +48,7 @@ struct WasAnswer {
 };
 WasAnswer ask(const Store& store, const WasQuestion& question);
 std::string to_text(const WasAnswer& answer, const TimeWriter& times);
+void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const WasAnswer& answer);
 
 }  // namespace loci::memory

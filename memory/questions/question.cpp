@@ -449,4 +449,11 @@ Parameter only_object_parameter() {
       .name = "object", .type = ParameterType::object, .help = "Only these objects", .default_text = "all"};
 }
 
+Parameter only_place_parameter() {
+  return {.name = "place",
+          .type = ParameterType::place,
+          .help = "Only at this place",
+          .default_text = "everywhere"};
+}
+
 }  // namespace loci::memory

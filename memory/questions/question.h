@@ -47,10 +47,33 @@ struct Parameter {
   std::vector<std::string> excludes = {};  ///< parameters that may not be given together with it
 };
 
+/// What people want to know of an answer: the type of the reply.
+enum class Asks {
+  summary,      ///< what the question is about
+  verdict,      ///< yes, no or not observed: whether it is so
+  exists,       ///< a verdict on whether there is any
+  empty,        ///< a verdict on whether there is none
+  gone,         ///< a verdict on whether it has left
+  open,         ///< a verdict on whether it is open
+  closed,       ///< a verdict on whether it is closed
+  number,       ///< how many
+  objects,      ///< which objects
+  place,        ///< where
+  last_time,    ///< when, the last time
+  first_time,   ///< when, the first time
+  duration,     ///< how long
+  ago,          ///< how long ago
+  probability,  ///< how sure
+  reason,       ///< why
+  property,     ///< a colour, a size, …
+  agent,        ///< who did it
+};
+
 /// A question with its arguments as text.
 struct Query {
   std::string question = {};                          ///< "where"
   std::map<std::string, std::string> arguments = {};  ///< by name of the parameter
+  Asks asks = Asks::summary;                          ///< of the reply
 
   std::string argument(const std::string& name) const;  ///< "" = not given
   /// As it is typed after "loci-memory": where 'tea cup' --at 08:30.
@@ -95,6 +118,9 @@ struct Mentions {
   std::vector<Id> scenes = {};
 };
 
+struct Reply;         // reply.h
+struct ReplyContext;  // reply.h
+
 namespace detail {
 template <class T>
 std::string answer_text(const T& answer, const TimeWriter& times) {
@@ -103,6 +129,15 @@ std::string answer_text(const T& answer, const TimeWriter& times) {
 template <class T>
 void write_answer_json(const T& answer, Json& json) {
   json = to_json(answer);
+}
+/// False when the answer has no reply of its own: its text is shortened to one.
+template <class T>
+bool write_answer_reply(const T& answer, const ReplyContext& context, Reply& reply) {
+  if constexpr (requires { write_reply(answer, context, reply); }) {
+    write_reply(answer, context, reply);
+    return true;
+  }
+  return false;
 }
 }  // namespace detail
 
@@ -115,6 +150,8 @@ class Answer {
       : model_(std::make_shared<const Model<T>>(std::move(answer))) {}
 
   std::string to_text(const TimeWriter& times) const { return model_->to_text(times); }
+  /// One sentence and its evidence (reply.h).
+  Reply reply(const ReplyContext& context) const;
   Json to_json() const;
   Mentions mentions(const Store& store) const;
 
@@ -135,12 +172,16 @@ class Answer {
     virtual ~Concept() = default;
     virtual std::string to_text(const TimeWriter& times) const = 0;
     virtual void write_json(Json& json) const = 0;
+    virtual bool write_reply(const ReplyContext& context, Reply& reply) const = 0;
   };
   template <class T>
   struct Model final : Concept {
     explicit Model(T value) : answer(std::move(value)) {}
     std::string to_text(const TimeWriter& times) const override { return detail::answer_text(answer, times); }
     void write_json(Json& json) const override { detail::write_answer_json(answer, json); }
+    bool write_reply(const ReplyContext& context, Reply& reply) const override {
+      return detail::write_answer_reply(answer, context, reply);
+    }
     T answer;
   };
   std::shared_ptr<const Concept> model_;
@@ -148,20 +189,22 @@ class Answer {
 
 /// Where the time in a sentence goes.
 enum class SentenceTime {
-  none,               ///< a sentence with a time does not mean this question
-  at,                 ///< a moment: --at
-  period,             ///< --between, --from, --to
-  moment_or_history,  ///< a moment: --at; with a period the sentence means `history`
-  during,             ///< hours or days of the week: --during
-  since,              ///< a period that begins: --unseen-since
+  none,              ///< a sentence with a time does not mean this question
+  at,                ///< a moment: --at
+  period,            ///< --between, --from, --to
+  moment_or_period,  ///< a moment: --at; with a period the sentence means the question `over_period`
+  during,            ///< hours or days of the week: --during
+  since,             ///< a period that begins: --unseen-since
 };
 
-/// A form of English sentence. (a|b) is one of them, [a] may be missing, <object> stands for any words and
-/// becomes the parameter of that name; $what, $someone, … are sets of words (natural_language.cpp). Articles
-/// and "please" are left out. Of several forms that match a sentence the one with most literal words is
-/// taken, then the one declared first.
+/// A rule of the grammar: a form of English sentence, in the lemmas of sentence_parser.cpp: "see" stands for
+/// saw, seen, noticed, … (a|b) is one of them, [a] may be missing, $be, $one, … are sets of words. <object>,
+/// <place>, … are phrases of that type and become the parameter of that name. Articles and fillers ("please",
+/// "still") are left out. Of several rules that match a sentence the one with most literal words comes first,
+/// then the one declared first; the first whose names mean something in the memory is taken.
 struct SentenceForm {
   std::string form;
+  Asks asks = Asks::summary;
   std::string example = {};                           ///< shown to people; "" = a variant of the form before
   std::map<std::string, std::string> arguments = {};  ///< given by the form; "{place}" = the words of <place>
   std::optional<SentenceTime> time = {};              ///< unset = as for the question
@@ -184,6 +227,7 @@ struct Question {
   std::vector<std::string> examples;  ///< as typed after the name, without -m
   Answer (*run)(const Arguments& arguments);
   SentenceTime time = SentenceTime::at;
+  std::string over_period = {};  ///< the question that a sentence with a period means
   std::vector<SentenceForm> sentences = {};
 
   /// Positional arguments as they are typed; Error when the question takes none.
@@ -224,5 +268,6 @@ Json questions_json();
 Parameter object_parameter();       ///< positional, required
 Parameter place_parameter();        ///< positional, required
 Parameter only_object_parameter();  ///< --object
+Parameter only_place_parameter();   ///< --place
 
 }  // namespace loci::memory

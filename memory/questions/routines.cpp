@@ -118,22 +118,29 @@ Json usual_place_json(const UsualPlace& place) {
   return json;
 }
 
-PlaceContentsHistory contents_history_of(const Snapshot& snapshot, const PlaceRow& place) {
+/// `meant`: the objects asked about; unset = all.
+PlaceContentsHistory contents_history_of(const Snapshot& snapshot, const PlaceRow& place,
+                                         const ContentsHistoryQuestion& question,
+                                         const std::optional<std::set<Id>>& meant) {
+  const auto is_then = [&](TimeNs time) {
+    return (!question.from || time >= *question.from) && (!question.to || time <= *question.to);
+  };
   PlaceContentsHistory history{.place = {place.id, place.name, place.container}};
   for (const VisibilityRow& view : snapshot.store().visibility_of_place(place.id)) {
     const SceneRow* scene = snapshot.scene(view.scene);
-    if (scene == nullptr || view.fraction.value_or(0) <= 0) continue;
+    if (scene == nullptr || view.fraction.value_or(0) <= 0 || !is_then(scene->time)) continue;
     ++history.views;
     if (!history.last_view || history.last_view->time <= scene->time)
       history.last_view = snapshot.scene_ref(*scene);
   }
   for (const BeliefRow& belief : snapshot.beliefs()) {
+    if (meant && !meant->contains(belief.object)) continue;
     PastContent object;
     size_t all = 0;
     for (const ObjectObservation& sighting :
          snapshot.store().observations_of(belief.object, snapshot.as_of())) {
       if (sighting.observation.place) ++all;
-      if (sighting.observation.place != place.id) continue;
+      if (sighting.observation.place != place.id || !is_then(sighting.time)) continue;
       object.last = *snapshot.scene_ref(sighting.association.scene);
       if (object.sightings++ == 0) object.first = object.last;
     }
@@ -266,8 +273,13 @@ Json to_json(const UsualAnswer& answer) {
 ContentsHistoryAnswer ask(const Store& store, const ContentsHistoryQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   ContentsHistoryAnswer answer{.asked = question.place};
+  std::optional<std::set<Id>> meant;
+  if (!question.subject.empty()) {
+    const std::vector<Id> objects = snapshot.find_objects(question.subject);
+    meant.emplace(objects.begin(), objects.end());
+  }
   for (const PlaceRow& place : snapshot.find_places(question.place))
-    answer.places.push_back(contents_history_of(snapshot, place));
+    answer.places.push_back(contents_history_of(snapshot, place, question, meant));
   return answer;
 }
 
@@ -363,28 +375,26 @@ Json to_json(const LifeCycleAnswer& answer) {
 namespace {
 
 std::vector<SentenceForm> usual_sentences() {
+  using enum Asks;
   return {
-      {"where (do|does|should) (we|you|i|they|one) [$usually] (keep|store|put) <object>",
-       "Where do we keep the cereal?"},
-      {"where (do|can|does) (we|you|i|they|one) $usually (find|see|have|leave) <object>"},
-      {"where (does|do|should|must) <object> "
-       "(belong|go|live|stand|lie|be|usually stand|usually lie|usually go)"},
-      {"where (is|are) <object> $usually [kept|stored|standing|lying|found]",
-       "Where is the red cup usually in the morning?"},
-      {"where is <object> (kept|stored)"},
-      {"where (is|are) $usually <object>"},
-      {"(which|what|on which|in which) place (is|are) <object> $usually [on|in|at]"},
-      {"what is usual place (of|for) <object>"},
+      {"where [do|can] someone [usually] (keep|put) <object>", place, "Where do we keep the cereal?"},
+      {"where (do|can) someone usually (find|see|has|leave) <object>", place},
+      {"where (do|can) <object> [usually] (belong|go|stand|is)", place},
+      {"where is <object> usually [keep|stand|find]", place, "Where is the red cup usually in the morning?"},
+      {"where is <object> keep", place},
+      {"where is usually <object>", place},
+      {"[on|in] $which place is <object> usually [on|in|at]", place},
+      {"what is usual place (of|for) <object>", place},
   };
 }
 
 std::vector<SentenceForm> contents_history_sentences() {
+  using enum Asks;
   return {
-      {"what do (we|you|i|they|people) [$usually] (keep|store|put) (in|on|inside) <place>",
-       "What do we keep in this drawer?"},
-      {"what (belongs|goes) (in|on|into|onto|inside) <place>"},
-      {"what is $usually [kept|stored|standing|lying|found] (in|on|inside) <place>"},
-      {"what is kept (in|on|inside) <place>"},
+      {"what do someone [usually] (keep|put) (in|on) <place>", objects, "What do we keep in this drawer?"},
+      {"what (belong|go) (in|on|to) <place>", objects},
+      {"what is usually [keep|stand|find] (in|on) <place>", objects},
+      {"what has been (in|on) <place>", objects, "What has been on the table today?"},
   };
 }
 
@@ -405,13 +415,15 @@ std::vector<Question> routine_questions() {
        .time = SentenceTime::during,
        .sentences = usual_sentences()},
       {.name = "contents-history",
-       .description = "What was ever seen on or in a place",
-       .parameters = {place_parameter()},
-       .examples = {"drawer_1", "table_1 --json"},
+       .description = "What was seen on or in a place, ever or in a period",
+       .parameters = {place_parameter(), only_object_parameter()},
+       .period = true,
+       .examples = {"drawer_1", "table_1 --between 08:00 10:00 --json"},
        .run = [](const Arguments& given) -> Answer {
-         return ask(given.store(), ContentsHistoryQuestion{given.text("place"), given.as_of()});
+         return ask(given.store(), ContentsHistoryQuestion{given.text("place"), given.as_of(), given.from(),
+                                                           given.to(), given.text("object")});
        },
-       .time = SentenceTime::none,
+       .time = SentenceTime::period,
        .sentences = contents_history_sentences()},
       {.name = "life-cycle",
        .description = "From which place to which an object usually moves",
@@ -421,8 +433,9 @@ std::vector<Question> routine_questions() {
          return ask(given.store(), LifeCycleQuestion{given.text("object"), given.as_of()});
        },
        .time = SentenceTime::none,
-       .sentences = {{"[what is] (life cycle|lifecycle) of <object>", "What is the life cycle of a plate?"},
-                     {"(where|which way) (does|do) <object> [$usually] (travel|wander|move around)"}}},
+       .sentences = {{"[what is] (life cycle|lifecycle) of <object>", Asks::summary,
+                      "What is the life cycle of a plate?"},
+                     {"(where|which way) do <object> [usually] (travel|wander|move near)"}}},
   };
 }
 

@@ -13,6 +13,8 @@ namespace loci::memory {
 // What is usual, counted over all observations: usual, contents-history, life-cycle.
 
 struct Question;
+struct Reply;
+struct ReplyContext;
 std::vector<Question> routine_questions();
 
 /// A meal, by local hours.
@@ -54,13 +56,16 @@ struct UsualAnswer {
 };
 UsualAnswer ask(const Store& store, const UsualQuestion& question);
 std::string to_text(const UsualAnswer& answer, const TimeWriter& times);
+void write_reply(const UsualAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const UsualAnswer& answer);
 
-// ---- contents-history: what was ever seen at a place
+// ---- contents-history: what was seen at a place, ever or in a period
 
 struct ContentsHistoryQuestion {
   std::string place = {};
   AsOf as_of = {};
+  std::optional<TimeNs> from = {}, to = {};  ///< only what was seen in this period
+  std::string subject = {};                  ///< only these; empty = all objects
 };
 struct PastContent {
   ObjectBelief now = {};
@@ -81,6 +86,7 @@ struct ContentsHistoryAnswer {
 };
 ContentsHistoryAnswer ask(const Store& store, const ContentsHistoryQuestion& question);
 std::string to_text(const ContentsHistoryAnswer& answer, const TimeWriter& times);
+void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const ContentsHistoryAnswer& answer);
 
 // ---- life-cycle: from place to place, for example table → sink → dishwasher → cupboard

@@ -266,13 +266,11 @@ std::vector<Question> search_questions() {
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), SearchQuestion{given.text("object"), given.point("start"), given.as_of()});
        },
-       .sentences =
-           {{"where (should|shall|can|could|must) (i|we|you|one|robot) look (next|first) for <object>",
-             "Where should I look next for the cereal?"},
-            {"if <object> is not (on|in|at) <any> where [else] (may|can|could|might|should) (it|they) be",
-             "If the cereal is not on the table, where else may it be?"},
-            {"where else (should|shall|can|could|may|might) (<object> be|(i|we|you|one) look for "
-             "<object>)"}}},
+       .sentences = {{"where can someone look (next|first) for <object>", Asks::place,
+                      "Where should I look next for the cereal?"},
+                     {"if <object> is not (on|in|at) <any> where [else] can (it|they) is", Asks::place,
+                      "If the cereal is not on the table, where else may it be?"},
+                     {"where else can (<object> is|someone find <object>)", Asks::place}}},
       {.name = "like",
        .description = "Which objects look like an object or an image",
        .parameters = {object,
@@ -284,13 +282,13 @@ std::vector<Question> search_questions() {
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), SimilarQuestion{given.text("object"), given.text("image"), given.as_of()});
        },
-       .sentences = {{"$what (look|looks|is|are) like <object>", "What looks like the red cup?"},
-                     {"is there (anything|something) [else] (similar to|like) <object>"},
-                     {"is there (another|any other) <any> (similar to|like) <object>"},
-                     {"$what (resemble|resembles|is similar to|are similar to|looks similar to|look similar "
-                      "to) <object>"},
-                     {"(list|show|show me|find) [all|other] ($things|everything|anything) "
-                      "(similar to|like|that look like|that looks like) <object>"}}},
+       .sentences = {{"$what (look|is) like <object>", Asks::objects, "What looks like the red cup?"},
+                     {"is there anything [else] (similar to|like) <object>", Asks::objects},
+                     {"is there (another|other) <any> (similar to|like) <object>", Asks::objects},
+                     {"$what (resemble|resembles|[is|look] similar to) <object>", Asks::objects},
+                     {"(list|show|show me|find) [other] (thing|everything|anything) "
+                      "(similar to|like|that look like) <object>",
+                      Asks::objects}}},
   };
 }
 

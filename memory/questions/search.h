@@ -11,6 +11,8 @@ namespace loci::memory {
 // Finding objects: search-next by place, like by appearance.
 
 struct Question;
+struct Reply;
+struct ReplyContext;
 std::vector<Question> search_questions();
 
 // ---- search-next: probability × visibility of the place ÷ time that the search takes
@@ -40,6 +42,7 @@ struct SearchAnswer {
 };
 SearchAnswer ask(const Store& store, const SearchQuestion& question);
 std::string to_text(const SearchAnswer& answer, const TimeWriter& times);
+void write_reply(const SearchAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const SearchAnswer& answer);
 
 // ---- like: objects of similar appearance
@@ -61,6 +64,7 @@ struct SimilarAnswer {
 /// Error when the image cannot be read or no crop of the object is stored.
 SimilarAnswer ask(const Store& store, const SimilarQuestion& question);
 std::string to_text(const SimilarAnswer& answer, const TimeWriter& times);
+void write_reply(const SimilarAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const SimilarAnswer& answer);
 
 }  // namespace loci::memory

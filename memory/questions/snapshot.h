@@ -60,6 +60,8 @@ class Snapshot {
   std::vector<PlaceRow> places_called(const std::string& name) const;
   /// Objects whose most probable place this is and that have not gone.
   std::vector<Id> objects_at(Id place) const;
+  /// All words for objects.
+  std::vector<std::string> known_names() const;
 
  private:
   FileLocation file() const { return {store_.path().string(), 0, {}}; }
@@ -71,7 +73,6 @@ class Snapshot {
   std::optional<Id> find_superlative(const std::vector<std::string>& words) const;
   /// "red tea cup": the objects of the longest name that begins at words[next]; moves `next` past it.
   std::vector<Id> find_longest_name(const std::vector<std::string>& words, size_t& next) const;
-  std::vector<std::string> known_names() const;
   /// What may be meant instead where words[unknown] means nothing.
   std::string hint_for(const std::vector<std::string>& words, size_t unknown) const;
 

@@ -278,28 +278,29 @@ Answer ask_task(const Arguments& given) {
 std::vector<SentenceForm> task_sentences() {
   const auto task = [](const char* kind) { return std::map<std::string, std::string>{{"task", kind}}; };
   const auto at_table = std::map<std::string, std::string>{{"task", "set"}, {"place", "table"}};
+  using enum Asks;
   return {
-      {"(set|lay|prepare) <place> for <occasion>", "Set the table for breakfast.", task("set")},
-      {"(prepare|make|lay for|set for) (breakfast|lunch|dinner|supper|tea)", "", at_table},
-      {"(lay|set) <place>", "", task("set")},
-      {"(clean|tidy|clear|straighten) [up] ($room|everything|here|whole kitchen)", "Clean up the kitchen.",
+      {"(set|lay|prepare) <place> for <occasion>", summary, "Set the table for breakfast.", task("set")},
+      {"(prepare|make|lay for|set for) (breakfast|lunch|dinner|supper|tea)", summary, "", at_table},
+      {"(lay|set) <place>", summary, "", task("set")},
+      {"(clean|empty) [up] (room|everything|here|whole room)", summary, "Clean up the kitchen.",
        task("clean")},
-      {"(clean|tidy|clear) ($room|everything) up", "", task("clean")},
-      {"(clean|tidy|clear) up", "", task("clean")},
-      {"(clean|tidy|clear|wipe) [up|off] <place>", "Clear the table.", task("clean")},
-      {"(clean|tidy|clear) <place> (up|off)", "", task("clean")},
-      {"(stow|put|tidy|store|pack|clear) away <object> (into|onto|to) <destination>", "", task("stow")},
-      {"(stow|put|tidy|store|pack|clear) away <object>", "Stow away the items in the shopping basket.",
-       task("stow")},
-      {"(stow|put|tidy|store|pack|clear) <object> away", "", task("stow")},
-      {"(put|return) <object> back", "", task("stow")},
-      {"(put|place|stow|store|move|lay|set|take) <object> (in|into|inside|on|onto|to) <destination>",
+      {"(clean|empty) (room|everything) up", summary, "", task("clean")},
+      {"(clean|empty) up", summary, "", task("clean")},
+      {"(clean|empty|wipe) [up|from] <place>", summary, "Clear the table.", task("clean")},
+      {"(clean|empty) <place> (up|from)", summary, "", task("clean")},
+      {"(stow|put|clean|keep|pack|empty) away <object> (in|on|to) <destination>", summary, "", task("stow")},
+      {"(stow|put|clean|keep|pack|empty) away <object>", summary,
+       "Stow away the items in the shopping basket.", task("stow")},
+      {"(stow|put|clean|keep|pack|empty) <object> away", summary, "", task("stow")},
+      {"(put|come) <object> back", summary, "", task("stow")},
+      {"(put|place|stow|keep|move|lay|set|take) <object> (in|on|to) <destination>", summary,
        "Put all perishable items in the fridge.", task("stow")},
-      {"(bring|carry) <object> to (me|us)", "", task("bring")},
-      {"(bring|carry) <object> (to|into|onto) <destination>", "", task("stow")},
-      {"(bring|fetch|get|give|hand|pass) (me|us) <object>", "Bring me my tea cup.", task("bring")},
-      {"(bring|fetch|get) <object>", "", task("bring")},
-      {"(i|we) (want|need|would like|would like to have|want to have) <object>", "", task("bring")},
+      {"(bring|carry) <object> to (me|us)", summary, "", task("bring")},
+      {"(bring|carry) <object> (to|in|on) <destination>", summary, "", task("stow")},
+      {"(bring|fetch|get|give|hand|pass) (me|us) <object>", summary, "Bring me my tea cup.", task("bring")},
+      {"(bring|fetch|get) <object>", summary, "", task("bring")},
+      {"someone [can] (want|need|like|want to has|like to has) <object>", summary, "", task("bring")},
   };
 }
 

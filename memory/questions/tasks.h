@@ -10,6 +10,8 @@ namespace loci::memory {
 // missing.
 
 struct Question;
+struct Reply;
+struct ReplyContext;
 std::vector<Question> task_questions();
 
 struct TaskQuestion {
@@ -45,6 +47,7 @@ struct TaskAnswer {
 };
 TaskAnswer ask(const Store& store, const TaskQuestion& question);
 std::string to_text(const TaskAnswer& answer, const TimeWriter& times);
+void write_reply(const TaskAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const TaskAnswer& answer);
 
 }  // namespace loci::memory

@@ -72,12 +72,16 @@ std::optional<TimeSpan> part_of_day(const std::string& word) {
     const char* name;
     TimeNs first, end;
   };
-  static const std::array<Part, 6> parts = {{{"morning", 5 * kHour, 12 * kHour},
-                                             {"afternoon", 12 * kHour, 18 * kHour},
-                                             {"evening", 18 * kHour, 24 * kHour},
-                                             {"night", 22 * kHour, 30 * kHour},
-                                             {"noon", 12 * kHour, 12 * kHour + kMinute},
-                                             {"midnight", 0, kMinute}}};
+  static const std::array<Part, 10> parts = {{{"morning", 5 * kHour, 12 * kHour},
+                                              {"afternoon", 12 * kHour, 18 * kHour},
+                                              {"evening", 18 * kHour, 24 * kHour},
+                                              {"night", 22 * kHour, 30 * kHour},
+                                              {"breakfast", 5 * kHour, 11 * kHour},
+                                              {"lunch", 11 * kHour, 15 * kHour},
+                                              {"dinner", 17 * kHour, 23 * kHour},
+                                              {"supper", 17 * kHour, 23 * kHour},
+                                              {"noon", 12 * kHour, 12 * kHour + kMinute},
+                                              {"midnight", 0, kMinute}}};
   for (const Part& part : parts)
     if (word == part.name) return TimeSpan{part.first, part.end - 1};
   return std::nullopt;

@@ -17,9 +17,10 @@ struct TimeSpan {
 /// Parses times written by people: ISO 8601, with or without zone; a day ("2026-05-01", "today", "yesterday",
 /// "the day before yesterday", "Monday", "last Monday", "this week", "last week"), a time of day ("08:30",
 /// "08:30:15", "9 am", "nine", "half past nine", "quarter to ten", "noon", "morning" = 5 to 12, "afternoon" =
-/// 12 to 18, "evening" = 18 to 24, "night" = 22 to 6), or both ("yesterday morning", "last Monday at nine");
-/// "last night"; "20 minutes ago", "two hours ago", "half an hour ago"; "now". Today and now are those of the
-/// memory's last scene, in the memory's zone.
+/// 12 to 18, "evening" = 18 to 24, "night" = 22 to 6,
+/// "breakfast" = 5 to 11, "lunch" = 11 to 15, "dinner" and "supper" = 17 to 23), or both ("yesterday
+/// morning", "last Monday at nine"); "last night"; "20 minutes ago", "two hours ago", "half an hour ago";
+/// "now". Today and now are those of the memory's last scene, in the memory's zone.
 class TimeReader {
  public:
   explicit TimeReader(const Store& store);

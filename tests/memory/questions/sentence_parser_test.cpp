@@ -1,4 +1,4 @@
-#include "memory/questions/natural_language.h"
+#include "memory/questions/sentence_parser.h"
 
 #include <gmock/gmock.h>
 

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/evaluate/questions/memories.h"
+#include "apps/evaluate/questions/table.h"
+#include "mapping/base/json_fwd.h"
+#include "memory/questions/natural_language.h"
+
+namespace loci::apps::questions {
+
+enum class Outcome {
+  right,
+  wrong,           ///< it states what is not so
+  misleading,      ///< it answers another question than the one asked
+  undecided,       ///< it says that it does not know, where the truth is known
+  not_understood,  ///< it says so
+};
+std::string to_text(Outcome outcome);
+
+struct JudgedAnswer {
+  AskedQuestion asked = {};
+  Outcome outcome = Outcome::right;
+  std::string text = {};     ///< the reply
+  std::string command = {};  ///< that was understood
+  double ms = 0;             ///< from sentence to reply
+};
+
+JudgedAnswer judge(const AskedQuestion& asked, const memory::Store& store, const TrueNames& names);
+
+struct QuestionFigures {
+  std::vector<JudgedAnswer> answers;
+  size_t max_length() const;  ///< characters of the longest reply
+  size_t max_lines() const;   ///< of evidence
+};
+std::string text_of(const QuestionFigures& figures, bool all);
+Json json_of(const QuestionFigures& figures);
+
+}  // namespace loci::apps::questions

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "mapping/base/error.h"
+#include "mapping/base/progress.h"
+#include "memory/store/store.h"
+
+namespace loci::apps::questions {
+
+/// Which object of the simulation each object of a memory is: the one near which most of its observations
+/// are.
+using TrueNames = std::map<memory::Id, std::string>;
+
+struct AskedMemory {
+  std::filesystem::path file = {};
+  TrueNames names = {};
+};
+
+/// Makes a memory of the tables in `folder`, unless it is there: the sample day perceived (plain), the same
+/// with its objects named by class as people would and the household's taxonomy (day), and random days in the
+/// two sample kitchens, named likewise (kitchen, corner).
+AskedMemory asked_memory(const std::string& name, const std::filesystem::path& folder,
+                         const std::filesystem::path& samples, int threads, Progress& progress,
+                         Warnings& warnings);
+
+}  // namespace loci::apps::questions

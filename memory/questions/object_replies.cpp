@@ -1,0 +1,333 @@
+// The replies about objects and places: one sentence for each type of answer that a question can ask for.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "memory/questions/answer_format.h"
+#include "memory/questions/location.h"
+#include "memory/questions/names.h"
+#include "memory/questions/objects.h"
+#include "memory/questions/presence.h"
+#include "memory/questions/reply_parts.h"
+
+namespace loci::memory {
+
+using namespace format;
+using namespace replies;
+
+namespace {
+
+/// From this probability on nothing is added.
+constexpr double kSure = 0.9;
+
+std::string adverb(double probability) {
+  return probability >= kSure ? "" : probability >= kLikely ? "probably " : "perhaps ";
+}
+
+// ---- where
+
+void where_gone(const ObjectBelief& object, const Names& names, const ReplyContext& context, Reply& reply) {
+  reply.not_known = true;
+  if (object.place) reply.places = {object.place->name};
+  reply.text = fmt::format("{} has gone", names.subject(object.object));
+  if (object.last_seen)
+    reply.text += fmt::format("; it was last seen {} at {}", spot_in_words(object.place, object.position),
+                              context.times.text(object.last_seen->time));
+  reply.text += ".";
+}
+
+void where_place(const WhereAnswer& answer, const std::vector<const ObjectBelief*>& there, const Names& names,
+                 const ReplyContext& context, Reply& reply) {
+  if (there.empty()) return where_gone(answer.objects.front(), names, context, reply);
+  const char* verb = is_or_was(context);
+  std::vector<std::string> spots;
+  for (const ObjectBelief* object : there) {
+    const std::string spot = spot_in_words(object->place, object->position);
+    if (std::ranges::count(spots, spot) == 0) spots.push_back(spot);
+    if (object->place && std::ranges::count(reply.places, object->place->name) == 0)
+      reply.places.push_back(object->place->name);
+  }
+  const ObjectBelief& first = *there.front();
+  if (there.size() == 1) {
+    reply.text = fmt::format("{} {} {}{}.", bare_subject(first.object, names), verb,
+                             adverb(first.probability), spots[0]);
+    reply.probability = first.probability;
+  } else {
+    reply.text = fmt::format("{} objects are '{}': {}.", there.size(), answer.asked, list_in_words(spots, 3));
+  }
+}
+
+void where_time(const WhereAnswer& answer, const Names& names, const ReplyContext& context, Reply& reply) {
+  const Asks asks = context.query.asks;
+  const ObjectBelief* object = nullptr;  // the one seen last, or first
+  for (const ObjectBelief& one : answer.objects) {
+    if (!one.last_seen || !one.first_seen) continue;
+    const bool better =
+        object == nullptr || (asks == Asks::first_time ? one.first_seen->time < object->first_seen->time
+                                                       : one.last_seen->time > object->last_seen->time);
+    if (better) object = &one;
+  }
+  if (object == nullptr) {
+    reply.not_known = true;
+    reply.text = fmt::format("When {} was seen is not known.", names.subject(answer.objects.front().object));
+    return;
+  }
+  const TimeNs time = asks == Asks::first_time ? object->first_seen->time : object->last_seen->time;
+  reply.objects = {object->object.id};
+  reply.time = at_once(time);
+  if (asks == Asks::ago) {
+    const auto latest = context.store.latest_scene(context.as_of);
+    reply.duration = std::max<TimeNs>(0, (latest ? latest->time : time) - time);
+    const std::string ago = duration_text(*reply.duration);
+    reply.text = fmt::format("{}{} was seen {}.", ago.empty() ? "Just now" : ago + " ago",
+                             ": " + names.subject(object->object), "at " + context.times.text(time));
+    return;
+  }
+  reply.text =
+      fmt::format("At {}: {} was {} seen then{}.", context.times.text(time), names.subject(object->object),
+                  asks == Asks::first_time ? "first" : "last",
+                  asks == Asks::last_time ? ", " + spot_in_words(object->place, object->position) : "");
+}
+
+}  // namespace
+
+void write_reply(const WhereAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  std::vector<const ObjectBelief*> there;
+  for (const ObjectBelief& object : answer.objects)
+    if (object.status != ObjectStatus::gone) there.push_back(&object);
+  // Where some are likely, unlikely ones are left out.
+  if (std::ranges::any_of(there, [](const ObjectBelief* one) { return is_there(*one); }))
+    std::erase_if(there, [](const ObjectBelief* one) { return !is_there(*one); });
+  const ObjectBelief& first = there.empty() ? answer.objects.front() : *there.front();
+  for (const ObjectBelief* object : there) reply.objects.push_back(object->object.id);
+  const auto set_verdict = [&](bool is, const std::string& why) {
+    reply.verdict = is ? Verdict::yes : Verdict::no;
+    reply.text = fmt::format("{}: {}", is ? "Yes" : "No", why);
+  };
+  Reply place;
+  where_place(answer, there, names, context, place);
+  switch (context.query.asks) {
+    case Asks::exists:
+    case Asks::verdict:
+      set_verdict(!there.empty(), place.text);
+      break;
+    case Asks::gone:
+      set_verdict(there.empty(), place.text);
+      break;
+    case Asks::number:
+      reply.number = there.size();
+      reply.text = there.empty() ? fmt::format("None: {}", place.text)
+                                 : fmt::format("{}: {}", there.size(), place.text);
+      break;
+    case Asks::first_time:
+    case Asks::last_time:
+    case Asks::ago:
+      where_time(answer, names, context, reply);
+      break;
+    case Asks::probability:
+      reply.probability = first.probability;
+      reply.text =
+          first.status == ObjectStatus::gone
+              ? place.text
+              : fmt::format("{}: {} {} {}.", percent(first.probability), bare_subject(first.object, names),
+                            is_or_was(context), spot_in_words(first.place, first.position));
+      break;
+    case Asks::reason:
+      reply.text = reason_of(first, names, context);
+      reply.objects = {first.object.id};
+      break;
+    default:
+      place.objects = reply.objects;
+      reply = place;
+  }
+  add_sightings(answer.objects, names, context, reply);
+}
+
+void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const ObjectHistory* longest = nullptr;
+  const Stay* stay = nullptr;
+  for (const ObjectHistory& history : answer.objects)
+    if (!history.stays.empty() &&
+        (stay == nullptr || history.stays.back().scenes.back().time > stay->scenes.back().time)) {
+      longest = &history;
+      stay = &history.stays.back();
+    }
+  if (stay == nullptr) {
+    reply.not_known = true;
+    reply.text = fmt::format("{} was not seen{} then.", names.subject(answer.objects.front().now.object),
+                             context.query.argument("place").empty() ? "" : " there");
+    return;
+  }
+  // A stay goes on while the object is where it was, whichever spot of the place that is.
+  size_t first = longest->stays.size() - 1;
+  while (first > 0 && stay->place && longest->stays[first - 1].place &&
+         longest->stays[first - 1].place->id == stay->place->id)
+    --first;
+  const TimeNs from = longest->stays[first].scenes.front().time, to = stay->scenes.back().time;
+  const std::string name = bare_subject(longest->now.object, names),
+                    spot = spot_in_words(stay->place, stay->position);
+  reply.objects = {longest->now.object.id};
+  reply.time = TimeSpan{from, to};
+  if (context.query.asks == Asks::duration) {
+    reply.duration = to - from;
+    const std::string lasted = duration_text(to - from);
+    reply.text =
+        fmt::format("{}: {} was seen {} {}.", lasted.empty() ? "At one time only" : "At least " + lasted,
+                    name, spot, context.times.span_text(from, to));
+  } else if (context.query.asks == Asks::first_time) {
+    reply.time = at_once(from);
+    reply.text = fmt::format("Since {} at the latest: {} was first seen {} then.", context.times.text(from),
+                             name, spot);
+  } else {
+    std::vector<std::string> places;
+    for (const Stay& one : longest->stays) {
+      if (one.place && std::ranges::count(reply.places, one.place->name) == 0)
+        reply.places.push_back(one.place->name);
+      const std::string where = spot_in_words(one.place, one.position);
+      if (places.empty() || places.back() != where) places.push_back(where);
+    }
+    reply.text = fmt::format("{} was {}.", name, list_in_words(places, 4));
+  }
+  for (const Stay& one : longest->stays)
+    reply.evidence.push_back(fmt::format(
+        "{}: {}, {}", spot_in_words(one.place, one.position),
+        context.times.span_text(one.scenes.front().time, one.scenes.back().time), scenes_text(one.scenes)));
+  if (reply.evidence.size() > kMaxEvidenceLines)
+    reply.evidence.erase(reply.evidence.begin(), reply.evidence.end() - kMaxEvidenceLines);
+}
+
+// ---- was
+
+namespace {
+
+/// The probability that it was there at a moment that no look shows, where it was seen there before and after
+/// and nothing says that it left; unset = no such moment, or less than certain.
+std::optional<double> believed_then(const WasAnswer& answer, const WasObject& object,
+                                    const Snapshot& snapshot, const ReplyContext& context) {
+  constexpr TimeNs kMoment = 120 * kSecond;
+  if (answer.verdict != Verdict::not_observed || answer.to - answer.from > kMoment || !object.before ||
+      !object.after)
+    return std::nullopt;
+  const auto then = context.store.belief(object.object.id, {answer.from, context.as_of.known_at});
+  if (!then || !then->place || then->status == ObjectStatus::gone || then->probability < kSure)
+    return std::nullopt;
+  const std::vector<PlaceRow> places = snapshot.find_places(answer.place);
+  const bool there =
+      std::ranges::any_of(places, [&](const PlaceRow& place) { return place.id == *then->place; });
+  return there ? std::optional(then->probability) : std::nullopt;
+}
+
+}  // namespace
+
+void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const auto of_verdict = std::ranges::find(answer.objects, answer.verdict, &WasObject::verdict);
+  const WasObject& object = of_verdict == answer.objects.end() ? answer.objects.front() : *of_verdict;
+  const std::string name = bare_subject(object.object, names);
+  const std::string where =
+      answer.place.empty() ? "seen" : (answer.container ? "in " : "on ") + name_in_words(answer.place);
+  reply.objects = {object.object.id};
+  const Asks asks = context.query.asks;
+  if (asks != Asks::verdict) {
+    std::vector<SceneRef> there;
+    for (const WasObject& one : answer.objects)
+      there.insert(there.end(), one.seen_there.begin(), one.seen_there.end());
+    std::ranges::sort(there, {}, &SceneRef::time);
+    if (there.empty()) {
+      reply.not_known = true;
+      reply.text = fmt::format("{} was not seen {} then.", name, where);
+    } else {
+      const TimeNs first = there.front().time, last = there.back().time;
+      reply.time = asks == Asks::last_time    ? at_once(last)
+                   : asks == Asks::first_time ? at_once(first)
+                                              : TimeSpan{first, last};
+      reply.text =
+          asks == Asks::summary
+              ? fmt::format("{}: {} was seen {} then.", context.times.span_text(first, last), name, where)
+              : fmt::format("At {}: {} was {} seen {} then.", context.times.text(reply.time->first), name,
+                            asks == Asks::last_time ? "last" : "first", where);
+    }
+  } else if (const auto chance = believed_then(answer, object, snapshot, context)) {
+    reply.verdict = Verdict::yes;
+    reply.probability = *chance;
+    reply.text =
+        fmt::format("Yes, with {}: {} was {}, seen there at {} and {}.", percent(*chance), name, where,
+                    context.times.text(object.before->time), context.times.text(object.after->time));
+  } else {
+    reply.verdict = answer.verdict;
+    reply.probability = object.verdict == Verdict::yes ? 1 : object.probability;
+    if (answer.verdict == Verdict::yes)
+      reply.text =
+          fmt::format("Yes: {} was {}, seen {}.", name, where,
+                      context.times.span_text(object.seen_there.front().time, object.seen_there.back().time));
+    else if (answer.verdict == Verdict::no)
+      reply.text = fmt::format("No: {} was not {}: {}.", name, where, object.reason);
+    else
+      reply.text = fmt::format("Not observed: {}.", object.reason);
+  }
+  if (!object.seen_there.empty()) reply.evidence.push_back("seen there in " + scenes_text(object.seen_there));
+  if (object.verdict != Verdict::yes) {
+    if (object.before)
+      reply.evidence.push_back("before, it was seen there at " + context.times.text(object.before->time));
+    if (object.after)
+      reply.evidence.push_back("after that, it was seen there at " + context.times.text(object.after->time));
+    if (!object.seen_elsewhere.empty())
+      reply.evidence.push_back(fmt::format("seen elsewhere: {} at {}",
+                                           name_in_words(object.seen_elsewhere.back().second),
+                                           context.times.text(object.seen_elsewhere.back().first.time)));
+  }
+}
+
+// ---- objects, about
+
+void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  std::vector<ObjectBelief> there;
+  for (const ObjectBelief& object : answer.objects)
+    if (is_there(object) || context.query.arguments.contains("unseen-since")) there.push_back(object);
+  for (const ObjectBelief& object : there) reply.objects.push_back(object.object.id);
+  reply.number = there.size();
+  std::vector<std::string> list;
+  for (const ObjectBelief& object : there) list.push_back(names.of(object.object));
+  reply.text = there.empty() ? fmt::format("None now: {} gone.", counted(answer.objects.size(), "object"))
+                             : fmt::format("{}: {}.", there.size(), list_in_words(list));
+  add_sightings(there, names, context, reply);
+}
+
+void write_reply(const AboutAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const AboutObject& first = answer.objects.front();
+  const ObjectRef& object = first.now.object;
+  const std::string property = context.query.argument("property"), name = names.subject(object);
+  reply.objects = {object.id};
+  if (property == "owner") {
+    const auto owner = std::ranges::find(first.facts, "owner", &Fact::key);
+    reply.not_known = owner == first.facts.end();
+    reply.text = reply.not_known ? fmt::format("Not known: nobody stated who owns {}.", name)
+                                 : fmt::format("{} owns {}.", owner->value, name);
+  } else if (property == "colour" && object.color) {
+    reply.text = fmt::format("{} is {}.", name, *object.color);
+  } else if (property == "size" && object.size) {
+    reply.text = fmt::format("{} measures {}.", name, size_text(*object.size));
+  } else if (!property.empty()) {
+    reply.not_known = true;
+    reply.text = fmt::format("The {} of {} is not known.", property, name);
+  } else {
+    reply.text = fmt::format("{}: {}{}{}.", name, object.color.value_or("colour unknown"),
+                             object.size ? ", " + size_text(*object.size) : "",
+                             first.now.place ? ", " + in_words(*first.now.place) : "");
+  }
+  for (const Fact& fact : first.facts)
+    reply.evidence.push_back(fmt::format("{}: {} (said by {})", fact.key, fact.value, fact.source));
+  add_sightings({first.now}, names, context, reply);
+}
+
+}  // namespace loci::memory

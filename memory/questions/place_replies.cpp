@@ -1,0 +1,290 @@
+// The replies about places: what is there, near it, and usually there.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "memory/questions/answer_format.h"
+#include "memory/questions/contents.h"
+#include "memory/questions/names.h"
+#include "memory/questions/reply_parts.h"
+#include "memory/questions/routines.h"
+
+namespace loci::memory {
+
+using namespace format;
+using namespace replies;
+
+namespace {
+
+// ---- on, in
+
+/// What is believed to be there, over all places asked about.
+struct Contents {
+  std::vector<ObjectBelief> sure, perhaps;
+  std::string where;                         ///< "on table_1"
+  const PlaceContents* seen_last = nullptr;  ///< the place viewed last; unset = none was viewed
+};
+
+Contents all_contents(const ContentsAnswer& answer, const ReplyContext& context) {
+  Contents contents;
+  std::vector<std::string> places;
+  for (const PlaceContents& place : answer.places) {
+    for (const ObjectBelief& object : place.there)
+      if (std::ranges::count(context.except, object.object.id) == 0)
+        (is_there(object) ? contents.sure : contents.perhaps).push_back(object);
+    if (answer.places.size() == 1 || !place.there.empty()) places.push_back(in_words(place.place));
+    if (place.last_view &&
+        (contents.seen_last == nullptr || place.last_view->time > contents.seen_last->last_view->time))
+      contents.seen_last = &place;
+  }
+  contents.where = places.empty() ? (answer.places.front().place.container ? "in " : "on ") + answer.asked
+                                  : list_in_words(places, 3);
+  return contents;
+}
+
+/// With articles where there are few. The place is named by the sentence.
+std::vector<std::string> names_of(const std::vector<ObjectBelief>& objects, const Names& names) {
+  std::vector<std::string> list;
+  for (const ObjectBelief& object : objects) {
+    const std::string name = bare_subject(object.object, names);
+    list.push_back(objects.size() > 3 && name.starts_with("the ") ? name.substr(4) : name);
+  }
+  return list;
+}
+
+/// Yes, no where all was looked at and hardly anything can be there, else not observed.
+Verdict verdict_of(const ContentsAnswer& answer, const Contents& contents) {
+  constexpr double kHardly = 0.2;
+  if (!contents.sure.empty()) return Verdict::yes;
+  const bool seen = std::ranges::all_of(answer.places, [](const PlaceContents& place) {
+    return place.fraction.value_or(0) >= kMinSeenFraction;
+  });
+  const bool none = std::ranges::all_of(
+      contents.perhaps, [](const ObjectBelief& object) { return object.probability < kHardly; });
+  return seen && none ? Verdict::no : Verdict::not_observed;
+}
+
+std::string not_observed_text(const ContentsAnswer& answer, const Contents& contents,
+                              const ReplyContext& context) {
+  if (contents.seen_last == nullptr)
+    return fmt::format("Not observed: nobody looked {} yet.", contents.where);
+  const PlaceContents& place = *contents.seen_last;
+  return fmt::format("Not observed: {:.0f} % of {} was seen at {}{}.", 100 * place.fraction.value_or(0),
+                     name_in_words(place.place.name), context.times.text(place.last_view->time),
+                     answer.places.size() > 1 ? ", and not all of the others" : "");
+}
+
+/// Where the objects that were asked about are instead, when that is certain.
+std::optional<std::string> elsewhere(const ContentsAnswer& answer, const Snapshot& snapshot,
+                                     const Names& names, Reply& reply) {
+  std::optional<std::string> text;
+  for (const Id id : snapshot.find_objects(answer.subject)) {
+    const ObjectBelief object = snapshot.object_belief(id);
+    if (object.status == ObjectStatus::gone) {
+      if (!text)
+        text = fmt::format("{} has gone from {}", names.subject(object.object),
+                           object.place ? name_in_words(object.place->name) : "there");
+      continue;
+    }
+    if (object.probability < 0.8) return std::nullopt;
+    if (reply.objects.empty())
+      text = fmt::format("{} is {}", bare_subject(object.object, names),
+                         spot_in_words(object.place, object.position));
+    reply.objects.push_back(id);
+  }
+  return text;
+}
+
+void contents_verdict(const ContentsAnswer& answer, const Contents& contents, const Snapshot& snapshot,
+                      const Names& names, const ReplyContext& context, Reply& reply) {
+  const Asks asks = context.query.asks;
+  Verdict verdict = verdict_of(answer, contents);
+  std::string why;
+  if (verdict == Verdict::yes) {
+    const std::vector<std::string> list = names_of(contents.sure, names);
+    why = fmt::format("{} {} {}", list_in_words(list), list.size() > 1 ? "are" : is_or_was(context),
+                      contents.where);
+  } else if (asks == Asks::verdict) {
+    if (const auto other = elsewhere(answer, snapshot, names, reply)) {
+      verdict = Verdict::no;
+      why = *other;
+    }
+  }
+  if (verdict == Verdict::not_observed) {
+    reply.verdict = verdict;
+    reply.text = not_observed_text(answer, contents, context);
+    return;
+  }
+  if (why.empty())
+    why = fmt::format("{} {} {}", answer.subject.empty() ? "nothing" : "no " + answer.subject,
+                      is_or_was(context), contents.where);
+  if (asks == Asks::empty) verdict = verdict == Verdict::yes ? Verdict::no : Verdict::yes;
+  reply.verdict = verdict;
+  reply.text = fmt::format("{}: {}.", verdict == Verdict::yes ? "Yes" : "No", why);
+}
+
+}  // namespace
+
+void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const Contents contents = all_contents(answer, context);
+  for (const ObjectBelief& object : contents.sure) reply.objects.push_back(object.object.id);
+  const std::vector<std::string> list = names_of(contents.sure, names);
+  switch (context.query.asks) {
+    case Asks::verdict:
+    case Asks::exists:
+    case Asks::empty:
+      contents_verdict(answer, contents, snapshot, names, context, reply);
+      break;
+    case Asks::probability: {
+      const std::vector<ObjectBelief>& objects = contents.sure.empty() ? contents.perhaps : contents.sure;
+      if (objects.empty()) {
+        contents_verdict(answer, contents, snapshot, names, context, reply);
+        break;
+      }
+      reply.probability = objects.front().probability;
+      reply.text = fmt::format("{}: {} is {}.", percent(*reply.probability),
+                               bare_subject(objects.front().object, names), contents.where);
+      break;
+    }
+    case Asks::reason:
+      if (contents.sure.empty())
+        contents_verdict(answer, contents, snapshot, names, context, reply);
+      else
+        reply.text = reason_of(contents.sure.front(), names, context);
+      break;
+    case Asks::last_time:
+      reply.not_known = contents.seen_last == nullptr;
+      if (contents.seen_last != nullptr) reply.time = at_once(contents.seen_last->last_view->time);
+      reply.text = contents.seen_last == nullptr ? fmt::format("Nobody looked {} yet.", contents.where)
+                                                 : fmt::format("At {}: {} was last looked at then.",
+                                                               context.times.text(reply.time->first),
+                                                               name_in_words(contents.seen_last->place.name));
+      break;
+    default: {
+      const bool known = verdict_of(answer, contents) != Verdict::not_observed;
+      reply.not_known = !known;
+      if (known) reply.number = contents.sure.size();
+      if (!known)
+        reply.text = not_observed_text(answer, contents, context);
+      else if (context.query.asks == Asks::number)
+        reply.text = contents.sure.empty()
+                         ? fmt::format("None {}.", contents.where)
+                         : fmt::format("{} {}: {}.", list.size(), contents.where, list_in_words(list));
+      else
+        reply.text = fmt::format("{} {} {}.", list_in_words(list),
+                                 list.size() > 1 ? "are" : is_or_was(context), contents.where);
+    }
+  }
+  if (contents.seen_last != nullptr)
+    reply.evidence.push_back(fmt::format(
+        "last looked at {} ({}{})", context.times.text(contents.seen_last->last_view->time),
+        scene_text(*contents.seen_last->last_view),
+        contents.seen_last->fraction ? fmt::format(", {:.0f} % of it", 100 * *contents.seen_last->fraction)
+                                     : ""));
+  if (!contents.perhaps.empty())
+    reply.evidence.push_back("perhaps also: " + list_in_words(names_of(contents.perhaps, names)));
+  if (contents.sure.size() == 1) add_sightings(contents.sure, names, context, reply);
+}
+
+void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const auto object = object_id(answer.around);
+  const std::string around = object ? names.subject(snapshot.object_ref(*object)) : answer.around;
+  std::vector<std::string> list;
+  for (const NearObject& near : answer.objects) {
+    if (!is_there(near.object) || std::ranges::count(context.except, near.object.object.id) > 0) continue;
+    reply.objects.push_back(near.object.object.id);
+    list.push_back(names.of(near.object.object));
+    reply.evidence.push_back(fmt::format("{:.0f} cm: {}, {}", 100 * near.distance_m,
+                                         names.of(near.object.object),
+                                         spot_in_words(near.object.place, near.object.position)));
+  }
+  const std::string within =
+      answer.on_top ? "on " + around : fmt::format("within {:.0f} cm of {}", 100 * answer.radius_m, around);
+  const std::string found =
+      fmt::format("{} {} {}.", list_in_words(list), list.size() > 1 ? "are" : "is", within);
+  const BeliefRow* support = answer.on_top && object ? snapshot.belief(*object) : nullptr;
+  if (support != nullptr && support->status == ObjectStatus::gone) {
+    reply = {};
+    reply.not_known = true;
+    reply.text = fmt::format("Not known: {} has gone.", around);
+  } else if (context.query.asks == Asks::agent) {
+    reply.not_known = true;
+    reply.objects.clear();
+    reply.text =
+        fmt::format("Not recorded: what is behind or under {}; near it: {}.", around, list_in_words(list, 3));
+  } else if (context.query.asks == Asks::verdict || context.query.asks == Asks::exists) {
+    reply.verdict = list.empty() ? Verdict::no : Verdict::yes;
+    reply.text = fmt::format("{}: {}", list.empty() ? "No" : "Yes", found);
+  } else {
+    reply.text = found;
+  }
+}
+
+// ---- usual, contents-history
+
+void write_reply(const UsualAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const UsualObject* best = nullptr;
+  for (const UsualObject& object : answer.objects)
+    if (best == nullptr || best->places.empty()) best = &object;
+  const std::string name = bare_subject(best->now.object, names);
+  reply.objects = {best->now.object.id};
+  if (best->places.empty()) {
+    reply.not_known = true;
+    reply.text = fmt::format("{} was never seen at a place{}.", name, answer.during.empty() ? "" : " then");
+    return;
+  }
+  const UsualPlace& first = best->places.front();
+  reply.places = {first.place.name};
+  reply.text = fmt::format("{} is usually {} ({:.0f} % of its sightings).", name, in_words(first.place),
+                           100 * first.share);
+  for (const UsualPlace& place : best->places)
+    reply.evidence.push_back(fmt::format("{}: {}, last at {}", in_words(place.place),
+                                         counted(place.sightings, "scene"),
+                                         context.times.text(place.last.time)));
+}
+
+void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  std::vector<std::string> list;
+  size_t views = 0;
+  for (const PlaceContentsHistory& place : answer.places) {
+    views += place.views;
+    for (const PastContent& object : place.objects) {
+      if (std::ranges::count(reply.objects, object.now.object.id) > 0) continue;
+      reply.objects.push_back(object.now.object.id);
+      list.push_back(names.of(object.now.object));
+      reply.evidence.push_back(fmt::format("{}: in {} {}", list.back(), counted(object.sightings, "scene"),
+                                           context.times.span_text(object.first.time, object.last.time)));
+    }
+  }
+  const PlaceRef& first = answer.places.front().place;
+  const std::string where =
+      answer.places.size() == 1 ? in_words(first) : (first.container ? "in " : "on ") + answer.asked;
+  const std::string seen =
+      fmt::format("{} {} seen {}.", list_in_words(list), list.size() > 1 ? "were" : "was", where);
+  const Asks asks = context.query.asks;
+  reply.not_known = list.empty() && views == 0;
+  if (asks == Asks::exists || asks == Asks::verdict || asks == Asks::empty) {
+    reply.not_known = false;
+    const bool is = list.empty() == (asks == Asks::empty);
+    reply.verdict = list.empty() && views == 0 ? Verdict::not_observed : is ? Verdict::yes : Verdict::no;
+    reply.text = *reply.verdict == Verdict::not_observed
+                     ? fmt::format("Not observed: nobody looked {} then.", where)
+                     : fmt::format("{}: {}", is ? "Yes" : "No", seen);
+  } else if (reply.not_known) {
+    reply.text = fmt::format("Not observed: nobody looked {} then.", where);
+  } else {
+    reply.number = list.size();
+    reply.text = asks == Asks::number ? fmt::format("{}: {}", list.size(), seen) : seen;
+  }
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "memory/questions/question.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci::memory {
+
+// What people are told: the answer first, in one short sentence with the names of objects, then its evidence.
+
+inline constexpr size_t kMaxReplyLength = 120;  ///< characters of the sentence
+inline constexpr size_t kMaxEvidenceLines = 3;
+
+struct Reply {
+  std::string text = {};                   ///< one sentence of at most kMaxReplyLength characters
+  std::vector<std::string> evidence = {};  ///< at most kMaxEvidenceLines lines
+  // What the sentence states, by its type; unset = nothing of that type.
+  std::optional<Verdict> verdict = {};
+  std::optional<size_t> number = {};
+  std::vector<Id> objects = {};
+  std::vector<std::string> places = {};
+  std::optional<TimeSpan> time = {};
+  std::optional<TimeNs> duration = {};
+  std::optional<double> probability = {};
+  bool not_known = false;  ///< the memory cannot tell
+};
+Json to_json(const Reply& reply);
+
+/// What a reply is made for.
+struct ReplyContext {
+  const Store& store;
+  const Query& query;  ///< its Asks is the type of the reply
+  AsOf as_of;          ///< of the query
+  const TimeWriter& times;
+  std::vector<Id> except = {};  ///< "else": objects that are left out
+};
+
+/// A text in at most `length` characters, cut between words.
+std::string shortened(const std::string& text, size_t length = kMaxReplyLength);
+
+}  // namespace loci::memory

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "memory/questions/question.h"
+
+namespace loci::memory {
+
+// English sentences as queries. Words become lemmas, times are cut out wherever they stand ("this morning",
+// "between nine and ten", "in the last hour"), and the rules of the declared questions match the rest.
+
+/// All queries that a sentence may mean, the most literal first; empty when no rule matches.
+std::vector<Query> parse_readings(const std::string& sentence, const TimeReader& times);
+/// The first of them.
+std::optional<Query> parse_sentence(const std::string& sentence, const TimeReader& times);
+
+/// A sentence that leans on the one before: "And the jam?", "And on the counter?", "Why?", "How sure are
+/// you?". Empty when it does not, or makes no sense after `last`.
+std::vector<Query> parse_follow_up(const std::string& sentence, const Query& last, const TimeReader& times);
+
+/// Examples of the rules nearest to a sentence, nearest first.
+std::vector<std::string> nearest_examples(const std::string& sentence, size_t count = 3);
+/// All examples, in the order of the questions.
+std::vector<std::string> all_examples();
+
+}  // namespace loci::memory
