@@ -232,7 +232,7 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
        example("Why do you think that the milk is on the table?")},
       {"why is <object> [stand] $p <place>", reason},
       {"howmany thing ($be [there]|do someone (has|see)|has someone) [stand|leave] $p <place>", number,
-       example("How many things are on the counter?")},
+       example("How many objects are on the counter?")},
       {"howmany <object> ($be [there]|do someone (has|see|keep)|has someone|stand) [stand|leave] $p <place>",
        number, example("How many cups are on the table?")},
       {"[what is] howmany (thing|<object>) $p <place>", number},
@@ -246,7 +246,7 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
        example("Which cup is on the counter?")},
       {"what (do|can) someone (has|see|know|find) $p <place>", objects},
       {"(list|show|show me|tell me|name) [everything|what is] [thing|content] $p <place>", objects},
-      {"when (do|has) someone $last look (at|$p) <place>", last_time,
+      {"when (do|has) someone $last look (at|$p|into) <place>", last_time,
        example("When did you last look at the shelf?")},
   };
   if (on)

@@ -132,7 +132,7 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
   const Change& last = answer.changes.back();
   std::vector<std::string> list;
   for (const Change& change : answer.changes) {
-    const std::string name = change.object ? names.of(*change.object) : joint_in_words(change);
+    const std::string name = change.object ? without_place(names.of(*change.object)) : joint_in_words(change);
     if (change.object && std::ranges::count(reply.objects, change.object->id) == 0)
       reply.objects.push_back(change.object->id);
     if (std::ranges::count(list, name) == 0) list.push_back(name);

@@ -234,7 +234,7 @@ std::vector<SentenceForm> changes_sentences() {
       {"$what [has] leave <place>", objects, "", left},
       {"$what (vanish|go) $at <place>", objects, "", left},
       {"what [has|was|is] [been] (vanish|go|leave|take) [away]", objects, "", left},
-      {"$what [has|was] [been] (come|put|go|move|bring) (to|on|in|at) <place>", objects,
+      {"$what [has|was] [been] (come|put|go|move|bring) (to|on|in|into|at) <place>", objects,
        "What appeared on the table?", came},
       {"what [has] come", objects, "", came},
       {"$what [has|was] [been] move [$at <place>]", objects, "What moved after noon?", kind("relocated")},

@@ -206,7 +206,7 @@ void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply
 namespace {
 
 /// The probability that it was there at a moment that no look shows, where it was seen there before and after
-/// and nothing says that it left; unset = no such moment, or less than certain.
+/// and nothing says that it left; unset = no such moment, or less than likely.
 std::optional<double> believed_then(const WasAnswer& answer, const WasObject& object,
                                     const Snapshot& snapshot, const ReplyContext& context) {
   constexpr TimeNs kMoment = 120 * kSecond;
@@ -214,7 +214,7 @@ std::optional<double> believed_then(const WasAnswer& answer, const WasObject& ob
       !object.after)
     return std::nullopt;
   const auto then = context.store.belief(object.object.id, {answer.from, context.as_of.known_at});
-  if (!then || !then->place || then->status == ObjectStatus::gone || then->probability < kSure)
+  if (!then || !then->place || then->status == ObjectStatus::gone || then->probability < kLikely)
     return std::nullopt;
   const std::vector<PlaceRow> places = snapshot.find_places(answer.place);
   const bool there =

@@ -132,7 +132,7 @@ std::vector<SentenceForm> objects_sentences() {
       {"(list|show|show me|name) [everything] [that is] <object>", objects, "Show me all red objects."},
       {"$which thing $be <object>", objects},
       {"$which <object> (do someone (know|has|own)|is there|has someone)", objects,
-       "What red things do you know?"},
+       "What red objects do you know?"},
       {"howmany <object> ($be [there]|do someone (has|know|see|own)|has someone [get|see])", number,
        "How many red objects are there?"},
       {"[what is] howmany <object>", number},

@@ -267,7 +267,7 @@ const std::vector<Question>& questions() {
   static const std::vector<Question> all = [] {
     std::vector<Question> result;
     for (const auto& family :
-         {location_questions(), contents_questions(), presence_questions(), event_questions(),
+         {location_questions(), presence_questions(), contents_questions(), event_questions(),
           routine_questions(), co_occurrence_questions(), search_questions(), task_questions(),
           object_questions(), environment_questions(), digest_questions()})
       result.insert(result.end(), family.begin(), family.end());

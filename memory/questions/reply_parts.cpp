@@ -50,11 +50,14 @@ void add_sightings(const std::vector<ObjectBelief>& objects, const Names& names,
   }
 }
 
-std::string bare_subject(const ObjectRef& object, const Names& names) {
-  std::string name = names.subject(object);
+std::string without_place(std::string name) {
   for (const char* preposition : {" on ", " in "})
     if (const size_t at = name.find(preposition); at != std::string::npos) name.resize(at);
   return name;
+}
+
+std::string bare_subject(const ObjectRef& object, const Names& names) {
+  return without_place(names.subject(object));
 }
 
 std::string reason_of(const ObjectBelief& object, const Names& names, const ReplyContext& context) {

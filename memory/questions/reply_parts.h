@@ -19,7 +19,9 @@ bool is_there(const ObjectBelief& object);
 std::string spot_in_words(const std::optional<PlaceRef>& place, const std::optional<Vector3d>& position);
 const char* is_or_was(const ReplyContext& context);  ///< "was" of a time that was asked about
 TimeSpan at_once(TimeNs time);
-/// As Names::subject(), for sentences that name the place anyway.
+/// A name by Names without the place that qualifies it, for sentences that name the place anyway.
+std::string without_place(std::string name);
+/// As Names::subject(), likewise.
 std::string bare_subject(const ObjectRef& object, const Names& names);
 /// "Because the milk was last seen on table_1 at 20:30."
 std::string reason_of(const ObjectBelief& object, const Names& names, const ReplyContext& context);

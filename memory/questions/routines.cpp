@@ -392,7 +392,7 @@ std::vector<SentenceForm> contents_history_sentences() {
   using enum Asks;
   return {
       {"what do someone [usually] (keep|put) (in|on) <place>", objects, "What do we keep in this drawer?"},
-      {"what (belong|go) (in|on|to) <place>", objects},
+      {"what (belong|go) (in|on|into|to) <place>", objects},
       {"what is usually [keep|stand|find] (in|on) <place>", objects},
       {"what has been (in|on) <place>", objects, "What has been on the table today?"},
   };

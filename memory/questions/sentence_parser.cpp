@@ -30,7 +30,7 @@ struct SentencePeriod {
 };
 
 constexpr TimeNs kLongSpan = 3600 * kSecond;  ///< of what is no moment
-constexpr size_t kMaxWords = 60;  ///< of a sentence
+constexpr size_t kMaxWords = 60;              ///< of a sentence
 
 /// An hour alone ("nine") is a time only after a preposition: "the red one" is no time.
 bool is_time(const std::string& text, const TimeReader& times, bool introduced) {
@@ -115,7 +115,7 @@ const std::map<std::string, std::string>& word_sets() {
       {"on", "on"},
       {"in", "in"},
       {"at", "(on|in|at)"},
-      {"to", "[to|on|in|at]"},
+      {"to", "[to|on|in|into|at]"},
       {"that", "[that]"},
       {"last", "[last|lately|recently]"},
   };

@@ -27,6 +27,7 @@
 #include "memory/ingest/detections.h"
 #include "memory/questions/natural_language.h"
 #include "memory/questions/question.h"
+#include "memory/questions/sentence_parser.h"
 #include "memory/report/memory_report.h"
 #include "perception/cas/json.h"
 #include "perception/cas/xmi.h"

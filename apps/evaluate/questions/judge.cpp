@@ -4,11 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <set>
 
 #include "mapping/base/json.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/base/text.h"
 
 namespace loci::apps::questions {
@@ -129,13 +129,13 @@ std::string to_text(Outcome outcome) {
 JudgedAnswer judge(const AskedQuestion& asked, const memory::Store& store, const TrueNames& names) {
   std::vector<std::string> sentences = asked.after;
   sentences.push_back(asked.sentence);
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const NaturalLanguageAnswer answer = ask(store, memory::NaturalLanguageQuestion{sentences}).back();
-  const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
+  const double taken_ms = 1000 * watch.cpu_seconds();
   JudgedAnswer judged{.asked = asked, .outcome = outcome_of(asked, answer, store, names)};
   judged.text = to_text(answer, memory::TimeWriter(store));
   if (answer.query) judged.command = answer.query->text();
-  judged.ms = taken.count() / static_cast<double>(sentences.size());
+  judged.ms = taken_ms / static_cast<double>(sentences.size());
   return judged;
 }
 
@@ -174,8 +174,8 @@ std::string text_of(const QuestionFigures& figures, bool all) {
       100.0 * static_cast<double>(counts[Outcome::right]) / static_cast<double>(count),
       counts[Outcome::wrong], counts[Outcome::misleading], counts[Outcome::undecided],
       counts[Outcome::not_understood]);
-  text +=
-      fmt::format("time per question: median {:.1f} ms, longest {:.1f} ms\n", times[count / 2], times.back());
+  text += fmt::format("CPU time per question: median {:.1f} ms, longest {:.1f} ms\n", times[count / 2],
+                      times.back());
   text += fmt::format("longest answer: {} characters, {} lines of evidence\n", figures.max_length(),
                       figures.max_lines());
   return text;

@@ -24,7 +24,7 @@ struct JudgedAnswer {
   Outcome outcome = Outcome::right;
   std::string text = {};     ///< the reply
   std::string command = {};  ///< that was understood
-  double ms = 0;             ///< from sentence to reply
+  double ms = 0;             ///< of CPU time, from sentence to reply
 };
 
 JudgedAnswer judge(const AskedQuestion& asked, const memory::Store& store, const TrueNames& names);

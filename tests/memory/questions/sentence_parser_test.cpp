@@ -52,7 +52,7 @@ TEST(Sentences, FurtherWaysToAsk) {
   expect_commands({
       {"Where's my tea cup gone?", "where 'tea cup'"},
       {"Have you seen the tea cup anywhere?", "where 'tea cup'"},
-      {"When did the tea cup last leave the table?", "changes --object 'tea cup' --place table"},
+      {"When did the tea cup last leave the table?", "changes --kind left --object 'tea cup' --place table"},
       {"How has the tea cup travelled through the day?", "history 'tea cup'"},
       {"What goes together with the tea cup?", "co-occurrence 'tea cup'"},
       {"Which things are often seen with the tea cup?", "co-occurrence 'tea cup'"},
@@ -76,8 +76,8 @@ TEST(Sentences, FurtherWaysToAsk) {
       {"If it is not on the table, where else may it be?", "search-next it"},
       {"When was the jam on the table?", "was jam on table"},
       {"Was the tea cup ever on the shelf?", "was 'tea cup' on shelf"},
-      {"How long was the tea cup on the table?", "history 'tea cup'"},
-      {"Since when is the tea cup in the drawer?", "history 'tea cup'"},
+      {"How long was the tea cup on the table?", "history 'tea cup' --place table"},
+      {"Since when is the tea cup in the drawer?", "history 'tea cup' --place drawer"},
       {"What stands within 50 cm of object_4?", "near object_4 --radius '50 cm'"},
   });
 }
@@ -100,8 +100,8 @@ TEST(Sentences, QuestionsAboutOneObject) {
       {"Where has the red cup been?", "history 'red cup'"},
       {"Where has the red cup been since nine?", "history 'red cup' --from nine"},
       {"What happened to the cereal?", "changes --object cereal"},
-      {"Who moved my tea cup?", "changes --object 'tea cup'"},
-      {"Has the pot been moved?", "changes --object pot"},
+      {"Who moved my tea cup?", "changes --kind handled --object 'tea cup'"},
+      {"Has the pot been moved?", "changes --kind handled --object pot"},
       {"Where do we keep the cereal?", "usual cereal"},
       {"Where does the pot belong?", "usual pot"},
       {"Where is the pot usually?", "usual pot"},
@@ -109,9 +109,9 @@ TEST(Sentences, QuestionsAboutOneObject) {
       {"Where have you seen the red cup last?", "where 'red cup'"},
       {"What did the cup do today?", "history cup --between today today"},
       {"Was it there at all between nine and ten?", "was it on there --between nine ten"},
-      {"Who owns the red cup?", "about 'red cup'"},
-      {"What colour is object_3?", "about object_3"},
-      {"How big is the bowl?", "about bowl"},
+      {"Who owns the red cup?", "about 'red cup' --property owner"},
+      {"What colour is object_3?", "about object_3 --property colour"},
+      {"How big is the bowl?", "about bowl --property size"},
       {"Which things are blue?", "objects blue"},
       {"Show me everything green", "objects green"},
       {"What is within 50 cm of the cup?", "near cup --radius '50 cm'"},
@@ -123,8 +123,8 @@ TEST(Sentences, QuestionsAboutTheRoom) {
       {"What does this room consist of?", "room"},
       {"What opens?", "opens"},
       {"Is the fridge open?", "opens fridge"},
-      {"Was the fridge opened today?", "changes --between today today --place fridge"},
-      {"When was drawer_1 last opened?", "opens drawer_1"},
+      {"Was the fridge opened today?", "changes --between today today --kind opened --place fridge"},
+      {"When was drawer_1 last opened?", "changes --kind opened --place drawer_1"},
       {"Which drawers are open?", "opens drawers"},
       {"Which things are missing?", "missing"},
   });
@@ -147,7 +147,7 @@ TEST(Sentences, QuestionsAboutPlaces) {
       {"What belongs in the drawer?", "contents-history drawer"},
       {"What is usually kept on the shelf?", "contents-history shelf"},
       {"Was the drawer opened this morning?",
-       "changes --between 'this morning' 'this morning' --place drawer"},
+       "changes --between 'this morning' 'this morning' --kind opened --place drawer"},
   });
 }
 
@@ -161,7 +161,7 @@ TEST(Sentences, TimesInWords) {
       {"Where was the cup this morning?", "history cup --between 'this morning' 'this morning'"},
       {"Where was the cup between nine and ten?", "history cup --between nine ten"},
       {"What was on the table at half past nine?", "on table --at 'half past nine'"},
-      {"What was on the table last Monday?", "on table --at 'last monday'"},
+      {"What was on the table last Monday?", "contents-history table --between 'last monday' 'last monday'"},
       {"Was the red cup on the table between nine and ten?", "was 'red cup' on table --between nine ten"},
       {"Was the red cup on the table from 8:00 to 9:30?", "was 'red cup' on table --between 8:00 9:30"},
       {"Was the milk in the fridge yesterday evening?",
@@ -215,9 +215,9 @@ TEST(Sentences, EveryExampleMeansItsQuestion) {
   for (const Question& question : questions())
     for (const SentenceForm& form : question.sentences) {
       if (form.example.empty()) continue;
-      const auto query = parse_sentence(form.example, kTimes);
-      ASSERT_TRUE(query) << form.example;
-      EXPECT_EQ(query->question, question.name) << form.example;
+      std::vector<std::string> meant;  // the memory decides which
+      for (const Query& query : parse_readings(form.example, kTimes)) meant.push_back(query.question);
+      EXPECT_THAT(meant, testing::Contains(question.name)) << form.example;
     }
 }
 
