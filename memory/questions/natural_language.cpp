@@ -35,7 +35,8 @@ class ReferenceResolver {
     last_objects_ = objects;
     if (const auto subject = argument_of(query, {ParameterType::object, ParameterType::spot}))
       last_subject_ = *subject;
-    if (const auto place = argument_of(query, {ParameterType::place})) last_place_ = *place;
+    if (const auto place = argument_of(query, {ParameterType::place, ParameterType::part}))
+      last_place_ = *place;
   }
 
   /// What the last answer named.
@@ -47,7 +48,7 @@ class ReferenceResolver {
       if (given == query.arguments.end() || !names_something(parameter.type)) continue;
       std::string& text = given->second;
       if (text == "other one" || text == "other" || text == "other ones") replace_other(text, notes);
-      if (kPronouns.contains(text) && parameter.type == ParameterType::place && !last_place_.empty()) {
+      if (kPronouns.contains(text) && is_place(parameter.type) && !last_place_.empty()) {
         notes.push_back(fmt::format("'{}' is taken as {}", text, last_place_));
         text = last_place_;
       }
@@ -75,6 +76,9 @@ class ReferenceResolver {
   }
 
  private:
+  static bool is_place(ParameterType type) {
+    return type == ParameterType::place || type == ParameterType::part;
+  }
   static bool names_something(ParameterType type) {
     return type == ParameterType::object || type == ParameterType::place || type == ParameterType::part ||
            type == ParameterType::spot;

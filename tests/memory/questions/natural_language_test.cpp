@@ -180,6 +180,7 @@ TEST_F(NaturalLanguage, SentencesLeanOnTheOneBefore) {
   EXPECT_EQ(last({"Where is the red thing?", "How sure are you?"}).reply->probability, 0.98);
   EXPECT_EQ(last({"Is the red thing on the counter?", "What else is on the counter?"}).reply->objects,
             std::vector<Id>{3});
+  EXPECT_EQ(last({"When was the drawer opened?", "Is it open?"}).query->text(), "opens drawer");
   EXPECT_FALSE(say("And on the counter?").query);
 }
 
