@@ -111,20 +111,20 @@ Json to_json(const DigestAnswer& answer) {
 }
 
 std::vector<Question> digest_questions() {
-  return {
-      {.name = "digest",
-       .description = "A day: what changed, what is out of its usual place, what is missing",
-       .parameters = {{.name = "day",
-                       .type = ParameterType::time,
-                       .help = "\"yesterday\", \"2026-05-01\", or any time of it",
-                       .default_text = "the day of the last scene"}},
-       .examples = {"", "--day 2026-05-01 --json"},
-       .run = [](const Arguments& given) -> Answer {
-         return ask(given.store(), DigestQuestion{given.text("day"), given.as_of()});
-       },
-       .time = SentenceTime::none,
-       .sentences = {{"(give me|show me|what is) (digest|summary) [of day]", "Give me a digest of the day."},
-                     {"summarize day"}}}};
+  return {{.name = "digest",
+           .description = "A day: what changed, what is out of its usual place, what is missing",
+           .parameters = {{.name = "day",
+                           .type = ParameterType::time,
+                           .help = "\"yesterday\", \"2026-05-01\", or any time of it",
+                           .default_text = "the day of the last scene"}},
+           .examples = {"", "--day 2026-05-01 --json"},
+           .run = [](const Arguments& given) -> Answer {
+             return ask(given.store(), DigestQuestion{given.text("day"), given.as_of()});
+           },
+           .time = SentenceTime::none,
+           .sentences = {{"(give me|show me|what is) (digest|summary) [of day]", Asks::summary,
+                          "Give me a digest of the day."},
+                         {"summarize day"}}}};
 }
 
 }  // namespace loci::memory
