@@ -40,7 +40,7 @@ double appearance_log_ratio(const ObjectViews& here, const ObjectViews& there,
     size_t compared = 0;
     for (const auto& known : there) {
       const belief::ViewSimilarity similarity =
-          belief::compare(belief::Appearance(known), belief::Appearance(seen), false, kWeight, corrections);
+          belief::compare(belief::Appearance(known), belief::Appearance(seen), {}, kWeight, corrections);
       if (similarity.count == 0) continue;
       likelihood += std::exp(similarity.log_ratio);
       ++compared;

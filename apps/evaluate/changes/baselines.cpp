@@ -20,7 +20,7 @@ struct Entry {
 };
 
 double similar(const Entry& old, const Sight& seen) {
-  return memory::belief::compare(old.last.descriptors, seen.evidence.descriptors, false, 1)
+  return memory::belief::compare(old.last.descriptors, seen.evidence.descriptors, {}, 1)
       .similarity()
       .value_or(0.5);
 }

@@ -121,11 +121,12 @@ class ProblemBuilder {
     problem_.stay_prior.row(index(o)).setConstant(std::log(stays * (1 - p.appearance_change)));
     const double turns = std::log(stays * p.appearance_change);
     for (size_t k = 0; k < scene_.observations.size(); ++k) {
-      // Another side hardly has another size.
+      // Another side hardly has another size. It shares some colours; what a detector without depth reports
+      // as changed may have any.
       const double size = evidence_.log_size(index(o), index(k));
       const double color = evidence_.log_similar(index(o), index(k)) - options_.appearance_weight * size;
-      problem_.newview_prior(index(o), index(k)) =
-          turns + size + kParameters.newview_color_weight * std::min(0.0, color);
+      const double weight = p.with_depth ? kParameters.newview_color_weight : 0.0;
+      problem_.newview_prior(index(o), index(k)) = turns + size + weight * std::min(0.0, color);
     }
   }
 

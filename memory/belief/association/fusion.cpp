@@ -83,7 +83,7 @@ void store_view(ProtoObject& object, const Observation& observation, const Scene
   double nearest_ratio = -1e9;
   for (StoredView& view : object.views) {
     const double ratio =
-        compare(view.descriptors, observation.descriptors, view.partial || observation.partial, 1).log_ratio;
+        compare(view.descriptors, observation.descriptors, {view.partial, observation.partial}, 1).log_ratio;
     if (ratio > nearest_ratio) {
       nearest_ratio = ratio;
       nearest = &view;

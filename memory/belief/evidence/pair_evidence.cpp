@@ -33,7 +33,7 @@ class ViewSet {
     ratios_.clear();
     double weights = 0, largest = -std::numeric_limits<double>::infinity();
     for (const Entry& view : views_) {
-      const ViewSimilarity one = belief::compare(view.appearance, seen, view.partial || partial,
+      const ViewSimilarity one = belief::compare(view.appearance, seen, {view.partial, partial},
                                                  options.appearance_weight, corrections);
       if (one.count == 0) continue;
       ratios_.push_back(one.log_ratio + view.log_weight);
@@ -69,6 +69,22 @@ Observation shape_of(const Observation& observation) {
   return shape;
 }
 
+/// Area over which unrelated objects are spread in this view, as their positions show it, in square metres.
+double effective_area(const std::vector<Observation>& observations, double prior_area) {
+  constexpr double kUniform = 12;  // area of a uniform distribution over the product of its deviations
+  constexpr double kPrior = 1;     // observations that the stated area is worth
+  const double n = double(observations.size());
+  Eigen::Array2d sum(0, 0), squares(0, 0);
+  for (const Observation& observation : observations) {
+    sum += observation.box.centre.head<2>().array();
+    squares += observation.box.centre.head<2>().array().square();
+  }
+  const Eigen::Array2d scatter = n > 0 ? (squares - sum.square() / n).max(0.0).eval() : squares;
+  const Eigen::Array2d variance =
+      (scatter + kPrior * prior_area / kUniform) / (std::max(0.0, n - 1) + kPrior);
+  return std::min(prior_area, kUniform * std::sqrt(variance.prod()));
+}
+
 /// Fills the evidence of a scene, pair by pair.
 class PairComparer {
  public:
@@ -78,9 +94,13 @@ class PairComparer {
         predicted_(predicted),
         scene_(scene),
         options_(options),
+        position_options_(options),
         snapshot_(SceneTiming(state, scene, options).snapshot),
         corrections_(state.calibration.corrections()),
         noise_weights_(state.view_noise.weights(options.noise_spread)) {
+    // The area of a detector without depth is that of the places that it states.
+    if (!scene.view.depth.empty())
+      position_options_.area_m2 = effective_area(scene.observations, options.area_m2);
     for (const Observation& observation : scene.observations) {
       appearances_.emplace_back(observation.descriptors);
       shapes_.push_back(shape_of(observation));
@@ -143,11 +163,12 @@ class PairComparer {
     for (size_t i = 0; i < kComparisons; ++i) {
       evidence_.distances[i].distance(o, k) = similar.parts[i].distance;
       evidence_.distances[i].log_ratio(o, k) = similar.parts[i].log_ratio;
-      if (comparisons()[i].whole_only) evidence_.log_size(o, k) += similar.parts[i].log_ratio;
+      if (comparisons()[i].of_size) evidence_.log_size(o, k) += similar.parts[i].log_ratio;
     }
     const PositionNoise noise = position_noise(object, p, observation, noise_weights_, options_);
-    evidence_.log_proximity(o, k) = std::clamp(
-        log_proximity(believed, noise, object.partial, observation, options_), -kMaxEvidence, kMaxEvidence);
+    evidence_.log_proximity(o, k) =
+        std::clamp(log_proximity(believed, noise, object.partial, observation, position_options_),
+                   -kMaxEvidence, kMaxEvidence);
   }
 
   /// Distances of a kind between observations and some objects, infinite where not comparable.
@@ -184,6 +205,7 @@ class PairComparer {
   const std::vector<Prediction>& predicted_;
   const Scene& scene_;
   const BeliefOptions& options_;
+  BeliefOptions position_options_;  ///< with the area of this view
   const bool snapshot_;
   const Corrections corrections_;
   const NoiseScale::Levels noise_weights_;

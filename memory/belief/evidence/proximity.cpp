@@ -86,12 +86,16 @@ double short_move_ratio(const Vector3d& offset, const BeliefOptions& options) {
 double log_proximity(const AxisBox& box, const PositionNoise& noise, bool box_partial,
                      const Observation& observation, const BeliefOptions& options) {
   const double size = std::max(box.size.maxCoeff(), observation.box.size.maxCoeff());
-  const double spread = square(size / 3);  // the visible part may be anywhere within the other box
+  // Most of a partial object is visible, so that its centre hardly shifts.
+  const double spread = square(size / 6);
+  const double shift = (observation.box.centre - box.centre).head<2>().squaredNorm() /
+                       (2 * (spread + noise.known + noise.stated));
   if (box_partial && observation.partial)
-    return position_log_ratio(gap(box, observation.box), noise, spread, options.area_m2);
+    return position_log_ratio(gap(box, observation.box), noise, spread, options.area_m2) - shift;
   if (observation.partial)
-    return position_log_ratio(excess(observation.box, box), noise, spread, options.area_m2);
-  if (box_partial) return position_log_ratio(excess(box, observation.box), noise, spread, options.area_m2);
+    return position_log_ratio(excess(observation.box, box), noise, spread, options.area_m2) - shift;
+  if (box_partial)
+    return position_log_ratio(excess(box, observation.box), noise, spread, options.area_m2) - shift;
   return position_log_ratio(observation.box.centre - box.centre, noise, 0, options.area_m2) +
          extent_penalty(box, observation.box, (noise.known + noise.stated));
 }

@@ -15,9 +15,17 @@ std::vector<double> log_extents(const std::vector<float>& extents) {
   return logs;
 }
 
-double log_extent_distance(const std::vector<double>& a, const std::vector<double>& b) {
+/// Of a partial view the extents are lower bounds: what it lacks counts less.
+constexpr double kLackingWeight = 0.5;
+
+double log_extent_distance(const std::vector<double>& a, const std::vector<double>& b,
+                           PartialViews partial = {}) {
   double sum = 0;
-  for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  for (size_t i = 0; i < a.size(); ++i) {
+    const double difference = a[i] - b[i];
+    const bool may_lack = difference < 0 ? partial.first : partial.second;
+    sum += (may_lack ? kLackingWeight : 1.0) * difference * difference;
+  }
   return a.empty() ? 0.0 : std::sqrt(sum / double(a.size()));
 }
 
@@ -51,12 +59,21 @@ double extent_distance(const std::vector<float>& a, const std::vector<float>& b)
 }
 
 const std::vector<Comparison>& comparisons() {
-  // Log ratios were read off distances between labelled views of the same and of different objects, then
-  // flattened: other kitchens have other objects, so no single annotation may decide alone.
+  // Log ratios of the distances between labelled views of the same and of different objects on a table,
+  // turned and moved between the views.
   static const std::vector<Comparison> all = {
       {"color_histogram",
        histogram_distance,
-       {{0.0, 2.0}, {0.2, 1.7}, {0.4, 0.9}, {0.6, 0.0}, {0.75, -1.5}, {0.9, -3.5}, {1.0, -5.0}},
+       {{0.0, 4.5},
+        {0.1, 4.0},
+        {0.2, 2.6},
+        {0.3, 1.2},
+        {0.4, 0.2},
+        {0.5, -1.0},
+        {0.6, -2.2},
+        {0.75, -4.2},
+        {0.9, -5.8},
+        {1.0, -6.5}},
        0.5,
        false,
        true},
@@ -65,10 +82,19 @@ const std::vector<Comparison>& comparisons() {
        {{0.0, 1.8}, {0.05, 1.3}, {0.12, 0.0}, {0.25, -2.5}, {0.5, -6.0}},
        0.25,
        false,
-       true},
+       true,
+       0},
       {"extents",
        extent_distance,
-       {{0.0, 2.2}, {0.08, 1.4}, {0.15, 0.2}, {0.25, -2.0}, {0.4, -4.0}, {0.55, -5.0}, {1.0, -6.0}},
+       {{0.0, 3.5},
+        {0.05, 2.8},
+        {0.1, 1.3},
+        {0.15, 0.1},
+        {0.2, -0.9},
+        {0.3, -1.6},
+        {0.4, -2.9},
+        {0.6, -4.8},
+        {1.0, -5.8}},
        0.4,
        true,
        false},
@@ -151,8 +177,10 @@ bool comparable(const Appearance::Feature& a, const Appearance::Feature& b) {
   return a.named == b.named && (a.named || a.values->size() == b.values->size());
 }
 
-double distance_of(const Comparison& comparison, const Appearance::Feature& a, const Appearance::Feature& b) {
-  if (comparison.distance == extent_distance) return log_extent_distance(a.log_extents, b.log_extents);
+double distance_of(const Comparison& comparison, const Appearance::Feature& a, const Appearance::Feature& b,
+                   PartialViews partial) {
+  if (comparison.distance == extent_distance)
+    return log_extent_distance(a.log_extents, b.log_extents, partial);
   if (!a.named) return comparison.distance(*a.values, *b.values);
   thread_local std::vector<float> x, y;
   align(a, b, x, y);
@@ -180,31 +208,35 @@ std::optional<double> ViewSimilarity::similarity() const {
   return count > 0 ? std::optional(std::exp(mean_log_similarity)) : std::nullopt;
 }
 
-ViewSimilarity compare(const Appearance& a, const Appearance& b, bool partial, double weight,
+ViewSimilarity compare(const Appearance& a, const Appearance& b, PartialViews partial, double weight,
                        const Corrections& corrections) {
   static const double min_log_similarity = std::log(1e-12);  // bounds gaussian_similarity()
   ViewSimilarity result;
   result.achromatic = a.achromatic() && b.achromatic();
+  size_t informative = 0;
   for (size_t i = 0; i < kComparisons; ++i) {
     const Comparison& comparison = comparisons()[i];
     const Appearance::Feature &of_a = a.features()[i], &of_b = b.features()[i];
-    if (!comparable(of_a, of_b) || (partial && comparison.whole_only)) continue;
-    const double distance = distance_of(comparison, of_a, of_b);
+    if (!comparable(of_a, of_b)) continue;
+    const double distance = distance_of(comparison, of_a, of_b, partial);
     if (!std::isfinite(distance)) continue;
-    const double ratio = prior_log_ratio(comparison, distance, result.achromatic) +
-                         corrections[i][result.achromatic].at(distance);
+    double ratio = prior_log_ratio(comparison, distance, result.achromatic) +
+                   corrections[i][result.achromatic].at(distance);
+    if (comparison.summarised_by && result.parts[*comparison.summarised_by].distance >= 0) ratio = 0;
     result.parts[i] = {distance, ratio};
     ++result.count;
-    result.log_ratio += weight * ratio;
+    result.log_ratio += ratio;
+    if (ratio != 0) ++informative;
     const double relative = distance / comparison.sigma;
     result.mean_log_similarity += std::max(min_log_similarity, -relative * relative);
   }
+  if (informative > 1) result.log_ratio *= weight;
   if (result.count > 0) result.mean_log_similarity /= double(result.count);
   return result;
 }
 
-ViewSimilarity compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b, bool partial,
-                       double weight) {
+ViewSimilarity compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b,
+                       PartialViews partial, double weight) {
   return compare(Appearance(a), Appearance(b), partial, weight);
 }
 

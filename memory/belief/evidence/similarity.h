@@ -26,9 +26,12 @@ struct Comparison {
     double log_ratio;
   };
   std::vector<Point> table;
-  double sigma = 0.25;      ///< of gaussian_similarity()
-  bool whole_only = false;  ///< not comparable in partial views (sizes)
+  double sigma = 0.25;   ///< of gaussian_similarity()
+  bool of_size = false;  ///< not of surfaces
   bool of_color = false;
+  /// Index of an earlier comparison that contains this one's evidence: where both are possible, only that one
+  /// counts.
+  std::optional<size_t> summarised_by = {};
 };
 
 inline constexpr size_t kComparisons = 5;
@@ -95,11 +98,17 @@ struct ViewSimilarity {
   std::optional<double> similarity() const;
 };
 
+/// Which of two views are cut off: their extents are lower bounds.
+struct PartialViews {
+  bool first = false, second = false;
+  bool any() const { return first || second; }
+};
+
 /// Compares two views. Annotations of one object are not independent: the sum of their log ratios is
-/// multiplied by `weight` in (0,1]. `partial`: one of the two is cut off.
-ViewSimilarity compare(const Appearance& a, const Appearance& b, bool partial, double weight,
+/// multiplied by `weight` in (0,1].
+ViewSimilarity compare(const Appearance& a, const Appearance& b, PartialViews partial, double weight,
                        const Corrections& corrections = {});
-ViewSimilarity compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b, bool partial,
-                       double weight);
+ViewSimilarity compare(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b,
+                       PartialViews partial, double weight);
 
 }  // namespace loci::memory::belief

@@ -37,25 +37,36 @@ TEST(Similarity, EveryComparisonFallsFromEvidenceForToEvidenceAgainst) {
 }
 
 TEST(Similarity, MissingEvidenceIsMissing) {
-  const ViewSimilarity none = compare({{"mean_color", {1, 0, 0}}}, {{"extents", {1, 1, 1}}}, false, 1);
+  const ViewSimilarity none = compare({{"mean_color", {1, 0, 0}}}, {{"extents", {1, 1, 1}}}, {}, 1);
   EXPECT_EQ(none.count, 0U);
   EXPECT_DOUBLE_EQ(none.log_ratio, 0);
   EXPECT_FALSE(none.similarity());
-  const ViewSimilarity unknown = compare({{"smell", {1}}}, {{"smell", {1}}}, false, 1);
+  const ViewSimilarity unknown = compare({{"smell", {1}}}, {{"smell", {1}}}, {}, 1);
   EXPECT_EQ(unknown.count, 0U);
 }
 
-TEST(Similarity, SizeOfACutOffViewIsNoEvidence) {
+TEST(Similarity, WhatACutOffViewLacksInSizeCountsLess) {
   const std::vector<Descriptor> whole = {{"extents", {0.1F, 0.1F, 0.1F}}},
                                 part = {{"extents", {0.1F, 0.02F, 0.1F}}};
-  EXPECT_LT(compare(whole, part, false, 1).log_ratio, 0);
-  EXPECT_DOUBLE_EQ(compare(whole, part, true, 1).log_ratio, 0);
+  const double both_whole = compare(whole, part, {}, 1).log_ratio;
+  EXPECT_LT(both_whole, 0);
+  EXPECT_GT(compare(whole, part, {false, true}, 1).log_ratio, both_whole);
+  EXPECT_DOUBLE_EQ(compare(whole, part, {true, false}, 1).log_ratio, both_whole)
+      << "of the larger one nothing lacks";
+}
+
+TEST(Similarity, TheMeanColorIsNoSecondEvidenceBesideTheHistogram) {
+  const Descriptor red{"mean_color", {1, 0, 0}}, blue{"mean_color", {0, 0, 1}};
+  const Descriptor histogram{"color_histogram", {1, 2, 3}};
+  EXPECT_LT(compare({red}, {blue}, {}, 1).log_ratio, 0);
+  EXPECT_DOUBLE_EQ(compare({histogram, red}, {histogram, blue}, {}, 1).log_ratio,
+                   compare({histogram}, {histogram}, {}, 1).log_ratio);
 }
 
 TEST(Similarity, BaselineIsTheGeometricMeanOfSimilarity) {
   const std::vector<Descriptor> a = {{"mean_color", {0, 0, 0}}, {"extents", {0.1F, 0.1F, 0.1F}}};
   const std::vector<Descriptor> b = {{"mean_color", {0.1F, 0.1F, 0.1F}}, {"extents", {0.1F, 0.1F, 0.1F}}};
-  EXPECT_NEAR(*compare(a, b, false, 1).similarity(), std::sqrt(gaussian_similarity(0.1) * 1.0), 1e-6);
+  EXPECT_NEAR(*compare(a, b, {}, 1).similarity(), std::sqrt(gaussian_similarity(0.1) * 1.0), 1e-6);
 }
 
 TEST(Similarity, WhatIsNoNumberIsNoMatch) {
@@ -66,8 +77,8 @@ TEST(Similarity, WhatIsNoNumberIsNoMatch) {
       const auto of = [&](const std::vector<float>& values) {
         return std::vector<Descriptor>{{comparison.kind, values, {}}};
       };
-      EXPECT_EQ(compare(of(good), of(bad), false, 1).count, 0U) << comparison.kind;
-      EXPECT_EQ(compare(of(bad), of(bad), false, 1).count, 0U) << comparison.kind;
+      EXPECT_EQ(compare(of(good), of(bad), {}, 1).count, 0U) << comparison.kind;
+      EXPECT_EQ(compare(of(bad), of(bad), {}, 1).count, 0U) << comparison.kind;
     }
 }
 
