@@ -7,6 +7,7 @@
 #include "mapping/base/json.h"
 #include "memory/questions/events.h"
 #include "memory/questions/map_names.h"
+#include "memory/questions/snapshot.h"
 
 namespace loci::gui {
 namespace {
@@ -25,10 +26,17 @@ std::shared_ptr<const Names> read_names(const memory::Store& store,
   for (const memory::PlaceRow& place : places) names->places[place.id] = place.name;
   for (const memory::FactRow& fact : store.facts()) {
     if (!fact.object || !fact.value) continue;
-    if (fact.key == "alias") names->aliases[*fact.object] = *fact.value;
     if (fact.key == "owner") names->owners[*fact.object] = *fact.value;
     if (fact.key == "class") names->classes[*fact.object] = *fact.value;
   }
+  // What several objects are called gets their number behind it.
+  const memory::Snapshot now(store, {});
+  std::map<std::string, int> count;
+  for (const memory::BeliefRow& belief : now.beliefs())
+    if (const auto label = now.object_ref(belief.object).label)
+      ++count[names->labels[belief.object] = *label];
+  for (auto& [object, label] : names->labels)
+    if (count[label] > 1) label += " (" + memory::object_name(object) + ")";
   return names;
 }
 
@@ -111,8 +119,8 @@ MemoryInfo describe(const memory::Store& store, const MemoryIndex& index) {
 }  // namespace
 
 std::string Names::object(memory::Id id) const {
-  const auto alias = aliases.find(id);
-  return alias == aliases.end() ? memory::object_name(id) : alias->second;
+  const auto label = labels.find(id);
+  return label == labels.end() ? memory::object_name(id) : label->second;
 }
 
 std::string Names::class_of(memory::Id object) const {

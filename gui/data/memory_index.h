@@ -17,11 +17,11 @@ namespace loci::gui {
 
 /// What people call objects, places and parts of the map, and what they said about objects; as it holds now.
 struct Names {
-  std::map<memory::Id, std::string> aliases = {}, classes = {}, owners = {};  ///< by object
+  std::map<memory::Id, std::string> labels = {}, classes = {}, owners = {};  ///< by object
   std::map<memory::Id, std::string> places = {};
   memory::PartNames parts = {};
 
-  std::string object(memory::Id id) const;                       ///< alias, else "object_12"
+  std::string object(memory::Id id) const;                       ///< the best name known, else "object_12"
   std::string class_of(memory::Id object) const;                 ///< empty = unknown
   std::string owner_of(memory::Id object) const;                 ///< empty = unknown
   std::string place(const std::optional<memory::Id>& id) const;  ///< empty = unknown

@@ -213,21 +213,26 @@ ObjectRef Snapshot::object_ref(Id object) const {
 
 std::optional<std::string> Snapshot::annotated_name(Id object) const {
   constexpr size_t kMaxObservations = 20;  // the latest
-  if (!annotated_) {
-    annotated_.emplace();
-    for (const char* type : {"loci.annotation.ProductAnnotation", "loci.annotation.ClassificationAnnotation"})
-      annotated_->emplace_back(type, store_.objects_annotated_by(type, as_of_));
-  }
-  for (const auto& [type, objects] : *annotated_) {
-    if (!std::ranges::binary_search(objects, object)) continue;
+  constexpr const char* kProduct = "loci.annotation.ProductAnnotation";
+  constexpr const char* kClass = "loci.annotation.ClassificationAnnotation";
+  if (!annotated_)
+    annotated_ = {store_.objects_annotated_by(kProduct, as_of_), store_.objects_annotated_by(kClass, as_of_)};
+  if (std::ranges::binary_search(annotated_->products, object)) {
     std::vector<ObjectObservation> observations = store_.observations_of(object, as_of_);
     if (observations.size() > kMaxObservations)
       observations.erase(observations.begin(),
                          observations.end() - static_cast<std::ptrdiff_t>(kMaxObservations));
     for (const AnnotationSupport& name : annotation_support(store_, observations))
-      if (name.type == type) return name.value;
+      if (name.type == kProduct) return name.value;
   }
-  return std::nullopt;
+  if (!std::ranges::binary_search(annotated_->classes, object)) return std::nullopt;
+  const std::optional<ClassVerdict> verdict = class_verdict(object);
+  return verdict ? std::optional(verdict->name) : std::nullopt;
+}
+
+std::optional<ClassVerdict> Snapshot::class_verdict(Id object) const {
+  if (!experts_) experts_.emplace(store_, facts_, as_of_);
+  return experts_->verdict(object);
 }
 
 std::optional<PlaceRef> Snapshot::place_ref(std::optional<Id> place) const {

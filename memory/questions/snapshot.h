@@ -5,6 +5,7 @@
 
 #include "mapping/base/error.h"
 #include "memory/questions/answer_parts.h"
+#include "memory/questions/class_verdict.h"
 #include "memory/questions/map_names.h"
 #include "memory/questions/taxonomy.h"
 
@@ -46,6 +47,8 @@ class Snapshot {
   ObjectBelief object_belief(Id object) const;
   ObjectBelief object_belief(const BeliefRow& belief) const;
   Change change(const EventRow& event) const;
+  /// What all experts together make of the class of an object; unset when none says anything.
+  std::optional<ClassVerdict> class_verdict(Id object) const;
 
   /// Objects that X means, most probable first, then most recent. X: "object_12", an alias, words for colour,
   /// size, class (or another word or a wider kind of it, by the taxonomy), text, property, "Ada's" for an
@@ -65,7 +68,8 @@ class Snapshot {
 
  private:
   FileLocation file() const { return {store_.path().string(), 0, {}}; }
-  /// The product, else the class, that most of the latest observations of an object are annotated with.
+  /// The product that most of the latest observations of an object are annotated with, else its
+  /// class_verdict().
   std::optional<std::string> annotated_name(Id object) const;
   std::vector<Id> find_at_place(const std::string& name) const;
   std::vector<Id> find_by_word(const std::string& word) const;
@@ -88,7 +92,11 @@ class Snapshot {
   mutable std::unordered_map<Id, std::optional<BeliefRow>> belief_of_;
   mutable std::optional<PartNames> part_names_;
   /// By type of annotation, the best first: objects with a name of this type, sorted.
-  mutable std::optional<std::vector<std::pair<std::string, std::vector<Id>>>> annotated_;
+  struct Annotated {
+    std::vector<Id> products, classes;
+  };
+  mutable std::optional<Annotated> annotated_;
+  mutable std::optional<ClassExperts> experts_;
   mutable std::optional<std::vector<SceneRow>> scenes_;
   mutable std::unordered_map<Id, std::optional<SceneRow>> scene_of_;
 };

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "memory/store/store.h"
+
+namespace loci::memory {
+
+/// What the experts (annotators with their models) together make of the class of an object.
+struct ClassVerdict {
+  /// What one expert says: the same may say several things of the views of an object.
+  struct Vote {
+    std::string expert;     ///< "HouseholdClassifier household"; "" where nobody is named
+    std::string name;       ///< the class
+    double share = 0;       ///< of the views that it says anything of, weighted with its confidence
+    double competence = 0;  ///< probability that it is right, by what people have confirmed and corrected
+  };
+
+  std::string name;
+  double probability = 0;   ///< against the other classes that were voted for, and none of them
+  std::vector<Vote> votes;  ///< of the best class first; contradictions stay
+};
+
+/// Learns from the classes that people state how often each expert is right (a Beta distribution that begins
+/// at 4 of 5), and weighs votes by it: the log odds of each expert's competence, over all its views of an
+/// object together, because views of one object are not independent (Dawid and Skene 1979, one coin).
+class ClassExperts {
+ public:
+  ClassExperts(const Store& store, const std::vector<FactRow>& facts, const AsOf& as_of);
+
+  /// Of the latest observations of an object; unset when no expert says anything.
+  std::optional<ClassVerdict> verdict(Id object) const;
+
+ private:
+  /// By expert and class: the sum of its confidences.
+  using Votes = std::map<std::string, std::map<std::string, double>>;
+  Votes votes_of(Id object) const;
+  double competence(const std::string& expert) const;
+
+  struct Record {
+    double right = 0, wrong = 0;
+  };
+
+  const Store& store_;
+  AsOf as_of_;
+  std::map<std::string, Record> records_;
+};
+
+}  // namespace loci::memory

@@ -1,0 +1,105 @@
+#include "memory/questions/class_verdict.h"
+
+#include <gtest/gtest.h>
+
+#include "memory/questions/facts.h"
+#include "memory/questions/snapshot.h"
+#include "memory/store/feature_structures.h"
+#include "memory/store/scene_transaction.h"
+#include "perception/types/scene_cas.h"
+#include "tests/memory/store/temporary_folder.h"
+
+namespace loci::memory {
+namespace {
+
+struct Vote {
+  const char* expert;
+  const char* name;
+};
+
+class ClassVerdicts : public testing_support::TemporaryFolder {
+ protected:
+  /// One more scene, in which each object is seen and named by experts.
+  void see(const std::vector<std::vector<Vote>>& objects) {
+    Store store = Store::open_write(file_);
+    const Id run = store.begin_run("test", "{}");
+    {
+      SceneTransaction scene(store, run);
+      time_ += 60 * kSecond;
+      const Id id = scene.add_scene({.time = time_});
+      for (size_t i = 0; i < objects.size(); ++i) {
+        const Id seen = scene.add_observation({.scene = id, .number = static_cast<int64_t>(i)});
+        const auto object = static_cast<Id>(i) + 1;
+        if (time_ == 60 * kSecond) scene.add_object({});
+        scene.add_association({.scene = id,
+                               .observation = seen,
+                               .object = object,
+                               .explanation = Explanation::stay,
+                               .probability = 1,
+                               .chosen = true});
+        scene.add_belief({.object = object,
+                          .scene = id,
+                          .status = ObjectStatus::seen,
+                          .position = Vector3d(0, 0, 1),
+                          .last_scene = id});
+        for (const Vote& vote : objects[i]) annotate(scene, id, seen, vote);
+      }
+      scene.commit();
+    }
+    store.finish_run(run);
+  }
+
+  static void annotate(SceneTransaction& scene, Id id, Id seen, const Vote& vote) {
+    perception::cas::Cas cas(perception::types::type_system());
+    const auto annotation = perception::types::ClassificationAnnotation::create(cas);
+    annotation.source.set(vote.expert);
+    annotation.label.set(vote.name);
+    FeatureStructureWriter writer(scene, id);
+    scene.add_annotation({.scene = id,
+                          .observation = seen,
+                          .type = "loci.annotation.ClassificationAnnotation",
+                          .value = vote.name,
+                          .confidence = 0.8,
+                          .feature_structure = writer.add(annotation, seen)});
+  }
+
+  ClassVerdict verdict(Id object) const {
+    const Store store = Store::open_read(file_);
+    return Snapshot(store, {}).class_verdict(object).value();
+  }
+
+  TimeNs time_ = 0;
+};
+
+TEST_F(ClassVerdicts, WhatMostViewsSayIsTheNameAndContradictionsStay) {
+  see({{{"shape", "cup"}}});
+  see({{{"shape", "cup"}}});
+  see({{{"shape", "bowl"}}});
+  const ClassVerdict one = verdict(1);
+  EXPECT_EQ(one.name, "cup");
+  ASSERT_EQ(one.votes.size(), 2U);
+  EXPECT_EQ(one.votes[1].name, "bowl");
+  EXPECT_LT(one.probability, 0.9);
+  EXPECT_EQ(Snapshot(Store::open_read(file_), {}).object_ref(1).label, "cup");
+}
+
+TEST_F(ClassVerdicts, AnExpertThatPeopleCorrectLosesItsWeight) {
+  std::vector<std::vector<Vote>> objects(6, {{"first", "bowl"}, {"second", "cup"}});
+  see(objects);
+  EXPECT_EQ(verdict(6).name, "bowl") << "equally competent: the first in order";
+  {
+    Store store = Store::open_write(file_);
+    for (const char* object : {"object_1", "object_2", "object_3"}) set_fact(store, object, "class", "cup");
+  }
+  EXPECT_EQ(verdict(6).name, "cup");
+  EXPECT_GT(verdict(6).votes[0].competence, 0.85);
+  EXPECT_LT(verdict(6).votes[1].competence, 0.55);
+}
+
+TEST_F(ClassVerdicts, TwoExpertsThatAgreeOutvoteOne) {
+  see({{{"a", "jar"}, {"b", "can"}, {"c", "can"}}});
+  EXPECT_EQ(verdict(1).name, "can");
+}
+
+}  // namespace
+}  // namespace loci::memory
