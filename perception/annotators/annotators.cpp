@@ -63,6 +63,7 @@ flow:
   - ColorName
   - GeometryAnnotator        # oriented box, in the map and in the frame of its place
   - LocationAnnotator        # place of the object, as text
+  - HouseholdClassifier      # cup, plate, box, ...: by shape, size and colour, where it is sure enough
 )";
   return text;
 }
