@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "mapping/base/json.h"
 #include "memory/questions/events.h"
@@ -24,19 +25,21 @@ std::shared_ptr<const Names> read_names(const memory::Store& store,
   auto names = std::make_shared<Names>();
   names->parts = part_names(store);
   for (const memory::PlaceRow& place : places) names->places[place.id] = place.name;
+  std::set<memory::Id> aliased;
   for (const memory::FactRow& fact : store.facts()) {
     if (!fact.object || !fact.value) continue;
+    if (fact.key == "alias") aliased.insert(*fact.object);
     if (fact.key == "owner") names->owners[*fact.object] = *fact.value;
     if (fact.key == "class") names->classes[*fact.object] = *fact.value;
   }
-  // What several objects are called gets their number behind it.
+  // What several objects look like gets their number behind it; what somebody named is called so.
   const memory::Snapshot now(store, {});
   std::map<std::string, int> count;
   for (const memory::BeliefRow& belief : now.beliefs())
     if (const auto label = now.object_ref(belief.object).label)
       ++count[names->labels[belief.object] = *label];
   for (auto& [object, label] : names->labels)
-    if (count[label] > 1) label += " (" + memory::object_name(object) + ")";
+    if (count[label] > 1 && !aliased.contains(object)) label += " (" + memory::object_name(object) + ")";
   return names;
 }
 

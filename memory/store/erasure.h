@@ -63,6 +63,8 @@ class Eraser {
   void remember_blobs();
   void finish_tokens();
   /// Maps and type systems, which are about the home and the program.
+  /// Drops the texts that other feature structures hold.
+  void drop_structured(std::vector<std::string>& texts);
   std::string stored_documents();
   bool is_said(const std::string& text);
 

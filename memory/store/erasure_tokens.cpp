@@ -44,6 +44,7 @@ void Eraser::finish_tokens() {
   for (const std::string& text : db_.values<std::string>("SELECT value FROM temp.said ORDER BY value"))
     if (text.size() >= kMinLength && documents.find(text) == std::string::npos && !is_said(text))
       result_.tokens.texts.push_back(text);
+  drop_structured(result_.tokens.texts);
   result_.tokens.hashes = db_.values<std::string>(
       "SELECT hash FROM temp.stored WHERE hash NOT IN (SELECT hash FROM blob) ORDER BY hash");
   result_.erased["blob"] = static_cast<int64_t>(result_.tokens.hashes.size());
@@ -56,6 +57,14 @@ void Eraser::finish_tokens() {
   });
   std::erase_if(result_.erased, [](const auto& kind) { return kind.second == 0; });
   db_.statements.clear();
+}
+
+void Eraser::drop_structured(std::vector<std::string>& texts) {
+  for (const Id id : db_.values<Id>("SELECT id FROM feature_structure ORDER BY id")) {
+    if (texts.empty()) return;
+    const std::string json = store_.feature_structure(id).json;
+    std::erase_if(texts, [&](const std::string& text) { return json.find(text) != std::string::npos; });
+  }
 }
 
 std::string Eraser::stored_documents() {

@@ -130,7 +130,7 @@ TEST_F(PerceiveIntoMemory, WhatItSawIsADatasetToTrainFrom) {
                             " --folds 2 --expert VFH:svm --json --quiet");
   ASSERT_EQ(trained.exit_code, 0) << trained.error;
   const Json accuracies = parse_json(trained.out, "stdout").at("accuracies");
-  EXPECT_EQ(accuracies.size(), 2U) << "one cereal is too few";
+  EXPECT_FALSE(accuracies.contains("cereal")) << "one is too few";
   EXPECT_GT(accuracies.at("mug").get<double>(), 0.8);
   EXPECT_TRUE(std::filesystem::exists(model));
 }
