@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <map>
 
 #include "mapping/base/json.h"
 #include "memory/questions/events.h"
@@ -25,10 +25,10 @@ std::shared_ptr<const Names> read_names(const memory::Store& store,
   auto names = std::make_shared<Names>();
   names->parts = part_names(store);
   for (const memory::PlaceRow& place : places) names->places[place.id] = place.name;
-  std::set<memory::Id> aliased;
+  std::map<memory::Id, std::string> aliases;  // the latest
   for (const memory::FactRow& fact : store.facts()) {
     if (!fact.object || !fact.value) continue;
-    if (fact.key == "alias") aliased.insert(*fact.object);
+    if (fact.key == "alias") aliases[*fact.object] = *fact.value;
     if (fact.key == "owner") names->owners[*fact.object] = *fact.value;
     if (fact.key == "class") names->classes[*fact.object] = *fact.value;
   }
@@ -39,7 +39,8 @@ std::shared_ptr<const Names> read_names(const memory::Store& store,
     if (const auto label = now.object_ref(belief.object).label)
       ++count[names->labels[belief.object] = *label];
   for (auto& [object, label] : names->labels)
-    if (count[label] > 1 && !aliased.contains(object)) label += " (" + memory::object_name(object) + ")";
+    if (count[label] > 1) label += " (" + memory::object_name(object) + ")";
+  for (const auto& [object, alias] : aliases) names->labels[object] = alias;
   return names;
 }
 
