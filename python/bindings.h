@@ -45,7 +45,7 @@ py::array array_of(const Vector3d& vector);
 py::array array_of(const Isometry3d& pose);
 /// N x 3, float.
 py::array array_of(const std::vector<Eigen::Vector3f>& points);
-/// Error when it is no pose.
+/// Error when it is not a pose.
 Isometry3d pose_of(const py::array_t<double>& matrix);
 template <class T>
 std::optional<py::array> array_or_none(const std::optional<T>& value) {

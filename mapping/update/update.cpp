@@ -313,7 +313,7 @@ class EpochComparison {
       resolved[best] = true;
       add_motion(best, *found[best], still[best]);
       found[best].reset();
-      // What one piece explains is no evidence of another.
+      // What one piece explains does not speak for another.
       for (size_t k = 0; k < pieces_.size(); ++k)
         if (found[k] && !still_found(*found[k], searches[k], now_.prepared_part(target_of(k))))
           found[k] = motion_of(k, searches[k], still[k]);

@@ -36,7 +36,7 @@ struct MapChange {
   };
   Kind kind = Kind::moved;
   std::string name;        ///< of the piece, or of the front that moved
-  std::string class_name;  ///< as in the sidecar, or "chair", "stool", "piece" of what is no link of the map
+  std::string class_name;  ///< as in the sidecar, or "chair", "stool", "piece" of other furniture
   double probability = 0;
   Isometry3d now_from_before = Isometry3d::Identity();  ///< motion of a piece that moved, map frame
   Vector3d centre = Vector3d::Zero();                   ///< of the piece before; of a piece that came, now
@@ -65,7 +65,7 @@ struct UnchangedPiece {
 };
 
 struct UpdateResult {
-  /// The map as it is now. In the sidecar, `extra.pieces` names furniture that is no link.
+  /// The map as it is now. In the sidecar, `extra.pieces` names furniture that is not a link.
   InterpretedMap map;
   ScanSet scans;  ///< that show the room as it is now: the earlier ones without what moved, then the new ones
   std::vector<MapChange> changes;

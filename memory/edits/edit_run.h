@@ -9,7 +9,7 @@
 namespace loci::memory {
 
 /// A run of an edit. Its configuration has the "text" of the edit, and what is needed to reverse it. One that
-/// is not finished is no edit: it is finished in the transaction that changes the rows.
+/// is not finished is not an edit: it is finished in the transaction that changes the rows.
 class EditRun {
  public:
   EditRun(Store& store, const Json& configuration);

@@ -17,8 +17,8 @@ using namespace format;
 
 namespace {
 
-constexpr TimeNs kMissingFor = 7 * 24 * 3600 * kSecond;  ///< what is gone for longer is no news
-constexpr size_t kMinUsualSightings = 3;                 ///< fewer are no habit
+constexpr TimeNs kMissingFor = 7 * 24 * 3600 * kSecond;  ///< what is gone for longer is not reported
+constexpr size_t kMinUsualSightings = 3;                 ///< fewer are not a habit
 constexpr double kMinUsualShare = 0.5;                   ///< of its sightings
 constexpr double kMinPresent = 0.5;  ///< probability that it is where it is believed to be
 

@@ -29,7 +29,7 @@ struct DigestAnswer {
   std::vector<MisplacedObject> misplaced = {};
   std::vector<ObjectBelief> missing = {};  ///< gone, and seen in the week before; last seen first
 };
-/// Error when the day is no time, or the memory has no scenes.
+/// Error when the day is not a time, or the memory has no scenes.
 DigestAnswer ask(const Store& store, const DigestQuestion& question);
 std::string to_text(const DigestAnswer& answer, const TimeWriter& times);
 Json to_json(const DigestAnswer& answer);

@@ -19,7 +19,7 @@ std::vector<Id> namesakes(const Snapshot& snapshot, const std::string& name, Id 
   try {
     all = snapshot.find_objects(name);
   } catch (const UnknownName&) {
-    return {};  // a name that is no word of a question
+    return {};  // a name that is not a word of a question
   }
   const bool gone = is_gone(snapshot, object);
   std::erase_if(all, [&](Id other) { return other == object || (is_gone(snapshot, other) && !gone); });

@@ -32,7 +32,7 @@ struct SentencePeriod {
 constexpr TimeNs kLongSpan = 3600 * kSecond;  ///< of what is no moment
 constexpr size_t kMaxWords = 60;              ///< of a sentence
 
-/// An hour alone ("nine") is a time only after a preposition: "the red one" is no time.
+/// An hour alone ("nine") is a time only after a preposition: "the red one" is not a time.
 bool is_time(const std::string& text, const TimeReader& times, bool introduced) {
   if (!times.try_read(text)) return false;
   if (introduced) return true;

@@ -26,7 +26,7 @@ std::string standing_question_forms();
 /// Compares a memory with itself while it is written.
 class EventWatcher {
  public:
-  /// What happened before now is no news. `unknown` gets names that mean nothing in this memory yet.
+  /// What happened before now is not told. `unknown` gets names that mean nothing in this memory yet.
   EventWatcher(std::vector<StandingQuestion> questions, const Store& store,
                std::vector<std::string>& unknown);
 

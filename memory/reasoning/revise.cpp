@@ -14,7 +14,7 @@
 namespace loci::memory {
 namespace {
 
-/// Smaller differences of a probability are no news.
+/// Smaller differences of a probability are not reported.
 constexpr double kSameProbability = 0.01;
 constexpr double kSamePosition_m = 0.001;
 
