@@ -10,6 +10,7 @@
 #include "perception/annotators/segmentation/asserted_volumes.h"
 #include "perception/annotators/segmentation/detections2d.h"
 #include "perception/annotators/segmentation/flat_objects.h"
+#include "perception/annotators/segmentation/network_detections.h"
 #include "perception/annotators/segmentation/plane_cluster_extractor.h"
 #include "perception/annotators/segmentation/superpixels.h"
 #include "perception/annotators/segmentation/transparent_objects.h"
@@ -26,6 +27,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<FlatObjectExtractor>();
   registry.add<TransparentExtractor>();
   registry.add<Detections2D>();
+  registry.add<NetworkDetector>();
   registry.add<AssertedVolumes>();
   registry.add<SuperpixelExtractor>();
   registry.add<SaliencyDetector>();

@@ -244,26 +244,10 @@ std::vector<ImageDetections> read_coco(const fs::path& path, Warnings& warnings)
 // YOLO.
 
 /// The names of classes from classes.txt or data.yaml in or beside a folder; empty when there are none.
-std::vector<std::string> read_class_names(const fs::path& folder) {
-  for (const fs::path& place : {folder, folder.parent_path()}) {
-    std::vector<std::string> names;
-    if (fs::exists(place / "classes.txt")) {
-      for (const std::string& line : split(read_file(place / "classes.txt"), '\n'))
-        names.push_back(trimmed(line));
-      while (!names.empty() && names.back().empty()) names.pop_back();
-      return names;
-    }
-    if (!fs::exists(place / "data.yaml")) continue;
-    const YAML::Node list = Config::read(place / "data.yaml").node("names");
-    // Either a list, or a mapping from number to name.
-    for (size_t i = 0; list && i < list.size(); ++i) {
-      const YAML::Node name = list[i];
-      if (!name || !name.IsScalar())
-        refuse_at({(place / "data.yaml").string(), 0, "names"}, "must name the classes from 0 on");
-      names.push_back(name.as<std::string>());
-    }
-    return names;
-  }
+std::vector<std::string> find_class_names(const fs::path& folder) {
+  for (const fs::path& place : {folder, folder.parent_path()})
+    for (const char* file : {"classes.txt", "data.yaml"})
+      if (fs::exists(place / file)) return read_class_names(place / file);
   return {};
 }
 
@@ -309,7 +293,7 @@ Detection2D read_line(const std::string& line, const std::vector<std::string>& n
 }
 
 std::vector<ImageDetections> read_yolo(const fs::path& folder, Warnings& warnings) {
-  const std::vector<std::string> names = read_class_names(folder);
+  const std::vector<std::string> names = find_class_names(folder);
   if (names.empty())
     warnings.add("has no classes.txt or data.yaml: classes are called class_0, class_1, …",
                  {folder.string(), 0, {}});
@@ -343,6 +327,25 @@ std::vector<ImageDetections> read_yolo(const fs::path& folder, Warnings& warning
 }
 
 }  // namespace
+
+std::vector<std::string> read_class_names(const fs::path& file) {
+  std::vector<std::string> names;
+  if (file.extension() == ".yaml") {
+    const YAML::Node list = Config::read(file).node("names");
+    // Either a list, or a mapping from number to name.
+    for (size_t i = 0; list && i < list.size(); ++i) {
+      const YAML::Node name = list[i];
+      if (!name || !name.IsScalar())
+        refuse_at({file.string(), 0, "names"}, "must name the classes from 0 on");
+      names.push_back(name.as<std::string>());
+    }
+  } else {
+    for (const std::string& line : split(read_file(file), '\n')) names.push_back(trimmed(line));
+    while (!names.empty() && names.back().empty()) names.pop_back();
+  }
+  for (const std::string& name : names) require_utf8(name);
+  return names;
+}
 
 DetectionSet DetectionSet::read(const fs::path& path, Warnings& warnings) {
   DetectionSet set;

@@ -34,6 +34,9 @@ struct ImageDetections {
   std::vector<Detection2D> detections;
 };
 
+/// The names of a detector's classes, class 0 first: one per line, or `names` of a data.yaml.
+std::vector<std::string> read_class_names(const std::filesystem::path& file);
+
 /// Detections in the images of a recording:
 /// - a COCO file (*.json): a data set with images, annotations and categories, or a list of results;
 /// - a YOLO folder: a text file per image, a line `class x y width height [score]` per box or

@@ -77,24 +77,25 @@ std::optional<types::Cluster> cluster_with(const std::vector<int>& pixels, const
   return std::nullopt;
 }
 
-types::Cluster make_cluster(const LiftedRegion& lifted, const std::vector<VisibleSupport>& supports,
-                            const types::SceneCas& scene, const Isometry3d& pose) {
+types::Cluster make_cluster(const LiftedRegion& lifted, const std::string& source,
+                            const std::vector<VisibleSupport>& supports, const types::SceneCas& scene,
+                            const Isometry3d& pose) {
   const auto cluster = types::Cluster::create(scene.cas());
-  set_points(cluster, Detections2D::kName, lifted.pixels, scene, pose);
+  set_points(cluster, source, lifted.pixels, scene, pose);
   cluster.at_image_border.set(lifted.at_image_border);
   if (const types::PlanarSupport support = support_of(lifted.pixels, supports)) cluster.support.set(support);
   if (scene.has(types::SceneCas::kColor)) {
     const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
-    add_image(cluster, Detections2D::kName,
+    add_image(cluster, source,
               color_region(cloud_points(scene), lifted.pixels, types::cameras(scene), color.size()), scene);
   }
   scene.add_cluster(cluster);
   return cluster;
 }
 
-void classify(const types::Cluster& cluster, const Detection2D& detection) {
+void classify(const types::Cluster& cluster, const std::string& source, const Detection2D& detection) {
   const auto annotation = types::ClassificationAnnotation::create(cluster.cas());
-  annotation.source.set(Detections2D::kName);
+  annotation.source.set(source);
   annotation.kind.set("object");
   annotation.label.set(detection.classes.front().first);
   annotation.confidence.set(detection.classes.front().second);
@@ -126,38 +127,51 @@ void Detections2D::start(Context& context) {
 }
 
 void Detections2D::process(cas::Cas& cas, Context& /*context*/) {
-  const types::SceneCas facade(cas);
-  const types::Scene scene = facade.scene();
-  const ImageDetections* found =
-      set_->find(scene.frame_name.get(), scene.frame_index.get(), scene.timestamp.get());
-  if (found == nullptr || found->detections.empty()) return;
-  if (!scene.map_from_camera.is_set()) return lifted_.add(Reason::no_pose, found->detections.size());
-  const Isometry3d pose = map_from_camera(scene);
-  const mapping::RgbdCamera camera = types::cameras(facade);
-  const cv::Mat points = cloud_points(facade);
-  const std::vector<VisibleSupport> supports = visible_supports(facade, pose, camera.depth);
-  const Vector3d up = pose.linear().transpose() * Vector3d::UnitZ();
-  const LiftFrame frame = lift_frame_of_points(points, camera, surfaces_of(supports, points, pose), up);
-  for (const Detection2D& detection : found->detections) {
-    const LiftResult lifted = lift_region(frame, detection.region);
-    if (!lifted.region) {
-      lifted_.add(lifted.reason);
-      continue;
-    }
-    lifted_.add_used();
-    const std::optional<types::Cluster> known = cluster_with(lifted.region->pixels, facade);
-    classify(known ? *known : make_cluster(*lifted.region, supports, facade, pose), detection);
-  }
+  const types::Scene scene = types::SceneCas(cas).scene();
+  if (const ImageDetections* found =
+          set_->find(scene.frame_name.get(), scene.frame_index.get(), scene.timestamp.get()))
+    add_detections(cas, found->detections, kName, lifted_);
 }
 
 void Detections2D::finish(Context& context) {
   if (lifted_.total() == 0)
     context.warnings.add("no frame has detections: their images are matched to frames by name",
                          {path_, 0, {}});
-  else if (const std::string reasons = lifted_.reasons(); !reasons.empty())
-    context.warnings.add(fmt::format("{} of {} were not lifted to 3-D: {}", lifted_.total() - lifted_.used(),
-                                     counted(lifted_.total(), "detection"), reasons),
-                         {path_, 0, {}});
+  else
+    warn_of_unlifted(lifted_, path_, context.warnings);
+}
+
+void add_detections(cas::Cas& cas, const std::vector<Detection2D>& detections, const std::string& source,
+                    Tally& lifted_detections) {
+  if (detections.empty()) return;
+  const types::SceneCas facade(cas);
+  const types::Scene scene = facade.scene();
+  if (!scene.map_from_camera.is_set()) return lifted_detections.add(Reason::no_pose, detections.size());
+  const Isometry3d pose = map_from_camera(scene);
+  const mapping::RgbdCamera camera = types::cameras(facade);
+  const cv::Mat points = cloud_points(facade);
+  const std::vector<VisibleSupport> supports = visible_supports(facade, pose, camera.depth);
+  const Vector3d up = pose.linear().transpose() * Vector3d::UnitZ();
+  const LiftFrame frame = lift_frame_of_points(points, camera, surfaces_of(supports, points, pose), up);
+  for (const Detection2D& detection : detections) {
+    const LiftResult lifted = lift_region(frame, detection.region);
+    if (!lifted.region) {
+      lifted_detections.add(lifted.reason);
+      continue;
+    }
+    lifted_detections.add_used();
+    const std::optional<types::Cluster> known = cluster_with(lifted.region->pixels, facade);
+    classify(known ? *known : make_cluster(*lifted.region, source, supports, facade, pose), source,
+             detection);
+  }
+}
+
+void warn_of_unlifted(const Tally& lifted_detections, const std::string& file, Warnings& warnings) {
+  if (const std::string reasons = lifted_detections.reasons(); !reasons.empty())
+    warnings.add(fmt::format("{} of {} were not lifted to 3-D: {}",
+                             lifted_detections.total() - lifted_detections.used(),
+                             counted(lifted_detections.total(), "detection"), reasons),
+                 {file, 0, {}});
 }
 
 }  // namespace loci::perception

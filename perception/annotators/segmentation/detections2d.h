@@ -9,9 +9,15 @@
 
 namespace loci::perception {
 
-/// What another detector found in the colour images of the recording, as clusters with their classes: boxes
-/// and masks are lifted by the depth of the frame. A cluster that is there already takes the class of a
-/// detection with which it shares most pixels.
+/// Lifts detections in the colour image of a scene by its depth. A cluster that is there already takes the
+/// class of a detection with which it shares most pixels; of the others clusters are made. `source`: the
+/// annotator; `lifted_detections` counts them.
+void add_detections(cas::Cas& cas, const std::vector<Detection2D>& detections, const std::string& source,
+                    Tally& lifted_detections);
+/// A warning that says how many were not lifted, and why; `file` is where they come from.
+void warn_of_unlifted(const Tally& lifted_detections, const std::string& file, Warnings& warnings);
+
+/// What another detector found in the colour images of the recording, as clusters with their classes.
 class Detections2D : public Annotator {
  public:
   static constexpr const char* kName = "Detections2D";

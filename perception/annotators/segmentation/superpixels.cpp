@@ -15,7 +15,7 @@ namespace loci::perception {
 namespace {
 
 constexpr double kColorScale = 25;  ///< Lab: colours this far apart count as much as one radius
-constexpr double kMinCosine = 0.15;
+constexpr double kMinFacingCosine = 0.15;
 constexpr int kMaxSuperpixels = 65000;
 constexpr int kMaxRounds = 8;
 constexpr double kOutlier = 3;      ///< standard deviations above the scene's median stand out
@@ -67,8 +67,8 @@ class Growing {
     for (int i = 0; i < rows_ * cols_; ++i) {
       if (!measured(i)) continue;
       const Vector3d point = to_vector(points_[i]);
-      const double cosine =
-          std::max(kMinCosine, std::abs(to_vector(normals_[i]).dot(point)) / std::max(1e-9, point.norm()));
+      const double cosine = std::max(
+          kMinFacingCosine, std::abs(to_vector(normals_[i]).dot(point)) / std::max(1e-9, point.norm()));
       density_.ptr<float>()[i] = static_cast<float>(
           std::min(1.0, point.z() * point.z() / (camera_.fx * camera_.fy * cosine * area)));
     }
