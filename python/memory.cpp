@@ -9,6 +9,7 @@
 #include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_actions.h"
 #include "memory/exchange/observation_image.h"
+#include "memory/fleet/fleet_replica.h"
 #include "memory/ingest/ingest.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/map_names.h"
@@ -356,6 +357,12 @@ void add_memory(py::module_& module) {
     return dumped(json);
   });
   module.def("_ingest", ingest_file);
+  module.def("_replica", [](const std::string& url, const std::filesystem::path& cache) {
+    return unlocked([&] {
+      NoProgress silent;
+      return memory::FleetReplica(url, cache).update(silent, memory::kFreshReplica_s);
+    });
+  });
   py::class_<OpenMemory, MemoryPtr>(module, "Memory", "A memory that is open: a file *.loci.")
       .def(
           py::init([](const std::filesystem::path& path, bool write, const TimeArgument& now) {

@@ -7,6 +7,7 @@
 
 #include "apps/cli/program.h"
 #include "gui/window/application.h"
+#include "memory/fleet/fleet_replica.h"
 
 namespace {
 
@@ -22,7 +23,8 @@ std::function<void(loci::apps::Session&)> declare(loci::apps::ArgumentTable& tab
   options->print = [](const std::string& text) { std::fputs(text.c_str(), stdout); };
   options->has_screen = is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
   options->has_desktop = is_set("XDG_CURRENT_DESKTOP");
-  table.positional("[MEMORY]", &options->file, "The memory to open, FILE.loci");
+  table.positional("[MEMORY]", &options->file,
+                   "The memory to open: FILE.loci, or postgresql://…/DATABASE?robot=NAME");
   table.option("--at TIME", &options->at, "The time to show: 2026-05-01T08:30:00Z, 08:30, \"yesterday 9:00\"",
                {.default_text = "last scene"});
   table.option("--select NAME", &options->select,
@@ -52,6 +54,9 @@ std::function<void(loci::apps::Session&)> declare(loci::apps::ArgumentTable& tab
     options->theme = *theme == "light"  ? ThemeChoice::light
                      : *theme == "dark" ? ThemeChoice::dark
                                         : ThemeChoice::system;
+    if (loci::memory::is_fleet_url(options->file))
+      options->file = loci::memory::FleetReplica(options->file, loci::apps::cache_folder() / "fleet")
+                          .update(session.progress());
     session.set_exit_code(loci::gui::run_browser(*options, kProgram));
   };
 }

@@ -210,7 +210,8 @@ void ArgumentTable::options(const OptionTable& table, const std::string& group) 
 }
 
 void ArgumentTable::memory(std::string& file) {
-  option("-m,--memory MEMORY", &file, "The memory, FILE.loci");
+  option("-m,--memory MEMORY", &file,
+         "The memory: FILE.loci, or postgresql://…/DATABASE?robot=NAME to read one");
   arguments_.back().is_memory = true;
   arguments_.back().default_text = "$LOCI_MEMORY, or the only *.loci file here";
 }

@@ -146,6 +146,14 @@ int print_version() {
   return 0;
 }
 
+std::filesystem::path cache_folder() {
+  if (const char* folder = std::getenv("XDG_CACHE_HOME"); folder != nullptr && *folder == '/')
+    return std::filesystem::path(folder) / "loci";
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/')
+    return std::filesystem::path(home) / ".cache/loci";
+  throw Error("there is no folder for temporary copies", {}, "set HOME or XDG_CACHE_HOME");
+}
+
 bool interrupted() {
   return interrupt_requested != 0;
 }

@@ -96,6 +96,9 @@ int print_version();
 /// Runs `main` and turns an exception into one line on stderr and an exit code.
 int run_guarded(const std::string& name, const std::function<int()>& main);
 
+/// Where files go that can be made anew: $XDG_CACHE_HOME/loci, or ~/.cache/loci.
+std::filesystem::path cache_folder();
+
 /// Whether Ctrl-C was pressed while a command runs.
 bool interrupted();
 

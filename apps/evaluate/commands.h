@@ -10,6 +10,7 @@ Command days_command();
 Command mapping_command();
 Command description_command();
 Command filter_command();
+Command fleet_command();
 Command identity_command();
 Command registration_command();
 Command segmentation_command();

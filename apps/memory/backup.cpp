@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/memory/commands.h"
+#include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
 #include "memory/store/memory_file.h"
 
@@ -34,7 +35,8 @@ Command backup_command() {
             table.output("BACKUP", &arguments->output, "The copy, a file that is not there yet");
             return [arguments](Session& session) {
               answer(session, "Backed up to",
-                     memory::backup_memory(arguments->memory, arguments->output, session.progress()),
+                     memory::backup_memory(memory_file(arguments->memory, session), arguments->output,
+                                           session.progress()),
                      arguments->output);
             };
           }};

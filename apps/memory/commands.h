@@ -26,6 +26,8 @@ Command retain_command();
 Command ingest_command();
 Command serve_command();
 Command watch_command();
+Command push_command();
+Command grant_command();
 Command report_command();
 
 Command reason_command();

@@ -214,7 +214,7 @@ void write_dataset(const ExportArguments& arguments, const memory::Store& store,
 }
 
 void export_memory(const ExportArguments& arguments, Session& session) {
-  const memory::Store store = memory::Store::open_read(arguments.memory);
+  const memory::Store store = open_memory(arguments.memory, session);
   if (!arguments.dataset.empty()) return write_dataset(arguments, store, session);
   const fs::path folder = arguments.folder;
   make_folder(folder);
@@ -291,7 +291,7 @@ struct CatalogueArguments {
 };
 
 void export_to(const CatalogueArguments& arguments, Session& session) {
-  const memory::Catalogue catalogue = catalogue_of(memory::Store::open_read(arguments.memory));
+  const memory::Catalogue catalogue = catalogue_of(open_memory(arguments.memory, session));
   write_output(arguments.file, to_json(catalogue).dump(1) + "\n",
                {.replace = arguments.force ? Replace::anything : Replace::own, .inputs = {arguments.memory}});
   std::map<std::string, size_t> classes;
@@ -367,7 +367,7 @@ Command model_command() {
         table.options(table_of(arguments->options), "Model");
         return [arguments](Session& session) {
           table_of(arguments->options).validate();
-          const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+          const memory::Store store = open_memory(arguments->memory.memory, session);
           const memory::AsOf as_of = arguments->memory.as_of(store);
           const memory::ObjectModel model =
               model_of(store, one_object(store, joined(arguments->subject), as_of), arguments->options,
@@ -421,7 +421,7 @@ Command report_command() {
           const OutputOptions& options = append_to_page ? replaces : session.outputs();
           check_output(target, options);
           write_output(target,
-                       memory_report(memory::Store::open_read(arguments->memory), page, arguments->options,
+                       memory_report(open_memory(arguments->memory, session), page, arguments->options,
                                      session.progress()),
                        options);
           session.answer("report " + target, Json{{"report", target}});

@@ -130,12 +130,12 @@ std::vector<std::string> copies_beside(const std::string& memory) {
   return copies;
 }
 
-void verify_forgotten(Session& session, const std::string& memory, const std::string& file) {
+void verify_forgotten(Session& session, const std::filesystem::path& memory, const std::string& file) {
   const Json json = read_json(file);
   const memory::ForgottenTokens tokens =
       memory::tokens_from_json(json.is_object() ? json.value("loci_forgotten", Json()) : Json(), file);
   std::vector<std::string> left = find_forgotten(memory, tokens, session.progress());
-  for (const std::string& copy : copies_beside(memory))
+  for (const std::string& copy : copies_beside(memory.string()))
     if (!find_forgotten(copy, tokens, session.progress()).empty())
       left.push_back(copy + ", kept before a migration, has it: delete it");
   const size_t searched =
@@ -152,50 +152,49 @@ void verify_forgotten(Session& session, const std::string& memory, const std::st
 }  // namespace
 
 Command verify_command() {
-  return {"verify",
-          "Check a memory file and repair derived rows",
-          {"loci-memory verify -m demo-output/memory.loci",
-           "loci-memory verify --repair -m demo-output/memory.loci --json"},
-          [](ArgumentTable& table) {
-            struct Arguments {
-              std::string memory, forgotten;
-              bool repair = false;
-            };
-            auto arguments = std::make_shared<Arguments>();
-            table.memory(arguments->memory);
-            table.option("--forgotten FILE", &arguments->forgotten,
-                         "Search the bytes of the file for the tokens that `forget --tokens` wrote",
-                         {.excludes = {"--repair"}});
-            table.flag("--repair", arguments->repair,
-                       "Rebuild the derived rows (stays, words, marks of objects) where they are wrong");
-            return [arguments](Session& session) {
-              if (!arguments->forgotten.empty())
-                return verify_forgotten(session, arguments->memory, arguments->forgotten);
-              memory::VerifyReport report =
-                  memory::Store::open_read(arguments->memory).verify(session.progress());
-              const size_t repaired = arguments->repair ? report.derived_problems.size() : 0;
-              if (repaired > 0) {
-                memory::Store store = memory::Store::open_write(arguments->memory);
-                const memory::Id run = store.begin_run("loci-memory verify --repair", "{}");
-                store.derive();
-                store.finish_run(run);
-                report = store.verify(session.progress());
-              }
-              Json json = report_json(report);
-              std::string text = report_text(report);
-              if (arguments->repair) {
-                json["repaired"] = repaired;
-                text = fmt::format("{} problems repaired. ", repaired) + text;
-              }
-              session.answer(text, json);
-              if (!report.problems.empty())
-                throw Error(fmt::format("{} problems found", report.problems.size()),
-                            {arguments->memory, 0, {}},
-                            report.derived_problems.size() == report.problems.size()
-                                ? "loci-memory verify --repair rebuilds them"
-                                : "restore it from a copy");
-            };
-          }};
+  return {
+      "verify",
+      "Check a memory file and repair derived rows",
+      {"loci-memory verify -m demo-output/memory.loci",
+       "loci-memory verify --repair -m demo-output/memory.loci --json"},
+      [](ArgumentTable& table) {
+        struct Arguments {
+          std::string memory, forgotten;
+          bool repair = false;
+        };
+        auto arguments = std::make_shared<Arguments>();
+        table.memory(arguments->memory);
+        table.option("--forgotten FILE", &arguments->forgotten,
+                     "Search the bytes of the file for the tokens that `forget --tokens` wrote",
+                     {.excludes = {"--repair"}});
+        table.flag("--repair", arguments->repair,
+                   "Rebuild the derived rows (stays, words, marks of objects) where they are wrong");
+        return [arguments](Session& session) {
+          if (!arguments->forgotten.empty())
+            return verify_forgotten(session, memory_file(arguments->memory, session), arguments->forgotten);
+          memory::VerifyReport report = open_memory(arguments->memory, session).verify(session.progress());
+          const size_t repaired = arguments->repair ? report.derived_problems.size() : 0;
+          if (repaired > 0) {
+            memory::Store store = memory::Store::open_write(arguments->memory);
+            const memory::Id run = store.begin_run("loci-memory verify --repair", "{}");
+            store.derive();
+            store.finish_run(run);
+            report = store.verify(session.progress());
+          }
+          Json json = report_json(report);
+          std::string text = report_text(report);
+          if (arguments->repair) {
+            json["repaired"] = repaired;
+            text = fmt::format("{} problems repaired. ", repaired) + text;
+          }
+          session.answer(text, json);
+          if (!report.problems.empty())
+            throw Error(fmt::format("{} problems found", report.problems.size()), {arguments->memory, 0, {}},
+                        report.derived_problems.size() == report.problems.size()
+                            ? "loci-memory verify --repair rebuilds them"
+                            : "restore it from a copy");
+        };
+      }};
 }
 
 Command stat_command() {
@@ -210,7 +209,7 @@ Command stat_command() {
           std::string text = fmt::format("{:24} {:>12} {:>14}\n", "table, with its indexes", "rows", "bytes");
           Json tables = Json::object();
           int64_t bytes = 0;
-          for (const memory::Store::TableSize& size : memory::Store::open_read(*memory).statistics()) {
+          for (const memory::Store::TableSize& size : open_memory(*memory, session).statistics()) {
             text += fmt::format("{:24} {:12} {:14}\n", size.table, size.rows, size.bytes);
             tables[size.table] = {{"rows", size.rows}, {"bytes", size.bytes}};
             bytes += size.bytes;
@@ -356,7 +355,8 @@ Command merge_command() {
           std::optional<memory::FrameChange> frame;
           if (!arguments->transform.empty()) frame = frame_from(arguments->transform);
           const memory::MergeResult result =
-              merge(arguments->first, arguments->second, arguments->output, frame, session.progress());
+              merge(memory_file(arguments->first, session), memory_file(arguments->second, session),
+                    arguments->output, frame, session.progress());
           std::string text = fmt::format(
               "{} scenes with {} observations of {} objects and {} facts came in; {} scenes were known.",
               result.scenes, result.observations, result.objects, result.facts, result.known_scenes);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "memory/fleet/fleet_replica.h"
+
 namespace loci::apps {
 
 void MemoryArguments::declare(ArgumentTable& table) {
@@ -30,6 +32,20 @@ std::optional<TimeNs> SpanArguments::first(const memory::Store& store) const {
 std::optional<TimeNs> SpanArguments::last(const memory::Store& store) const {
   const std::string text = between.empty() ? to : between[1];
   return text.empty() ? std::nullopt : std::optional(memory::TimeReader(store).read(text).last);
+}
+
+std::filesystem::path memory_file(const std::string& memory, Session& session) {
+  return memory_source(memory, session)();
+}
+
+std::function<std::filesystem::path()> memory_source(const std::string& memory, Session& session) {
+  if (!memory::is_fleet_url(memory)) return [memory] { return std::filesystem::path(memory); };
+  auto replica = std::make_shared<memory::FleetReplica>(memory, cache_folder() / "fleet");
+  return [replica, &session] { return replica->update(session.progress(), memory::kFreshReplica_s); };
+}
+
+memory::Store open_memory(const std::string& memory, Session& session) {
+  return memory::Store::open_read(memory_file(memory, session));
 }
 
 memory::Store open_to_change(const std::string& memory, Session& session) {

@@ -35,6 +35,13 @@ struct SpanArguments {
   std::optional<TimeNs> last(const memory::Store& store) const;
 };
 
+/// The file of a memory: as named, or a local replica of what postgresql:// names, at most a second old.
+std::filesystem::path memory_file(const std::string& memory, Session& session);
+/// The same for a program that asks again and again: of a database the connection stays open.
+std::function<std::filesystem::path()> memory_source(const std::string& memory, Session& session);
+/// Opens it for reading.
+memory::Store open_memory(const std::string& memory, Session& session);
+
 /// Opens a memory for writing that is there already: a mistyped name does not make one. Warns where it was
 /// migrated.
 memory::Store open_to_change(const std::string& memory, Session& session);

@@ -74,7 +74,7 @@ Command question_command(const memory::Question& question) {
                 auto arguments = std::make_shared<QuestionArguments>();
                 arguments->declare(question, table);
                 return [arguments, question](Session& session) {
-                  const memory::Store store = memory::Store::open_read(arguments->memory);
+                  const memory::Store store = open_memory(arguments->memory, session);
                   const memory::Query query = arguments->query(question);
                   const memory::Answer answer = question.ask(store, query);
                   session.answer(answer.to_text(memory::TimeWriter(store)), answer.to_json());
@@ -99,7 +99,7 @@ Command digest_command() {
                  "Also write it as a self-contained HTML page with images", {.replaces = true});
     return [arguments, &question](Session& session) {
       if (!arguments->page.empty()) check_output(arguments->page, session.outputs());
-      const memory::Store store = memory::Store::open_read(arguments->question.memory);
+      const memory::Store store = open_memory(arguments->question.memory, session);
       const memory::Answer answer = question.ask(store, arguments->question.query(question));
       if (!arguments->page.empty())
         write_output(arguments->page, digest_page(store, answer.get<memory::DigestAnswer>()),
@@ -168,7 +168,7 @@ Command ask_command() {
                                  "A question or a task; of several, \"it\" is what the one before was about");
                 table.flag("--details", arguments->details, "Print all that is known, not only the answer");
                 return [arguments](Session& session) {
-                  const memory::Store store = memory::Store::open_read(arguments->memory.memory);
+                  const memory::Store store = open_memory(arguments->memory.memory, session);
                   const auto answers = ask(store, memory::NaturalLanguageQuestion{
                                                       arguments->sentences, arguments->memory.as_of(store)});
                   std::string text;

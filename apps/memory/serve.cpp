@@ -8,6 +8,7 @@
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
+#include "memory/fleet/fleet_database.h"
 #include "memory/server/tool_server.h"
 
 namespace loci::apps {
@@ -82,8 +83,11 @@ Command serve_command() {
                    {.required = true});
         table.flag("--allow-edits", arguments->allow_edits,
                    "Offer the corrections of `loci-memory edit` as tools; without it nothing is written");
-        return [arguments](Session&) {
-          const memory::ToolServer server(arguments->memory, kVersion, arguments->allow_edits);
+        return [arguments](Session& session) {
+          if (arguments->allow_edits && memory::is_fleet_url(arguments->memory))
+            throw UsageError("--allow-edits needs a file: a memory in a database changes by pushes alone");
+          const memory::ToolServer server(memory_source(arguments->memory, session), kVersion,
+                                          arguments->allow_edits);
           LineServer(server).run();
         };
       }};

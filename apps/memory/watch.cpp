@@ -39,13 +39,14 @@ void watch(const WatchArguments& arguments, Session& session) {
   for (const std::string& text : arguments.questions)
     questions.push_back(memory::parse_standing_question(text));
   std::vector<std::string> unknown;
-  memory::EventWatcher watcher(questions, memory::Store::open_read(arguments.memory), unknown);
+  const std::function<std::filesystem::path()> source = memory_source(arguments.memory, session);
+  memory::EventWatcher watcher(questions, memory::Store::open_read(source()), unknown);
   for (const std::string& name : unknown) session.warnings().add(name + " yet", {arguments.memory, 0, {}});
   const Stopwatch stopwatch;
   int64_t count = 0;
   while (!interrupted() && (!arguments.for_s || stopwatch.seconds() < *arguments.for_s)) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    const memory::Store store = memory::Store::open_read(arguments.memory);
+    const memory::Store store = memory::Store::open_read(source());
     const memory::TimeWriter times(store);
     for (const memory::EventWatcher::News& news : watcher.poll(store)) {
       const std::string line =

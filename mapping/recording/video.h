@@ -26,8 +26,4 @@ class Video {
   std::unique_ptr<VideoDecoder> decoder_;
 };
 
-/// A function of a module that is loaded when it is needed, found through the program's RUNPATH. Error that
-/// begins with `what` and says what to install.
-void* load_symbol(const char* module, const char* symbol, const char* what, const char* install);
-
 }  // namespace loci::mapping

@@ -299,8 +299,11 @@ const std::map<std::string, Method>& methods() {
 }  // namespace
 
 ToolServer::ToolServer(std::filesystem::path memory, std::string version, bool allow_edits)
+    : ToolServer([memory] { return memory; }, std::move(version), allow_edits) {}
+
+ToolServer::ToolServer(std::function<std::filesystem::path()> memory, std::string version, bool allow_edits)
     : memory_(std::move(memory)), version_(std::move(version)), allow_edits_(allow_edits) {
-  Store::open_read(memory_);
+  Store::open_read(memory_());
 }
 
 std::optional<std::string> ToolServer::reply(std::string_view message) const {
@@ -330,11 +333,11 @@ std::optional<Json> ToolServer::answer(const Json& message) const {
   try {
     if (message["method"] == "tools/list") return reply({{"tools", tools(allow_edits_)}});
     if (const EditAction* edit = called_edit(message, params); edit != nullptr && allow_edits_)
-      return reply(call_edit(memory_, *edit, params));
+      return reply(call_edit(memory_(), *edit, params));
     const auto method = message["method"].is_string() ? methods().find(message["method"].get<std::string>())
                                                       : methods().end();
     if (method == methods().end()) return error_reply(id, unknown_method, "this server has no such method");
-    const Store store = Store::open_read(memory_);
+    const Store store = Store::open_read(memory_());
     Json result = method->second(store, params);
     if (method->first == "initialize")
       result["serverInfo"] = {{"name", "loci-memory"}, {"version", version_}};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -18,7 +19,9 @@ namespace loci::memory {
 /// comes, also while a program writes.
 class ToolServer {
  public:
-  /// `version` is what clients are told. Error when the file is no memory.
+  /// `memory` finds the file, for each message anew; `version` is what clients are told. Error when the file
+  /// is no memory.
+  ToolServer(std::function<std::filesystem::path()> memory, std::string version, bool allow_edits = false);
   ToolServer(std::filesystem::path memory, std::string version, bool allow_edits = false);
 
   /// The reply to one message, one line without a line break; unset when it asks for none (a notification).
@@ -28,7 +31,7 @@ class ToolServer {
  private:
   std::optional<Json> answer(const Json& message) const;
 
-  std::filesystem::path memory_;
+  std::function<std::filesystem::path()> memory_;
   std::string version_;
   bool allow_edits_;
 };

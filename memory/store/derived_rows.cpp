@@ -45,7 +45,8 @@ constexpr DerivedTable kObjectTerm = {
     "object_term", "term, object, since",
     "SELECT n.term, a.object, min(a.valid_from) AS since FROM (SELECT object, observation, scene, valid_from "
     "FROM "
-    "association WHERE {observed} AND object IS NOT NULL) a JOIN annotation n ON n.scene = a.scene AND "
+    "association WHERE {observed} AND object IS NOT NULL{filter}) a JOIN annotation n ON n.scene = a.scene "
+    "AND "
     "n.observation = a.observation GROUP BY n.term, a.object",
     "object"};
 // The index holds 32 bits: times that need more are the first or the last second that it has
@@ -59,7 +60,7 @@ constexpr DerivedTable kStay = {
     "AS place, round(min(max(1000 * x, -2e9), 2e9)) AS x, round(min(max(1000 * y, -2e9), 2e9)) AS y, "
     "round(min(max(1000 * z, -2e9), 2e9)) AS z, coalesce(min(max(lead(valid_from) OVER (PARTITION BY object "
     "ORDER BY valid_from, id) / 1000000000, -2147483647), 2147483646), 2147483647) AS until FROM belief "
-    "WHERE {known}) WHERE "
+    "WHERE {known}{filter}) WHERE "
     "x IS NOT NULL AND y IS NOT NULL AND z IS NOT NULL",
     "belief"};
 constexpr std::array kDerivedTables = {kSceneRank, kObservationRank, kVisit, kObjectTerm, kStay};
@@ -94,6 +95,32 @@ void derive_tables(SQLite::Database& database) {
                               select_text(table)));
   database.exec("INSERT INTO term_text (term_text) VALUES ('rebuild')");
   count_rows(database);
+}
+
+void derive_tables_of(SQLite::Database& database, const std::set<Id>& objects,
+                      std::map<std::string, int64_t> added) {
+  run_statements(database, fmt::format("DELETE FROM {0}; INSERT INTO {0} ({1}) {2};", kSceneRank.name,
+                                       kSceneRank.columns, select_text(kSceneRank)));
+  for (const Id object : objects) {
+    for (const DerivedTable& table : {kObservationRank, kVisit, kObjectTerm, kStay}) {
+      const bool by_belief = std::string_view(table.name) == kStay.name;  // it has no index of objects
+      const int64_t removed = run_statements(
+          database,
+          fmt::format("DELETE FROM {} WHERE {};", table.name,
+                      by_belief ? "belief IN (SELECT id FROM main.belief WHERE object = ?1)" : "object = ?1"),
+          {sql(object)});
+      const int64_t inserted =
+          run_statements(database,
+                         fmt::format("INSERT INTO {} ({}) {};", table.name, table.columns,
+                                     select_text(table, " AND object = ?1")),
+                         {sql(object)});
+      if (by_belief) added[table.name] += inserted - removed;
+    }
+  }
+  for (const char* table : kCountedTables)
+    if (added.contains(table))
+      run_statements(database, "UPDATE row_count SET rows = rows + ?1 WHERE name = ?2;",
+                     {sql(added.at(table)), std::string_view(table)});
 }
 
 void count_rows(SQLite::Database& database) {

@@ -151,6 +151,18 @@ uint64_t row_digest(std::string_view table, SQLite::Statement& row) {
   return mixed(sum);
 }
 
+std::map<std::string, uint64_t> stored_digests(SQLite::Database& database) {
+  SQLite::Statement stored(database, "SELECT value FROM meta WHERE key = ?");
+  stored.bind(1, kKey);
+  return stored.executeStep() ? digests_from(stored.getColumn(0).getString()) : Digests();
+}
+
+std::vector<std::string> digested_tables() {
+  std::vector<std::string> names;
+  for (const DigestedTable& table : kTables) names.emplace_back(table.name);
+  return names;
+}
+
 void derive_digests(SQLite::Database& database) {
   const std::string text = text_of(computed(database));
   SQLite::Statement store(database, "INSERT OR REPLACE INTO meta (key, value) VALUES (?, ?)");

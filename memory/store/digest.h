@@ -12,6 +12,10 @@ uint64_t row_digest(std::string_view table, const SqlColumns& columns, Id id);
 /// Of the row at which a SELECT * stands.
 uint64_t row_digest(std::string_view table, SQLite::Statement& row);
 
+/// The stored digests by table; empty when a program wrote the memory that did not keep them yet.
+std::map<std::string, uint64_t> stored_digests(SQLite::Database& database);
+/// Tables whose rows follow from no others, but forgotten requests and meta: those that have a digest.
+std::vector<std::string> digested_tables();
 /// Computes the digests of all tables from their rows, and stores them.
 void derive_digests(SQLite::Database& database);
 /// Adds to the stored digests: the digest of a table is the sum of those of its rows, modulo 2^64.

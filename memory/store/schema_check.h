@@ -5,11 +5,9 @@
 
 #include "memory/store/database.h"
 #include "memory/store/format.h"
+#include "memory/store/table_rows.h"
 
 namespace loci::memory {
-
-/// An identifier in SQL text: "name", quotes in it doubled.
-std::string sql_name(std::string_view identifier);
 
 /// Throws Error unless every object of the file's schema is that of `version`. A file of a newer minor
 /// version needs only to have the tables of this program, as ordinary tables with at least their columns.

@@ -189,7 +189,10 @@ Store::Connection::~Connection() {
 
 Store Store::open_read(const fs::path& path, const MemoryFormat& format) {
   std::error_code code;
-  if (!fs::exists(path, code)) throw file_error(path, "no such memory", "loci-perceive run makes one");
+  if (!fs::exists(path, code))
+    throw file_error(path, "no such memory",
+                     path.string().find(":/") == std::string::npos ? "loci-perceive run makes one"
+                                                                   : "this needs a file, not a database");
   if (fs::is_directory(path, code)) throw file_error(path, "is a folder, a memory file was expected");
   auto connection = std::make_unique<Connection>();
   connection->path = path;

@@ -210,9 +210,15 @@ def open(
 ) -> Memory:
     """Opens a memory, a file *.loci: for reading, or for writing, too.
 
+    postgresql://…/DATABASE?robot=NAME opens a memory of a database for reading: its present state, as a local copy.
     Use it in a `with` statement, or close() it. A memory that is opened for writing is made where it is missing.
     now: transaction time of what is written; the clock without it
     """
+    if isinstance(path, str) and path.startswith(("postgresql://", "postgres://")):
+        if write:
+            raise Error("a memory in a database is read: the robot's file is written, and pushed")
+        cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+        path = _loci._replica(path, os.path.join(cache, "loci", "fleet"))
     return Memory(path, write, now=now)
 
 

@@ -45,6 +45,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"SQLiteCpp/", "SQLiteCpp"},
                                                                      {"sqlite3.h", "SQLiteCpp"},
                                                                      {"zstd.h", "zstd"},
+                                                                     {"libpq-fe.h", "libpq"},
                                                                      {"lz4frame.h", "lz4"},
                                                                      {"zlib.h", "zlib"},
                                                                      {"zbar.h", "ZBar"},

@@ -14,6 +14,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
 #include "tests/cli/command.h"
+#include "tests/support/postgres_server.h"
 
 namespace loci::apps::test {
 namespace {
@@ -66,6 +67,12 @@ class Examples : public testing::Test {
       fs::create_directory_symlink(fs::path(LOCI_SOURCE_DIR) / folder, root_ / folder);
     fs::create_directories(root_ / "build/release");
     fs::create_directory_symlink(LOCI_BIN_DIR, root_ / "build/release/bin");
+    std::string why_not;
+    server_ = loci::testing_support::PostgresServer::start(why_not);
+    if (server_)
+      server_->create_database("loci");
+    else
+      std::cout << "examples with PostgreSQL are left out: " << why_not << "\n";
     for (const char* command :
          {"loci-map explore apps/samples/kitchen.urdf --interact -o demo-output/explored",
           "loci-simulate record apps/samples/tour.yaml -o demo-output/tour",
@@ -79,14 +86,20 @@ class Examples : public testing::Test {
 
   void TearDown() override { fs::remove_all(root_); }
 
-  void expect_works(const std::string& command) const {
+  void expect_works(std::string command) const {
     const Stopwatch watch;
+    if (command.find("postgresql://") != std::string::npos) {
+      if (!server_) return;
+      command = "PGHOST=" + server_->folder() + " PGUSER=postgres XDG_CACHE_HOME=" + root_.string() +
+                "/cache " + command;
+    }
     const Outcome outcome = run("cd '" + root_.string() + "' && " + command);
     EXPECT_EQ(outcome.exit_code, 0) << command << "\n" << outcome.error;
     if (watch.seconds() > kSlow_s) std::cout << watch.seconds() << " s: " << command << "\n";
   }
 
   fs::path root_;
+  std::unique_ptr<loci::testing_support::PostgresServer> server_;
 };
 
 // One test, as making the folder costs more than the examples.

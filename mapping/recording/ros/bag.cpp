@@ -8,8 +8,8 @@
 
 #include "mapping/base/config.h"
 #include "mapping/base/error.h"
+#include "mapping/base/load_symbol.h"
 #include "mapping/recording/compression.h"
-#include "mapping/recording/video.h"
 
 namespace loci::mapping {
 namespace {
@@ -175,8 +175,9 @@ RosBag::RosBag(const fs::path& path) : path_(path) {
   } else {
     if (!is_ros1_bag(path))
       throw Error("this file is not a ROS 1 bag", {path.string(), 0, {}}, "a bag begins with '#ROSBAG V2.0'");
-    static const auto open_bag = reinterpret_cast<OpenBag>(load_symbol(
-        "loci_rosbag.so", "loci_open_bag", "ROS 1 bags", "install loci_rosbag.so and librosbag-storage"));
+    static const auto open_bag =
+        reinterpret_cast<OpenBag>(load_symbol("loci_rosbag.so", "loci_open_bag", "ROS 1 bags cannot be read",
+                                              "install loci_rosbag.so and librosbag-storage"));
     reader_.reset(open_bag(path));
   }
 }

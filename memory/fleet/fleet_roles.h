@@ -1,0 +1,21 @@
+#pragma once
+
+#include "memory/fleet/fleet_database.h"
+
+namespace loci::memory {
+
+/// A role of the server, and the memory of a robot that it may read and push; or a home of which it may read
+/// every memory and write none (`robot` unset).
+struct FleetRole {
+  std::string role = {};
+  std::string home = {};
+  std::optional<std::string> robot = {};
+};
+
+/// Gives the rights. Error unless the URL's role owns the schema (it is made when it is missing) and the role
+/// exists.
+void grant_role(const FleetUrl& url, const FleetRole& role);
+/// Takes them back. Error when the role did not have them.
+void revoke_role(const FleetUrl& url, const FleetRole& role);
+
+}  // namespace loci::memory
