@@ -1,4 +1,5 @@
 #include "apps/evaluate/commands.h"
+#include "apps/evaluate/description/drawn_codes.h"
 #include "apps/evaluate/description/household.h"
 #include "apps/evaluate/description/images.h"
 #include "apps/evaluate/description/primitives.h"
@@ -19,6 +20,7 @@ struct Arguments {
   description_evaluation::ProductsOptions products;
   perception::RecognitionOptions recognition;
   std::string codes;
+  bool drawn_codes = false;
   bool service = false;
   bool shapes = false;
   bool primitives = false;
@@ -38,10 +40,10 @@ void run(Arguments& given, Session& session) {
   table_of(given.shape_options).validate();
   table_of(given.household_options).validate();
   if (given.catalogue.empty() && given.codes.empty() && !given.shapes && !given.primitives &&
-      given.images.empty() && given.templates.empty() && !given.household)
+      given.images.empty() && given.templates.empty() && !given.household && !given.drawn_codes)
     throw Error("nothing was chosen to measure", {},
-                "give --catalogue DIR, --codes DIR, --shapes, --household, --images DIR, --templates DIR or "
-                "--primitives");
+                "give --catalogue DIR, --codes DIR, --drawn-codes, --shapes, --household, --images DIR, "
+                "--templates DIR or --primitives");
   if (given.service && given.catalogue.empty())
     throw Error("--service needs a catalogue", {}, "give --catalogue DIR");
   std::string text;
@@ -64,6 +66,11 @@ void run(Arguments& given, Session& session) {
         description_evaluation::evaluate_reading(given.codes, given.catalogue, session.progress());
     text += result.text();
     json["reading"] = result.to_json();
+  }
+  if (given.drawn_codes) {
+    const description_evaluation::DrawnCodesResult result = evaluate_drawn_codes(session.progress());
+    text += result.text();
+    json["drawn_codes"] = result.to_json();
   }
   if (given.shapes) {
     const description_evaluation::ShapesResult result = evaluate_shapes(
@@ -117,6 +124,8 @@ Command description_command() {
             table.option(
                 "--codes FOLDER", &given->codes,
                 "Folder with images and expected.csv (file, symbology, text): codes and printed numbers");
+            table.flag("--drawn-codes", given->drawn_codes,
+                       "Measure the reading of codes that zint draws, distorted in thirteen ways");
             table.flag("--service", given->service,
                        "Send the images of the catalogue (and the codes) to a visual-search server");
             table.flag("--shapes", given->shapes, "Measure shape classes, trained on simulated clusters");

@@ -2,13 +2,51 @@
 
 #include <zbar.h>
 
+// After ZBar, whose names its macros would replace.
+#define ZX_USE_UTF8 1  // text() as UTF-8
+#include <ZXing/ReadBarcode.h>
+
 #include <algorithm>
 #include <functional>
 #include <map>
 #include <opencv2/imgproc.hpp>
+#include <set>
 
 namespace loci::perception {
 namespace {
+
+std::string symbology_of(ZXing::BarcodeFormat format) {
+  switch (format) {
+    case ZXing::BarcodeFormat::EAN13:
+      return "EAN-13";
+    case ZXing::BarcodeFormat::EAN8:
+      return "EAN-8";
+    case ZXing::BarcodeFormat::UPCA:
+      return "UPC-A";
+    case ZXing::BarcodeFormat::UPCE:
+      return "UPC-E";
+    case ZXing::BarcodeFormat::QRCode:
+      return "QR";
+    case ZXing::BarcodeFormat::DataMatrix:
+      return "Data Matrix";
+    case ZXing::BarcodeFormat::PDF417:
+      return "PDF417";
+    case ZXing::BarcodeFormat::Aztec:
+      return "Aztec";
+    case ZXing::BarcodeFormat::Code128:
+      return "Code 128";
+    case ZXing::BarcodeFormat::Code93:
+      return "Code 93";
+    case ZXing::BarcodeFormat::Code39:
+      return "Code 39";
+    case ZXing::BarcodeFormat::Codabar:
+      return "Codabar";
+    case ZXing::BarcodeFormat::ITF:
+      return "Interleaved 2 of 5";
+    default:
+      return {};
+  }
+}
 
 std::string symbology_of(zbar::zbar_symbol_type_t type) {
   switch (type) {
@@ -38,14 +76,19 @@ std::string symbology_of(zbar::zbar_symbol_type_t type) {
   }
 }
 
-/// Whether a code carries enough checks to be taken from a changed image.
-bool is_checked(const Barcode& code) {
-  return code.symbology.starts_with("EAN") || code.symbology == "UPC-A" || code.symbology == "QR" ||
-         code.symbology == "Code 128";
+/// Codes of areas, whose error correction no noise passes.
+bool is_matrix(const Barcode& code) {
+  return code.symbology == "QR" || code.symbology == "Data Matrix" || code.symbology == "PDF417" ||
+         code.symbology == "Aztec";
 }
 
-std::vector<Barcode> scan(const cv::Mat& grey) {
-  const cv::Mat pixels = grey.isContinuous() ? grey : grey.clone();
+/// Whether a code carries enough checks to be taken from a changed image.
+bool is_checked(const Barcode& code) {
+  return code.symbology.starts_with("EAN") || code.symbology == "UPC-A" || code.symbology == "Code 128" ||
+         is_matrix(code);
+}
+
+std::vector<Barcode> scan_with_zbar(const cv::Mat& pixels) {
   zbar::ImageScanner scanner;
   scanner.set_config(zbar::ZBAR_NONE, zbar::ZBAR_CFG_ENABLE, 1);
   scanner.set_config(zbar::ZBAR_DATABAR, zbar::ZBAR_CFG_ENABLE, 0);
@@ -61,8 +104,47 @@ std::vector<Barcode> scan(const cv::Mat& grey) {
     for (unsigned i = 0; i < static_cast<unsigned>(symbol->get_location_size()); ++i)
       outline.emplace_back(symbol->get_location_x(i), symbol->get_location_y(i));
     if (!outline.empty()) code.region = cv::boundingRect(outline);
-    if (!code.symbology.empty() && !code.code.empty()) codes.push_back(std::move(code));
+    codes.push_back(std::move(code));
   }
+  return codes;
+}
+
+std::vector<Barcode> scan_with_zxing(const cv::Mat& pixels) {
+  using Format = ZXing::BarcodeFormat;
+  // One code of bars at most: ZXing 1.4 aborts when it compares two that have several lines each (ZBar reads
+  // all).
+  const auto bars = ZXing::DecodeHints().setMaxNumberOfSymbols(1).setFormats(
+      Format::EAN13 | Format::EAN8 | Format::UPCA | Format::UPCE | Format::Code128 | Format::Code93 |
+      Format::Code39 | Format::Codabar | Format::ITF);
+  const auto matrices =
+      ZXing::DecodeHints().setFormats(Format::QRCode | Format::DataMatrix | Format::PDF417 | Format::Aztec);
+  std::vector<Barcode> codes;
+  const ZXing::ImageView view(pixels.data, pixels.cols, pixels.rows, ZXing::ImageFormat::Lum);
+  for (const ZXing::DecodeHints& hints : {bars, matrices})
+    for (const ZXing::Result& result : ZXing::ReadBarcodes(view, hints)) {
+      Barcode code{symbology_of(result.format()), result.text(), {}, {}};
+      std::vector<cv::Point> outline;
+      for (const ZXing::PointI& corner : result.position()) outline.emplace_back(corner.x, corner.y);
+      code.region = cv::boundingRect(outline) & cv::Rect({}, pixels.size());
+      codes.push_back(std::move(code));
+    }
+  return codes;
+}
+
+/// What ZBar and ZXing read in an image; `agreed`: the codes that both read.
+std::vector<Barcode> scan(const cv::Mat& grey, std::set<std::string>* agreed = nullptr) {
+  const cv::Mat pixels = grey.isContinuous() ? grey : grey.clone();
+  std::vector<Barcode> codes = scan_with_zbar(pixels);
+  for (Barcode& code : scan_with_zxing(pixels)) {
+    const bool known = std::ranges::any_of(codes, [&](const Barcode& other) {
+      return without_leading_zero(other.code) == without_leading_zero(code.code);
+    });
+    if (!known)
+      codes.push_back(std::move(code));
+    else if (agreed != nullptr)
+      agreed->insert(without_leading_zero(code.code));
+  }
+  std::erase_if(codes, [](const Barcode& code) { return code.symbology.empty() || code.code.empty(); });
   std::sort(codes.begin(), codes.end(), [](const Barcode& a, const Barcode& b) {
     return std::tie(a.region.x, a.region.y, a.symbology, a.code) <
            std::tie(b.region.x, b.region.y, b.symbology, b.code);
@@ -150,20 +232,28 @@ cv::Rect mapped(const cv::Rect& region, const cv::Mat& back, const cv::Size& siz
 
 }  // namespace
 
+std::string without_leading_zero(const std::string& code) {
+  return code.size() == 13 && code[0] == '0' ? code.substr(1) : code;
+}
+
 std::vector<Barcode> read_barcodes(const cv::Mat& image, bool thorough) {
   cv::Mat grey = image;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   const std::vector<Barcode> plain = scan(grey);
   if (!plain.empty() || !thorough) return plain;
-  std::map<std::pair<std::string, std::string>, int> seen;
+  std::map<std::string, int> seen;
   for (const Frame& frame : frames()) {
     cv::Mat back;
     const cv::Mat framed_image = framed(grey, frame, back);
     if (std::min(framed_image.cols, framed_image.rows) < 16) continue;
     for (const auto& [name, filter] : filters()) {
       std::vector<Barcode> agreed;
-      for (Barcode& code : scan(filter(framed_image))) {
-        if (!is_checked(code) || ++seen[{code.symbology, code.code}] < 2) continue;
+      std::set<std::string> read_by_both;
+      for (Barcode& code : scan(filter(framed_image), &read_by_both)) {
+        if (!is_checked(code)) continue;
+        const std::string number = without_leading_zero(code.code);
+        seen[number] += is_matrix(code) || read_by_both.contains(number) ? 2 : 1;
+        if (seen[number] < 2) continue;
         code.region = mapped(code.region, back, grey.size());
         code.preparation = frame.name + (frame.name.empty() || name.empty() ? "" : ", ") + name;
         agreed.push_back(std::move(code));

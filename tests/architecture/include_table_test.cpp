@@ -49,6 +49,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"lz4frame.h", "lz4"},
                                                                      {"zlib.h", "zlib"},
                                                                      {"zbar.h", "ZBar"},
+                                                                     {"ZXing/", "ZXing"},
                                                                      {"tesseract/", "Tesseract"},
                                                                      {"google/protobuf/", "protobuf"},
                                                                      {"httplib.h", "cpp-httplib"},

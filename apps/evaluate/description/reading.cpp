@@ -20,13 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string without_leading_zero(const std::string& code) {
-  return code.size() == 13 && code[0] == '0' ? code.substr(1) : code;
-}
-
 bool holds(const std::vector<perception::Barcode>& codes, const std::string& truth) {
   return std::any_of(codes.begin(), codes.end(), [&](const perception::Barcode& code) {
-    return without_leading_zero(code.code) == without_leading_zero(truth);
+    return perception::without_leading_zero(code.code) == perception::without_leading_zero(truth);
   });
 }
 

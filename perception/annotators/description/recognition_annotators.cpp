@@ -103,7 +103,7 @@ void ProductAnnotator::process(cas::Cas& cas, Context& context) {
 
 AnnotatorDescriptor BarcodeAnnotator::descriptor() const {
   return {"BarcodeReader",
-          "Reads barcodes and QR codes on objects.",
+          "Reads barcodes, QR, Data Matrix, PDF417 and Aztec codes on objects.",
           {"Cluster", "StandaloneImageROI"},
           {"BarcodeAnnotation"}};
 }

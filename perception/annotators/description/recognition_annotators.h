@@ -24,7 +24,7 @@ class ProductAnnotator : public Annotator {
   std::optional<ProductIndex> index_;
 };
 
-/// Barcodes and QR codes on objects.
+/// Barcodes and codes of areas on objects.
 class BarcodeAnnotator : public Annotator {
  public:
   AnnotatorDescriptor descriptor() const override;

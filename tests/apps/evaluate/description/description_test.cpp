@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <numeric>
 
+#include "apps/evaluate/description/drawn_codes.h"
 #include "apps/evaluate/description/reading.h"
 #include "apps/evaluate/description/service.h"
 #include "apps/evaluate/description/words.h"
@@ -40,6 +41,16 @@ TEST(DescriptionEvaluation, CodesThatAreReadMissedAndWrongAreCounted) {
   EXPECT_EQ(result.wrong, 1);
   EXPECT_THAT(result.missed, ElementsAre("other.png"));
   fs::remove_all(folder);
+}
+
+TEST(DescriptionEvaluation, DrawnCodesAreReadAsDistorted) {
+  if (!can_draw_codes()) GTEST_SKIP() << "zint is not installed";
+  NoProgress progress;
+  const DrawnCodesResult result = evaluate_drawn_codes(progress, {"Aztec", "Data Matrix"});
+  EXPECT_EQ(result.all.images, 26);
+  EXPECT_GE(result.all.right, 20);
+  EXPECT_EQ(result.wrong, 0);
+  EXPECT_EQ(result.by_distortion.at("upside down").right, 2);
 }
 
 TEST(DescriptionEvaluation, OurServiceIsAskedAboutEveryImage) {
