@@ -356,13 +356,11 @@ std::vector<Question> co_occurrence_questions() {
                     CoOccurrenceQuestion{given.text("object"), given.text("with"), given.as_of()});
        },
        .time = SentenceTime::none,
-       .sentences = {{"howoften ($be|has|do someone see) <object> and <with> [been] [see] together",
-                      Asks::number, "How often are the red cup and the plate seen together?"},
-                     {"($be|has) <object> and <with> [been] [usually] [see|move] together", Asks::verdict},
-                     {"$what $be [usually] (see|move|find|stand) [together] with <object>", Asks::objects,
-                      "What is used together with the tea cup?"},
-                     {"$what $be [usually] together with <object>", Asks::objects},
-                     {"$what (go|belong) [together] with <object>", Asks::objects}}},
+       .sentences = {{"howoften: together <object> and<with> [see|stand|move|find]", Asks::number,
+                      "How often are the red cup and the plate seen together?"},
+                     {"yes: together <object> and<with> [see|stand|move|find|usually]", Asks::verdict},
+                     {"what: see|move|find|stand|together|go|belong with<object> [usually|thing|together]",
+                      Asks::objects, "What is used together with the tea cup?"}}},
       {.name = "missing",
        .description = "What is missing at a place, by what its earlier visits showed",
        .parameters = {place,
@@ -375,10 +373,15 @@ std::vector<Question> co_occurrence_questions() {
          return ask(given.store(),
                     MissingQuestion{given.text("place"), given.text("occasion"), given.as_of()});
        },
-       .sentences = {{"what is miss (on|in|from|at) <place> for <occasion>", Asks::objects,
+       .sentences = {{"what: miss at<place> for<occasion> [thing]", Asks::objects,
                       "What is missing on the table for breakfast?"},
-                     {"$what is miss [(on|in|from|at) <place>]", Asks::objects},
-                     {"is anything miss [(on|in|from|at) <place>]", Asks::exists, "Is anything missing?"}}},
+                     {"what: miss from<place> for<occasion> [thing]", Asks::objects},
+                     {"what: miss [thing] -did|-have", Asks::objects},
+                     {"what: miss at<place> [thing]", Asks::objects},
+                     {"what: miss from<place> [thing]", Asks::objects},
+                     {"yes|bare: miss thing", Asks::exists, "Is anything missing?"},
+                     {"yes|bare: miss thing at<place>", Asks::exists},
+                     {"yes|bare: miss thing from<place>", Asks::exists}}},
       {.name = "scene-type",
        .group = QuestionGroup::inspect,
        .description = "The scenes and the occasion that a scene is most similar to",
@@ -390,10 +393,8 @@ std::vector<Question> co_occurrence_questions() {
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), SceneTypeQuestion{given.number("scene"), given.as_of()});
        },
-       .sentences = {{"what kind of (scene|situation|meal|occasion) is (this|that|it)", Asks::summary,
-                      "What kind of scene is this?"},
-                     {"$which (meal|occasion|situation) $be (this|that|it)"},
-                     {"what is go on [here]"}}},
+       .sentences = {{"what: scene|situation|meal|occasion <any> [of|kind]", Asks::summary,
+                      "What kind of scene is this?"}}},
   };
 }
 

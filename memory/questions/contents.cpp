@@ -214,55 +214,80 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
     return std::string(on ? of_on : of_in);
   };
   std::vector<SentenceForm> forms = {
-      {"$be there (anything|thing|anything else) [stand|leave] $p <place>", exists,
+      {"yes|bare: thing $p<place> [stand|leave|keep|see|find|put|exist]", exists,
        example("Is there anything on the couch table?")},
-      {"[$be] anything [stand|leave|keep] $p <place>", exists},
-      {"$be there [anything] <object> [leave|stand|keep] $p <place>", exists,
-       example("Is there any cereal on the kitchen table?")},
-      {"$be anything <object> [stand|leave] $p <place>", exists},
-      {"(do|has|can) someone [has|get|see|find] <object> [leave] $p <place>", exists,
-       example("", "Do we have milk in the fridge?")},
-      {"has someone get <object> $p <place>", exists},
-      {"is <object> [stand|now|keep] $p <place>", verdict, example("Is the milk still on the table?")},
-      {"<object> is [stand|keep] $p <place>", verdict},
-      {"(is someone|someone is) (sure|certain) $that <object> is [stand] $p <place>", verdict},
-      {"howsure is someone $that <object> is [stand] $p <place>", probability,
+      {"yes|bare: there|have|any|exist <object> $p<place> [leave|stand|keep|get|see|find|put]", exists,
+       example("Is there any cereal on the kitchen table?", "Do we have milk in the fridge?")},
+      {"yes|bare: <object> $p<place> [stand|keep|sure|think|find|see|put|leave|get]", verdict,
+       example("Is the milk still on the table?")},
+      {"yes|bare: nothing $p<place> [stand|leave]", empty},
+      {"howsure: <object> $p<place> [stand]", probability,
        example("How sure are you that the milk is on the table?")},
-      {"(why|how) (do|is|can) someone (think|know|say|sure) $that <object> is [stand] $p <place>", reason,
+      {"why: <object> $p<place> [think|know|say|sure|stand|see]", reason,
        example("Why do you think that the milk is on the table?")},
-      {"why is <object> [stand] $p <place>", reason},
-      {"howmany thing ($be [there]|do someone (has|see)|has someone) [stand|leave] $p <place>", number,
+      {"how: know|think|sure|say <object> $p<place> [stand]", reason},
+      {"howmany: thing $p<place> [stand|leave|see|put]", number,
        example("How many objects are on the counter?")},
-      {"howmany <object> ($be [there]|do someone (has|see|keep)|has someone|stand) [stand|leave] $p <place>",
-       number, example("How many cups are on the table?")},
-      {"[what is] howmany (thing|<object>) $p <place>", number},
-      {"what $be [there] [stand|put|keep|leave] $p <place>", objects,
+      {"howmany: <object> $p<place> [stand|leave|see|keep|find|put|get]", number,
+       example("How many cups are on the table?")},
+      {"what: $p<place> [thing|stand|put|leave|see|find|know|content|else|everything]", objects,
        example("What is on the table?", "What is in the first drawer?")},
-      {"what stand $p <place>", objects},
-      {"what else $be [there] [stand] $p <place>", objects},
-      {"$which thing ($be [there]|stand|do someone has|can someone see) [stand|put|leave] $p <place>",
-       objects, example("What objects are standing on the counter?")},
-      {"$which <object> ($be [there]|stand) [stand|put] $p <place>", objects,
+      {"what: which<object> $p<place> [stand|put|leave|see|find|else]", objects,
        example("Which cup is on the counter?")},
-      {"what (do|can) someone (has|see|know|find) $p <place>", objects},
-      {"(list|show|show me|tell me|name) [everything|what is] [thing|content] $p <place>", objects},
-      {"when (do|has) someone $last look (at|$p|into) <place>", last_time,
-       example("When did you last look at the shelf?")},
+      {"order: show|list|name|tell|give $p<place> [thing|everything|content]", objects,
+       example("Show me everything on the shelf")},
+      {"order: show|list|name <object> $p<place> [everything]", objects},
+      {"what|bare: content|list $p<place> [thing|everything]", objects},
+      {"when: look $p<place> [last]", last_time, example("When did you last look at the shelf?")},
   };
   if (on)
-    forms.insert(forms.end(), {{"$be <place> empty", empty, "Is the table free?"},
-                               {"$be <place> full", exists},
-                               {"$be there anything at <place>", exists},
-                               {"what do <place> look like", objects}});
+    forms.insert(forms.end(), {{"yes|bare: empty <place>", empty, "Is the table free?"},
+                               {"what: else there", objects, "", {{"place", "there"}}},
+                               {"yes: full <place>", exists},
+                               {"when: look|see <place> [last]", last_time},
+                               {"when: look into<place> [last]", last_time},
+                               {"what: look like <place>", objects},
+                               {"how: look <place>", objects}});
   else
-    forms.insert(forms.end(),
-                 {{"$which [thing] do <place> contain", objects},
-                  {"do <place> contain (anything|thing)", exists},
-                  {"do <place> contain <object>", exists},
-                  {"(list|show|show me|tell me|name|what is) [everything] content of <place>", objects}});
+    forms.insert(forms.end(), {{"what: contain <place> [thing|find]", objects},
+                               {"yes: contain thing <place>", exists},
+                               {"yes|bare: inside have thing <place>", exists},
+                               {"yes|bare: inside have <place> <object>", exists},
+                               {"what: inside have <place> [thing]", objects},
+                               {"yes|bare: contain <place> <object>", exists},
+                               {"bare|order|what: content <place> [show|list|name|give|tell|everything]",
+                                objects, "Contents of the first drawer?"}});
   for (SentenceForm& form : forms)
     for (size_t at = form.form.find("$p"); at != std::string::npos; at = form.form.find("$p"))
       form.form.replace(at, 2, preposition);
+  return forms;
+}
+
+std::vector<SentenceForm> near_sentences() {
+  using enum Asks;
+  const std::map<std::string, std::string> on_top = {{"relation", "on"}};
+  std::vector<SentenceForm> forms = {
+      {"what: near<around> [thing|stand|else|put|leave|see|keep|find]", objects, "What is near the red cup?"},
+      {"what: else near<around> [thing|stand]", objects, "What else is there beside the red cup?"},
+      {"order: show|list|name near<around> [thing|everything]", objects},
+      {"what: which<object> near<around> [stand]", objects},
+      {"what: within<radius> <around> [thing|stand]", objects, "What is within 50 cm of the red cup?"},
+      {"what: within<radius> from<around> [thing|stand]", objects},
+      {"what: within<radius> near<around> [thing|stand]", objects},
+      {"yes|bare: thing near<around> [stand]", exists, "Is there anything next to the milk?"},
+      {"yes|bare: <object> near<around> [stand|put|keep]", verdict, "Is the oil next to the pot?"},
+      {"yes|bare: there|any <object> near<around> [stand]", exists},
+      {"what|yes|bare: pos<around> [thing|stand|see|find]", agent, "What is behind the milk?"},
+      {"yes|bare: <any> pos<around> [stand]", agent},
+      {"what: which<any> pos<around> [stand]", agent},
+  };
+  // On an object: places of these names come first.
+  for (const std::string at : {"on", "in"}) {
+    forms.push_back({"what: " + at + "<around> [thing|stand|else|put|see]", objects, "", on_top});
+    forms.push_back({"yes|bare: thing " + at + "<around> [stand|see]", exists, "", on_top});
+    forms.push_back({"yes|bare: <object> " + at + "<around> [stand|see|put]", verdict,
+                     at == "on" ? "Is there an apple on the plate?" : "", on_top});
+  }
   return forms;
 }
 
@@ -284,7 +309,6 @@ Question contents_question(const char* name, const char* description, const std:
 }  // namespace
 
 std::vector<Question> contents_questions() {
-  const std::map<std::string, std::string> on_top = {{"relation", "on"}};
   return {
       contents_question("on", "What is on a place", "table_1", "on"),
       contents_question("in", "What is in a place", "drawer_1", "in"),
@@ -312,22 +336,7 @@ std::vector<Question> contents_questions() {
          question.on_top = given.text("relation") == "on";
          return ask(given.store(), question);
        },
-       .sentences = {{"[$what ($be|stand)|show everything] [stand] near <around>", Asks::objects,
-                      "What is near the red cup?"},
-                     {"what else ($be|stand) [there] near <around>", Asks::objects,
-                      "What else is there beside the red cup?"},
-                     {"$what ($be|stand) [stand] within <radius> (of|from|near) <around>", Asks::objects,
-                      "What is within 50 cm of the red cup?"},
-                     {"$be [there] anything [stand] near <around>", Asks::exists,
-                      "Is there anything next to the milk?"},
-                     {"$be <object> [stand] near <around>", Asks::verdict, "Is the oil next to the pot?"},
-                     {"$be there <object> [stand] near <around>", Asks::exists},
-                     {"[$what ($be|stand)|$be [there] anything] [stand] (behind|under|before|above) <around>",
-                      Asks::agent, "What is behind the milk?"},
-                     {"$what [else] ($be|stand) [there] [stand] on <around>", Asks::objects, "", on_top},
-                     {"$be [there] anything [stand] on <around>", Asks::exists, "", on_top},
-                     {"$be [there] <object> [stand] on <around>", Asks::verdict,
-                      "Is there an apple on the plate?", on_top}}},
+       .sentences = near_sentences()},
   };
 }
 

@@ -122,9 +122,8 @@ std::vector<Question> digest_questions() {
              return ask(given.store(), DigestQuestion{given.text("day"), given.as_of()});
            },
            .time = SentenceTime::none,
-           .sentences = {{"(give me|show me|what is) (digest|summary) [of day]", Asks::summary,
-                          "Give me a digest of the day."},
-                         {"summarize day"}}}};
+           .sentences = {{"order|bare|what: digest|summary [give|show|tell]", Asks::summary,
+                          "Give me a digest of the day."}}}};
 }
 
 }  // namespace loci::memory

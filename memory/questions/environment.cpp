@@ -325,10 +325,15 @@ RoomAnswer ask(const Store& store, const RoomQuestion& question) {
 OpensAnswer ask(const Store& store, const OpensQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   OpensAnswer answer{.asked = question.part,
+                     .state = question.state,
                      .parts = asked_parts(snapshot, all_parts(snapshot, map_of(snapshot)), question.part)};
   std::erase_if(answer.parts, [](const EnvironmentPart& part) { return !part.motion; });
   add_motions(snapshot, answer.parts);
   add_contents(snapshot, answer.parts);
+  if (!question.state.empty())
+    std::erase_if(answer.parts, [&](const EnvironmentPart& part) {
+      return !part.motion->position || part.motion->open() != (question.state == "open");
+    });
   return answer;
 }
 
@@ -346,6 +351,7 @@ std::string to_text(const RoomAnswer& answer, const TimeWriter& times) {
 }
 
 std::string to_text(const OpensAnswer& answer, const TimeWriter& times) {
+  if (answer.parts.empty() && !answer.state.empty()) return fmt::format("None is {}.\n", answer.state);
   if (answer.parts.empty())
     return answer.asked.empty() ? "Nothing is known to open: the map has no joints.\n"
                                 : fmt::format("'{}' has no part that moves.\n", answer.asked);
@@ -366,47 +372,54 @@ Json to_json(const OpensAnswer& answer) {
   return {{"asked", answer.asked}, {"parts", list_json(answer.parts, part_json)}};
 }
 
-template <class PartQuestion>
-static Answer ask_part(const Arguments& given) {
-  return ask(given.store(), PartQuestion{.part = given.text("part"), .as_of = given.as_of()});
-}
-
 std::vector<Question> environment_questions() {
   const Parameter part = {.name = "part",
                           .type = ParameterType::part,
                           .help = "Only these: a link of the map, a place, an alias, a class",
                           .positional = true,
                           .default_text = "all"};
+  const std::map<std::string, std::string> are_open = {{"state", "open"}}, are_closed = {{"state", "closed"}};
   return {
       {.name = "room",
        .group = QuestionGroup::inspect,
        .description = "The furniture: what opens, and what is where",
        .parameters = {part},
        .examples = {"", "drawers --at 17:45 --json"},
-       .run = ask_part<RoomQuestion>,
-       .sentences = {{"what (do|is) [this] room (consist of|contain|has|made of|made up of)", Asks::summary,
+       .run = [](const Arguments& given) -> Answer {
+         return ask(given.store(), RoomQuestion{given.text("part"), given.as_of()});
+       },
+       .sentences = {{"what: room consist|contain|have|made [of|thing]", Asks::summary,
                       "What does this room consist of?"},
-                     {"(describe|show|show me) [this] room"},
-                     {"howmany <part> ($be [there]|do (someone|[this] room) has|has someone)", Asks::number,
-                      "How many drawers are there?"},
-                     {"$which (furniture|places|surfaces|parts) (is [there] [here]|do someone (know|has)|do "
-                      "[this] room "
-                      "has)"}}},
+                     {"order: describe|show room"},
+                     {"howmany: <part> [contain|know]", Asks::number, "How many drawers are there?"},
+                     {"howmany: <part> room [contain]", Asks::number},
+                     {"what: furniture [know|room]"}}},
       {.name = "opens",
        .group = QuestionGroup::inspect,
        .description = "What opens, whether it is open, and when it was opened",
-       .parameters = {part},
+       .parameters = {part,
+                      {.name = "state",
+                       .help = "Only those that are so",
+                       .default_text = "any",
+                       .choices = {"open", "closed"}}},
        .examples = {"", "drawer_1 --at 17:45"},
-       .run = ask_part<OpensQuestion>,
-       .sentences = {{"what (opened|open|can is opened|can open|can someone open|move)", Asks::summary,
-                      "What opens?"},
-                     {"$which <part> (is|was) open", Asks::open, "Which drawers are open?"},
-                     {"$which <part> (is|was) close", Asks::closed},
-                     {"$which <part> (can is opened|can open|open)"},
-                     {"$be <part> [stand] open", Asks::open, "Is the drawer open?"},
-                     {"$be <part> close", Asks::closed, "Is drawer_2 closed?"},
-                     {"when $be <part> [last] (open|opened) [last]", Asks::last_time},
-                     {"how (far|wide) (do|is|can) <part> (open|opened)"}}},
+       .run = [](const Arguments& given) -> Answer {
+         return ask(given.store(), OpensQuestion{given.text("part"), given.text("state"), given.as_of()});
+       },
+       .sentences = {{"what: open|opened [thing|every] -was|-did|-been", Asks::summary, "What opens?"},
+                     {"what: which<part> open [stand|leave]", Asks::objects, "Which drawers are open?",
+                      are_open},
+                     {"what: which<part> close [stand]", Asks::objects, "", are_closed},
+                     {"what: which<part> not close", Asks::objects, "", are_open},
+                     {"what: which<part> not open", Asks::objects, "", are_closed},
+                     {"what: which<part> opened may"},
+                     {"yes|bare: open <part> [stand|leave|sure|think]", Asks::open, "Is the drawer open?"},
+                     {"yes|bare: close <part> [sure|think|every]", Asks::closed, "Is drawer_2 closed?"},
+                     {"yes|bare: not open <part>", Asks::closed},
+                     {"yes|bare: not close <part>", Asks::open},
+                     {"what|bare|yes|how|order: state <part> [tell|give]", Asks::open,
+                      "State of the first drawer?"},
+                     {"howfar: open|opened <part>"}}},
   };
 }
 

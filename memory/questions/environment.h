@@ -73,11 +73,13 @@ Json to_json(const RoomAnswer& answer);
 // ---- opens
 
 struct OpensQuestion {
-  std::string part = {};  ///< as for the room
+  std::string part = {};   ///< as for the room
+  std::string state = {};  ///< "open" or "closed": only those; empty = all
   AsOf as_of = {};
 };
 struct OpensAnswer {
   std::string asked = {};
+  std::string state = {};
   std::vector<EnvironmentPart> parts = {};
 };
 OpensAnswer ask(const Store& store, const OpensQuestion& question);

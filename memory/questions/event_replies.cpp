@@ -149,6 +149,12 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
       reply.time = TimeSpan{last.since.value_or(last.time), last.time};
       reply.text = fmt::format("{}: {}.", between_text(last, context.times), what);
       break;
+    case Asks::first_time: {
+      const Change& first = answer.changes.front();
+      reply.time = TimeSpan{first.since.value_or(first.time), first.time};
+      reply.text = fmt::format("{}: {}.", between_text(first, context.times), happened(first, names));
+      break;
+    }
     case Asks::number:
       reply.number = answer.changes.size();
       reply.text = fmt::format("{}, the last by {}: {}.", counted(answer.changes.size(), "time"),
@@ -231,68 +237,71 @@ void state_evidence(const std::vector<EnvironmentPart>& parts, const ReplyContex
   }
 }
 
-bool is_plural(const std::string& name) {
-  return name.ends_with('s');
+/// "Drawer_1 and drawer_2": as people call parts.
+std::string list_of(const std::vector<std::string>& parts) {
+  std::vector<std::string> names;
+  for (const std::string& name : parts) names.push_back(joint_in_words({.joint = name + "_joint"}));
+  return list_in_words(names);
+}
+
+void last_opened(const OpensAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const EnvironmentPart* last = nullptr;
+  for (const EnvironmentPart& part : answer.parts)
+    if (part.motion->opened && (last == nullptr || part.motion->opened->time > last->motion->opened->time))
+      last = &part;
+  reply.not_known = last == nullptr;
+  if (last == nullptr) {
+    reply.text = fmt::format("'{}' was never seen to open.", answer.asked);
+    return;
+  }
+  const Change& opened = *last->motion->opened;
+  reply.time = TimeSpan{opened.since.value_or(opened.time), opened.time};
+  reply.text = fmt::format("{}: {} opened.", between_text(opened, context.times), last->name);
+}
+
+/// Whether one is open, or all are closed.
+void opens_verdict(const OpensAnswer& answer, bool asks_open, const ReplyContext& context, Reply& reply) {
+  std::vector<std::string> open, closed, unknown;
+  for (const EnvironmentPart& part : answer.parts)
+    (!part.motion->position ? unknown : part.motion->open() ? open : closed).push_back(part.name);
+  if (open.empty() && !unknown.empty()) {
+    reply.verdict = Verdict::not_observed;
+    reply.text = fmt::format("Not observed: no look showed how {} stands.", list_of(unknown));
+    return;
+  }
+  reply.verdict = open.empty() == asks_open ? Verdict::no : Verdict::yes;
+  const std::vector<std::string>& named = open.empty() ? closed : open;
+  const std::optional<SceneRef>& seen = answer.parts.front().motion->seen;
+  reply.text = fmt::format("{}: {} {} {}{}.", *reply.verdict == Verdict::yes ? "Yes" : "No", list_of(named),
+                           named.size() == 1 ? "is" : "are", open.empty() ? "closed" : "open",
+                           seen ? ", as of " + context.times.text(seen->time) : "");
 }
 
 }  // namespace
 
 void write_reply(const OpensAnswer& answer, const ReplyContext& context, Reply& reply) {
-  const bool asks_open = context.query.asks == Asks::open, asks_closed = context.query.asks == Asks::closed;
-  if (answer.parts.empty()) {
+  const Asks asks = context.query.asks;
+  std::vector<std::string> parts;
+  for (const EnvironmentPart& part : answer.parts) parts.push_back(part.name);
+  state_evidence(answer.parts, context, reply);
+  if (!answer.state.empty()) {
+    reply.places = parts;
+    reply.number = parts.size();
+    reply.text = parts.empty() ? fmt::format("None of the {} is {}.", answer.asked, answer.state)
+                               : fmt::format("{} {} {}.", list_of(parts), parts.size() == 1 ? "is" : "are",
+                                             answer.state);
+  } else if (parts.empty()) {
     reply.not_known = true;
     reply.text = answer.asked.empty() ? "Nothing is known to open."
                                       : fmt::format("'{}' has no part that moves.", answer.asked);
-    return;
-  }
-  std::vector<std::string> open, closed, unknown;
-  for (const EnvironmentPart& part : answer.parts)
-    (!part.motion->position ? unknown : part.motion->open() ? open : closed).push_back(part.name);
-  state_evidence(answer.parts, context, reply);
-  std::vector<std::string>& asked = asks_closed ? closed : open;
-  std::vector<std::string> in_text;
-  for (const std::string& name : asked) in_text.push_back(joint_in_words({.joint = name + "_joint"}));
-  if (context.query.asks == Asks::last_time) {
-    const EnvironmentPart* last = nullptr;
-    for (const EnvironmentPart& part : answer.parts)
-      if (part.motion->opened && (last == nullptr || part.motion->opened->time > last->motion->opened->time))
-        last = &part;
-    reply.not_known = last == nullptr;
-    if (last != nullptr)
-      reply.time = TimeSpan{last->motion->opened->since.value_or(last->motion->opened->time),
-                            last->motion->opened->time};
-    reply.text =
-        last == nullptr
-            ? fmt::format("'{}' was never seen to open.", answer.asked)
-            : fmt::format("{}: {} opened.", between_text(*last->motion->opened, context.times), last->name);
-  } else if (!asks_open && !asks_closed) {
-    reply.number = answer.parts.size();
-    reply.text = fmt::format(
-        "{}: {}.", counted(answer.parts.size(), "part") + (answer.parts.size() == 1 ? " opens" : " open"),
-        list_in_words([&] {
-          std::vector<std::string> all;
-          for (const EnvironmentPart& part : answer.parts)
-            all.push_back(joint_in_words({.joint = part.name + "_joint"}));
-          return all;
-        }()));
-  } else if (is_plural(answer.asked) || answer.asked.empty()) {
-    reply.places = asked;
-    reply.number = asked.size();
-    reply.text = asked.empty()
-                     ? fmt::format("None of the {} is {}.", answer.asked, asks_open ? "open" : "closed")
-                     : fmt::format("{} {} {}.", list_in_words(in_text), asked.size() == 1 ? "is" : "are",
-                                   asks_open ? "open" : "closed");
+  } else if (asks == Asks::last_time) {
+    last_opened(answer, context, reply);
+  } else if (asks == Asks::open || asks == Asks::closed) {
+    opens_verdict(answer, asks == Asks::open, context, reply);
   } else {
-    const bool all_known = unknown.empty();
-    reply.verdict = !asked.empty() ? Verdict::yes : all_known ? Verdict::no : Verdict::not_observed;
-    const std::string seen =
-        answer.parts.front().motion->seen ? context.times.text(answer.parts.front().motion->seen->time) : "";
-    const std::string name = !in_text.empty() ? in_text.front() : answer.asked;
-    reply.text = *reply.verdict == Verdict::yes
-                     ? fmt::format("Yes: {} is {}, as of {}.", name, asks_open ? "open" : "closed", seen)
-                 : *reply.verdict == Verdict::no
-                     ? fmt::format("No: {} is {}, as of {}.", name, asks_open ? "closed" : "open", seen)
-                     : fmt::format("Not observed: no look showed how {} stands.", name);
+    reply.number = parts.size();
+    reply.text = fmt::format(
+        "{}: {}.", counted(parts.size(), "part") + (parts.size() == 1 ? " opens" : " open"), list_of(parts));
   }
 }
 

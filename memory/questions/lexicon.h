@@ -6,16 +6,26 @@
 
 namespace loci::memory {
 
-// The words of the grammar: inflected words and their lemmas, compounds, and what changes no meaning.
+// The words of the grammar: their classes and lemmas, compounds, and what changes no meaning.
 
 using Words = std::vector<std::string>;
 
+/// What a word can be in a sentence. Words that are none of these are names: of objects, places, properties.
+enum class WordClass {
+  name,
+  question,   ///< "where", "howmany"
+  auxiliary,  ///< "is", "did", "could"
+  person,     ///< "I", "someone", "the robot"
+  article,    ///< "the", "my", "any": begins a phrase
+  empty,      ///< "please", "still": changes nothing
+  relation,   ///< "on", "into", "of": begins a phrase
+  ordinary,   ///< a word that is no name and that no rule knows: "tomorrow", "nice"
+};
+
 /// Lemmas by the words that stand for them: "saw" → "see".
 const std::map<std::string, std::string>& lexicon();
-/// Whether a word changes nothing: "the", "please", "still".
-bool is_empty_word(const std::string& word);
-/// Whether no phrase for an object, a place or a time has this word: "where", "is", "you".
-bool is_closed_word(const std::string& word);
+/// The class of a lemma, where it is not that of a concept of the rules.
+WordClass class_of(const std::string& lemma);
 
 /// The words of a sentence in lower case, without punctuation; "what's" is "what is", "second drawer" is
 /// "drawer 2". Times and names keep their ':', '-', '_' and '.'.
@@ -29,6 +39,11 @@ Tokens tokens_of(Words words);
 
 void replace_words(Words& words, size_t first, size_t count, const Words& by);
 bool starts_with_words(const Words& words, const Words& head, size_t at = 0);
+/// Words [first, last) with blanks between them.
+std::string join_words(const Words& words, size_t first, size_t last);
+
+/// All plain sequences of words that a form with (a|b) and [optional] parts stands for.
+std::vector<Words> expand_form(const std::string& form);
 
 /// Whether one edit makes one word of the other: a letter more, less or other, or two neighbours exchanged.
 bool is_one_typo(const std::string& a, const std::string& b);

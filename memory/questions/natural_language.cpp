@@ -239,6 +239,8 @@ class Conversation {
     NaturalLanguageAnswer answer{.sentence = sentence};
     std::vector<Query> readings = parse_readings(sentence, times_);
     if (readings.empty() && last_) readings = parse_follow_up(sentence, *last_, times_);
+    if (readings.empty())
+      if (auto named = parse_name(sentence, times_); named && is_known(*named)) readings = {*named};
     if (readings.empty()) {
       answer.why_not =
           NoAnswer{"not_understood", fmt::format("'{}' is not understood.", shortened(sentence, 80)), {}};
@@ -254,6 +256,15 @@ class Conversation {
   }
 
  private:
+  bool is_known(const Query& query) const {
+    try {
+      Snapshot(store_, question_.as_of).find_objects(query.argument("object"));
+      return true;
+    } catch (const UnknownName&) {
+      return false;
+    }
+  }
+
   /// Whether the names of a reading mean something. The first reading is kept where none does.
   bool try_reading(Query query, NaturalLanguageAnswer& answer) {
     const bool first = !answer.query;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "memory/questions/answer_format.h"
 #include "memory/questions/location.h"
@@ -113,6 +114,7 @@ void write_reply(const WhereAnswer& answer, const ReplyContext& context, Reply& 
     case Asks::exists:
     case Asks::verdict:
       set_verdict(!there.empty(), place.text);
+      reply.places = place.places;
       break;
     case Asks::gone:
       set_verdict(there.empty(), place.text);
@@ -205,6 +207,18 @@ void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply
 
 namespace {
 
+/// The probability that an object was at a place between two sightings there. `believed` is the probability
+/// `since` the first of them that it has not left; it leaves and comes back at constant rates (a two-state
+/// Markov chain).
+double between_sightings(double believed, TimeNs since, TimeNs until) {
+  constexpr double kBack = 0.2;  // of the time after it left, it is at that same place again
+  if (believed <= kBack || since <= 0) return believed;
+  const double stays = std::min(1.0, (believed - kBack) / (1 - kBack));
+  const auto back = [](double share) { return kBack + (1 - kBack) * share; };
+  const double stays_on = std::pow(stays, static_cast<double>(until) / static_cast<double>(since));
+  return back(stays) * back(stays_on) / back(stays * stays_on);
+}
+
 /// The probability that it was there at a moment that no look shows, where it was seen there before and after
 /// and nothing says that it left; unset = no such moment, or less than likely.
 std::optional<double> believed_then(const WasAnswer& answer, const WasObject& object,
@@ -214,12 +228,13 @@ std::optional<double> believed_then(const WasAnswer& answer, const WasObject& ob
       !object.after)
     return std::nullopt;
   const auto then = context.store.belief(object.object.id, {answer.from, context.as_of.known_at});
-  if (!then || !then->place || then->status == ObjectStatus::gone || then->probability < kLikely)
-    return std::nullopt;
+  if (!then || !then->place || then->status == ObjectStatus::gone) return std::nullopt;
   const std::vector<PlaceRow> places = snapshot.find_places(answer.place);
   const bool there =
       std::ranges::any_of(places, [&](const PlaceRow& place) { return place.id == *then->place; });
-  return there ? std::optional(then->probability) : std::nullopt;
+  const double probability = between_sightings(then->probability, answer.from - object.before->time,
+                                               object.after->time - answer.from);
+  return there && probability >= kLikely ? std::optional(probability) : std::nullopt;
 }
 
 }  // namespace

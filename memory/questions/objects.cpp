@@ -109,59 +109,49 @@ Json to_json(const AboutAnswer& answer) {
 namespace {
 
 /// "(what|which) is biggest [on <place>]" for the words that Snapshot::find_objects() knows.
-void add_superlatives(std::vector<SentenceForm>& forms) {
-  for (const std::string word : {"biggest", "smallest", "tallest"}) {
-    const std::string adjective = word == "biggest" ? "(biggest|largest)" : word;
-    const std::string form = "$which [thing|one] is " + adjective;
-    forms.push_back({form + " [thing|one|of all]", Asks::objects, "", {{"object", word}}});
-    forms.push_back({form + " [thing|one] (on|in) <place>",
-                     Asks::objects,
-                     word == "biggest" ? "What is the biggest object on the table?" : "",
-                     {{"object", word + " on {place}"}}});
-  }
-}
-
 std::vector<SentenceForm> objects_sentences() {
   using enum SentenceTime;
   using enum Asks;
-  std::vector<SentenceForm> forms = {
-      {"$which thing (do someone (know|has|see)|is there|has someone see)", objects,
-       "What objects do you know?"},
-      {"what do someone know", objects},
-      {"(list|show|show me|name) [everything] [thing]", objects},
-      {"(list|show|show me|name) [everything] [that is] <object>", objects, "Show me all red objects."},
-      {"$which thing $be <object>", objects},
-      {"$which <object> (do someone (know|has|own)|is there|has someone)", objects,
+  return {
+      {"what: thing person|there [know|see|have|exist]", objects, "What objects do you know?"},
+      {"what: know person", objects},
+      {"what: room [thing|see|know]", objects},
+      {"order: show|list|name thing|everything [know]", objects},
+      {"order: show|list|name <object> [everything|know|see|thing]", objects, "Show me all red objects."},
+      {"what: thing <object>", objects},
+      {"what: which<object> person|there|room [know|see|have|own|leave|exist|get]", objects,
        "What red objects do you know?"},
-      {"howmany <object> ($be [there]|do someone (has|know|see|own)|has someone [get|see])", number,
-       "How many red objects are there?"},
-      {"[what is] howmany <object>", number},
-      {"$what [has] (someone not (see|find)|not been see)", objects, "", {}, since},
-      {"$what (has|do) someone not see", objects, "What have you not seen since nine?", {}, since},
-      {"$what has not been see", objects, "", {}, since},
+      {"howmany: thing [know|see|exist|own|leave|get]", number},
+      {"howmany: <object> [know|see|exist|own|leave|get|keep]", number, "How many red objects are there?"},
+      {"what: not see|find [thing|last]", objects, "What have you not seen since nine?", {}, since},
+      {"what: most<object>", objects},
+      {"what: most<object> at<place> [stand]",
+       objects,
+       "What is the biggest object on the table?",
+       {{"object", "{object} on {place}"}}},
+      {"what: which<any> most<object>", objects},
   };
-  add_superlatives(forms);
-  return forms;
 }
 
 std::vector<SentenceForm> about_sentences() {
   using enum Asks;
   const auto about = [](const char* name) { return std::map<std::string, std::string>{{"property", name}}; };
   return {
-      {"(describe|tell me [everything|more] about|everything about|about|what about) <object>"},
-      {"what do someone know (about|of) <object>", summary, "What do you know about the red cup?"},
-      {"(who own|who is own of|whose is|who has) <object>", property, "Who owns the red cup?",
-       about("owner")},
-      {"whose <object> is (this|that|it)", property, "", about("owner")},
-      {"$which colour ($be|has|do) <object> [has|of]", property, "What colour is the cup?", about("colour")},
-      {"[what is] colour of <object>", property, "", about("colour")},
-      {"[what is] size of <object>", property, "", about("size")},
-      {"$which size ($be|has|do) <object> [has|of]", property, "", about("size")},
-      {"how (big|large|small|tall|high|wide|long|heavy) $be <object>", property, "How big is the bowl?",
-       about("size")},
-      {"$which (shape|class|kind|brand) ($be|has|do) <object> [has|of]"},
-      {"what do <object> look like"},
-      {"(what is written|what do it say|what is printed) on <object>"},
+      {"order|bare|what: about<object> [tell|know|everything|thing]", summary,
+       "What do you know about the red cup?"},
+      {"order: describe <object>"},
+      {"who: own|have <object>", property, "Who owns the red cup?", about("owner")},
+      {"who: belong <object>", property, "", about("owner")},
+      {"who: belong to<object>", property, "", about("owner")},
+      {"whose: <object>", property, "", about("owner")},
+      {"whose: <object> <any>", property, "", about("owner")},
+      {"what|bare|order: colour <object> [have|tell|give]", property, "What colour is the cup?",
+       about("colour")},
+      {"what|bare|order: size <object> [have|tell|give]", property, "", about("size")},
+      {"howbig: <object>", property, "How big is the bowl?", about("size")},
+      {"what: shape|class|kind|brand <object> [of|thing]"},
+      {"what: like look <object>"},
+      {"what: write|print|say on<object>"},
   };
 }
 

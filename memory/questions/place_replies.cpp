@@ -250,6 +250,38 @@ void write_reply(const UsualAnswer& answer, const ReplyContext& context, Reply& 
                                          context.times.text(place.last.time)));
 }
 
+namespace {
+
+/// Where nobody looked in the period: what was believed to be there at its end.
+void believed_contents(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
+  Query query = context.query;
+  query.arguments["at"] = query.argument("to").empty() ? "now" : query.argument("to");
+  AsOf as_of = context.as_of;
+  as_of.at = TimeReader(context.store).read(query.argument("at")).last;
+  const ContentsAnswer believed =
+      ask(context.store, ContentsQuestion{answer.asked, as_of, query.argument("object")});
+  write_reply(believed, ReplyContext{context.store, query, as_of, context.times, context.except}, reply);
+}
+
+/// The object that was seen there last.
+void seen_there_last(const ContentsHistoryAnswer& answer, const Names& names, const ReplyContext& context,
+                     Reply& reply) {
+  const PastContent* last = nullptr;
+  const PlaceContentsHistory* at = nullptr;
+  for (const PlaceContentsHistory& place : answer.places)
+    for (const PastContent& object : place.objects)
+      if (last == nullptr || object.last.time > last->last.time) {
+        last = &object;
+        at = &place;
+      }
+  reply.objects = {last->now.object.id};
+  reply.time = at_once(last->last.time);
+  reply.text = fmt::format("{} was seen {} last, at {}.", bare_subject(last->now.object, names),
+                           in_words(at->place), context.times.text(last->last.time));
+}
+
+}  // namespace
+
 void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
@@ -266,6 +298,8 @@ void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& contex
     }
   }
   const PlaceRef& first = answer.places.front().place;
+  if (context.query.asks == Asks::last_time && !reply.objects.empty())
+    return seen_there_last(answer, names, context, reply);
   const std::string where =
       answer.places.size() == 1 ? in_words(first) : (first.container ? "in " : "on ") + answer.asked;
   const std::string seen =
@@ -274,11 +308,10 @@ void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& contex
   reply.not_known = list.empty() && views == 0;
   if (asks == Asks::exists || asks == Asks::verdict || asks == Asks::empty) {
     reply.not_known = false;
+    if (list.empty() && views == 0) return believed_contents(answer, context, reply);
     const bool is = list.empty() == (asks == Asks::empty);
-    reply.verdict = list.empty() && views == 0 ? Verdict::not_observed : is ? Verdict::yes : Verdict::no;
-    reply.text = *reply.verdict == Verdict::not_observed
-                     ? fmt::format("Not observed: nobody looked {} then.", where)
-                     : fmt::format("{}: {}", is ? "Yes" : "No", seen);
+    reply.verdict = is ? Verdict::yes : Verdict::no;
+    reply.text = fmt::format("{}: {}", is ? "Yes" : "No", seen);
   } else if (reply.not_known) {
     reply.text = fmt::format("Not observed: nobody looked {} then.", where);
   } else {

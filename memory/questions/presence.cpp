@@ -524,17 +524,16 @@ Answer ask_was(const Arguments& given) {
 std::vector<SentenceForm> was_sentences() {
   using enum Asks;
   return {
-      {"was <object> [stand|leave|see] $at <place>", verdict,
+      {"yes|bare: was|been|did|had <object> at<place> [stand|leave|see|find|keep|before|get]", verdict,
        "Was the red cup on the table between nine and ten?"},
-      {"was there <object> [stand|leave|see] $at <place>", verdict},
-      {"was <object> there [at]", verdict, "Was it there at all between nine and ten?", {{"place", "there"}}},
-      {"<object> was [stand] $at <place>", verdict},
-      {"has <object> been [stand|see] $at <place>", verdict, "Has the cup been on the table today?"},
-      {"do <object> stand $at <place>", verdict},
-      {"(do|has) someone see <object> [stand] $at <place>", verdict},
-      {"when was <object> [stand] $at <place>", summary, "When was the red cup on the table?"},
-      {"when (was|do someone) [last] [see] <object> [last] [see] $at <place> [last] [time]", last_time},
-      {"when (was|do someone) first [see] <object> $at <place>", first_time},
+      {"yes: have see <object> at<place>", verdict},
+      {"yes: stand <object> at<place>", verdict},
+      {"yes: see|find <object> time", verdict, "Did you see the milk this morning?"},
+      {"yes: was see <object> -person", verdict},
+      {"when: <object> at<place> [stand|see|find]", summary, "When was the red cup on the table?"},
+      {"when: last <object> at<place> [stand|see|find]", last_time},
+      {"bare: see last <object> at<place>", last_time},
+      {"when: first <object> at<place> [stand|see|find]", first_time},
   };
 }
 

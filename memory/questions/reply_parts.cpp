@@ -18,7 +18,8 @@ std::string spot_in_words(const std::optional<PlaceRef>& place, const std::optio
 }
 
 const char* is_or_was(const ReplyContext& context) {
-  return context.query.arguments.contains("at") ? "was" : "is";
+  const std::string at = context.query.argument("at");
+  return at.empty() || at == "now" ? "is" : "was";
 }
 
 namespace {

@@ -377,24 +377,29 @@ namespace {
 std::vector<SentenceForm> usual_sentences() {
   using enum Asks;
   return {
-      {"where [do|can] someone [usually] (keep|put) <object>", place, "Where do we keep the cereal?"},
-      {"where (do|can) someone usually (find|see|has|leave) <object>", place},
-      {"where (do|can) <object> [usually] (belong|go|stand|is)", place},
-      {"where is <object> usually [keep|stand|find]", place, "Where is the red cup usually in the morning?"},
-      {"where is <object> keep", place},
-      {"where is usually <object>", place},
-      {"[on|in] $which place is <object> usually [on|in|at]", place},
-      {"what is usual place (of|for) <object>", place},
+      {"where: keep <object> [stand|find|location]", place, "Where do we keep the cereal?"},
+      {"where: usually <object> [location|keep|put|find|see|leave|stand|belong|go|get]", place,
+       "Where is the red cup usually in the morning?"},
+      {"where: belong <object> [location]", place},
+      {"where: do put|go <object> -did|-person", place},
+      {"where: do put <object> -did", place},
+      {"where: should <object> [go|stand|put|keep]", place},
+      {"what|bare: usually location <object>", place, "What is the usual place of the pot?"},
+      {"what|bare: usually location for<object>", place},
   };
 }
 
 std::vector<SentenceForm> contents_history_sentences() {
   using enum Asks;
   return {
-      {"what do someone [usually] (keep|put) (in|on) <place>", objects, "What do we keep in this drawer?"},
-      {"what (belong|go) (in|on|into|to) <place>", objects},
-      {"what is usually [keep|stand|find] (in|on) <place>", objects},
-      {"what has been (in|on) <place>", objects, "What has been on the table today?"},
+      {"what: keep at<place> [usually|thing]", objects, "What do we keep in this drawer?"},
+      {"what: do put at<place> [usually|thing] -did", objects},
+      {"what: belong|go to<place> [usually|thing] -was|-did|-have", objects},
+      {"what: usually at<place> [keep|stand|find|thing|put|see]", objects},
+      {"what: see at<place> person [thing] -may", objects},
+      {"what: see last at<place> [thing]", last_time},
+      {"what: last at<place> [thing|put|stand]", last_time},
+      {"what: been at<place> [stand|thing|put|see|keep]", objects, "What has been on the table today?"},
   };
 }
 
@@ -433,9 +438,8 @@ std::vector<Question> routine_questions() {
          return ask(given.store(), LifeCycleQuestion{given.text("object"), given.as_of()});
        },
        .time = SentenceTime::none,
-       .sentences = {{"[what is] (life cycle|lifecycle) of <object>", Asks::summary,
-                      "What is the life cycle of a plate?"},
-                     {"(where|which way) do <object> [usually] (travel|wander|move near)"}}},
+       .sentences = {{"what|bare|order: lifecycle <object> [show]", Asks::summary,
+                      "What is the life cycle of a plate?"}}},
   };
 }
 

@@ -266,11 +266,11 @@ std::vector<Question> search_questions() {
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), SearchQuestion{given.text("object"), given.point("start"), given.as_of()});
        },
-       .sentences = {{"where can someone look (next|first) for <object>", Asks::place,
+       .sentences = {{"where: next|first find <object>", Asks::place,
                       "Where should I look next for the cereal?"},
-                     {"if <object> is not (on|in|at) <any> where [else] can (it|they) is", Asks::place,
-                      "If the cereal is not on the table, where else may it be?"},
-                     {"where else can (<object> is|someone find <object>)", Asks::place}}},
+                     {"where: next|first look for<object>", Asks::place},
+                     {"where: else <object> [find|look|stand|keep]", Asks::place,
+                      "If the cereal is not on the table, where else may it be?"}}},
       {.name = "like",
        .description = "Which objects look like an object or an image",
        .parameters = {object,
@@ -282,13 +282,11 @@ std::vector<Question> search_questions() {
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), SimilarQuestion{given.text("object"), given.text("image"), given.as_of()});
        },
-       .sentences = {{"$what (look|is) like <object>", Asks::objects, "What looks like the red cup?"},
-                     {"is there anything [else] (similar to|like) <object>", Asks::objects},
-                     {"is there (another|other) <any> (similar to|like) <object>", Asks::objects},
-                     {"$what (resemble|resembles|[is|look] similar to) <object>", Asks::objects},
-                     {"(list|show|show me|find) [other] (thing|everything|anything) "
-                      "(similar to|like|that look like) <object>",
-                      Asks::objects}}},
+       .sentences = {{"what: like<object> [look|thing|see]", Asks::objects, "What looks like the red cup?"},
+                     {"yes: thing like<object> [look]", Asks::objects},
+                     {"yes: <any> like<object> [look]", Asks::objects},
+                     {"order: show|list|find|name like<object> [thing|everything|look]", Asks::objects},
+                     {"order: show|list|find|name <any> like<object> [everything|look]", Asks::objects}}},
   };
 }
 

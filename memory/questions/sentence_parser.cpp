@@ -1,220 +1,129 @@
 #include "memory/questions/sentence_parser.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <set>
 
 #include "mapping/base/error.h"
 #include "mapping/base/text.h"
+#include "memory/questions/clause.h"
 #include "memory/questions/lexicon.h"
 
 namespace loci::memory {
 namespace {
 
-std::ptrdiff_t offset(size_t index) {
-  return static_cast<std::ptrdiff_t>(index);
-}
-
-std::string join(const Words& words, size_t first, size_t last) {
-  return fmt::format("{}", fmt::join(words.begin() + offset(first), words.begin() + offset(last), " "));
-}
-
-// ---- Times.
-
-/// A time that was cut out of a sentence.
-struct SentencePeriod {
-  std::string from, to;  ///< "" = open
-  bool moment = false;   ///< one short time
-};
-
-constexpr TimeNs kLongSpan = 3600 * kSecond;  ///< of what is no moment
-constexpr size_t kMaxWords = 60;              ///< of a sentence
-
-/// An hour alone ("nine") is a time only after a preposition: "the red one" is not a time.
-bool is_time(const std::string& text, const TimeReader& times, bool introduced) {
-  if (!times.try_read(text)) return false;
-  if (introduced) return true;
-  const bool bare = text.find_first_of(" :-") == std::string::npos;
-  static const std::set<std::string> names = {"now", "today", "yesterday", "tonight", "noon", "midnight"};
-  return !bare || names.contains(text) || weekday_of(text) || text.ends_with("am") || text.ends_with("pm");
-}
-
-/// "in the last hour", "for the past 20 minutes" as the time ago.
-std::optional<SentencePeriod> read_last(const Words& words, size_t first, size_t last,
-                                        const TimeReader& times) {
-  static const std::set<std::string> introductions = {"in", "within", "during", "for", "over"};
-  if (introductions.contains(words[first])) ++first;
-  if (first < last && words[first] == "the") ++first;
-  if (first + 1 >= last || (words[first] != "last" && words[first] != "past")) return std::nullopt;
-  std::string amount = join(words, first + 1, last);
-  if (last - first == 2) amount = (amount == "hour" ? "an " : "a ") + amount;
-  if (!times.try_read(amount + " ago")) return std::nullopt;
-  return SentencePeriod{amount + " ago", ""};
-}
-
-std::optional<SentencePeriod> read_period(const Words& words, size_t first, size_t last,
-                                          const TimeReader& times) {
-  const auto time = [&](size_t a, size_t b, bool introduced) {
-    return a < b && is_time(join(words, a, b), times, introduced);
-  };
-  if (const auto period = read_last(words, first, last, times)) return period;
-  const std::string& head = words[first];
-  if (head == "between" || head == "from") {
-    const std::string middle = head == "between" ? "and" : "to";
-    for (size_t i = first + 2; i + 1 < last; ++i)
-      if ((words[i] == middle || words[i] == "until" || words[i] == "till") && time(first + 1, i, true) &&
-          time(i + 1, last, true))
-        return SentencePeriod{join(words, first + 1, i), join(words, i + 1, last)};
-    return std::nullopt;
-  }
-  static const std::set<std::string> begins = {"since", "after"}, ends = {"until", "till", "before", "by"};
-  if ((begins.contains(head) || ends.contains(head)) && time(first + 1, last, true)) {
-    const std::string text = join(words, first + 1, last);
-    const TimeSpan span = times.read(text);
-    const bool is_long = span.last - span.first >= kLongSpan;
-    if (begins.contains(head))
-      return SentencePeriod{head == "after" && is_long ? format_time(span.last) : text, ""};
-    return SentencePeriod{"", head == "before" && is_long ? format_time(span.first) : text};
-  }
-  static const std::vector<std::pair<Words, std::string>> wholes = {{{"all"}, ""}, {{"the", "whole"}, ""}};
-  for (const auto& [whole, none] : wholes)
-    if (starts_with_words(words, whole, first) && first + whole.size() + 1 == last) {
-      const std::string text = words[last - 1] == "day" ? "today" : "this " + words[last - 1];
-      if (times.try_read(text)) return SentencePeriod{text, text};
-    }
-  static const std::set<std::string> introductions = {"at", "around", "about", "on", "in", "during"};
-  const bool introduced = introductions.contains(head);
-  if (!time(first + (introduced ? 1 : 0), last, introduced && head != "in" && head != "on"))
-    return std::nullopt;
-  const std::string text = join(words, first + (introduced ? 1 : 0), last);
-  const TimeSpan span = times.read(text);
-  return SentencePeriod{text, text, span.last - span.first < kLongSpan};
-}
-
-/// Cuts out the longest time, the last of equally long ones.
-std::optional<SentencePeriod> cut_time(Words& words, const TimeReader& times) {
-  for (size_t length = std::min<size_t>(words.size(), 12); length > 0; --length)
-    for (size_t first = words.size() - length + 1; first-- > 0;)
-      if (const auto period = read_period(words, first, first + length, times)) {
-        replace_words(words, first, length, {});
-        return period;
-      }
-  return std::nullopt;
-}
-
 // ---- Rules.
 
-/// Sets of words that many rules use, as $name.
-const std::map<std::string, std::string>& word_sets() {
-  static const std::map<std::string, std::string> sets = {
-      {"be", "(is|was)"},
-      {"which", "(what|which)"},
-      {"what", "(what|which) [thing]"},
-      {"on", "on"},
-      {"in", "in"},
-      {"at", "(on|in|at)"},
-      {"to", "[to|on|in|into|at]"},
-      {"that", "[that]"},
-      {"last", "[last|lately|recently]"},
-  };
-  return sets;
+/// A name that a form has room for.
+struct Slot {
+  std::string relation;   ///< as in Phrase; "at" = on, in or at; "to" = to, into, on, in or at
+  std::string parameter;  ///< that it becomes
+};
+
+/// A form, read from its text.
+struct Rule {
+  std::set<std::string> moods = {};
+  std::vector<std::set<std::string>> required = {};  ///< of each, one has to be there
+  std::set<std::string> optional = {}, forbidden = {};
+  std::vector<Slot> slots = {};
+  const Question* question = nullptr;
+  const SentenceForm* form = nullptr;
+
+  size_t specificity() const { return 2 * required.size() + slots.size(); }
+};
+
+std::set<std::string> alternatives(std::string_view text) {
+  const std::vector<std::string> words = words_of(text, "|");
+  return {words.begin(), words.end()};
 }
 
-/// All plain sequences of words that a form stands for.
-class FormExpander {
- public:
-  explicit FormExpander(std::string form) : form_(std::move(form)) {
-    for (size_t begin = form_.find('$'); begin != std::string::npos; begin = form_.find('$', begin)) {
-      const size_t end = std::min(form_.find_first_of(" |)]", begin), form_.size());
-      form_.replace(begin, end - begin, word_sets().at(form_.substr(begin + 1, end - begin - 1)));
-    }
+Rule read_rule(const Question& question, const SentenceForm& form) {
+  Rule rule{.question = &question, .form = &form};
+  const size_t colon = form.form.find(':');
+  rule.moods = alternatives(form.form.substr(0, colon));
+  for (const std::string& element : words_of(form.form.substr(colon + 1))) {
+    if (const size_t slot = element.find('<'); slot != std::string::npos)
+      rule.slots.push_back({element.substr(0, slot), element.substr(slot + 1, element.size() - slot - 2)});
+    else if (element[0] == '[')
+      rule.optional.merge(alternatives(element.substr(1, element.size() - 2)));
+    else if (element[0] == '-')
+      rule.forbidden.merge(alternatives(element.substr(1)));
+    else
+      rule.required.push_back(alternatives(element));
   }
-  std::vector<Words> expand() { return alternatives('\0'); }
+  return rule;
+}
 
- private:
-  std::vector<Words> alternatives(char end) {
-    std::vector<Words> all, current = {{}};
-    std::string word;
-    const auto append = [&](const std::vector<Words>& tails) {
-      std::vector<Words> longer;
-      for (const Words& head : current)
-        for (const Words& tail : tails) {
-          longer.push_back(head);
-          longer.back().insert(longer.back().end(), tail.begin(), tail.end());
-        }
-      current = std::move(longer);
-    };
-    const auto end_word = [&] {
-      if (!word.empty()) append({{word}});
-      word.clear();
-    };
-    while (next_ < form_.size() && form_[next_] != end) {
-      const char c = form_[next_++];
-      if (c == ' ') {
-        end_word();
-      } else if (c == '|') {
-        end_word();
-        all.insert(all.end(), current.begin(), current.end());
-        current = {{}};
-      } else if (c == '(' || c == '[') {
-        std::vector<Words> inner = alternatives(c == '(' ? ')' : ']');
-        ++next_;
-        if (c == '[') inner.emplace_back();
-        append(inner);
-      } else {
-        word.push_back(c);
-      }
-    }
-    end_word();
-    all.insert(all.end(), current.begin(), current.end());
-    return all;
-  }
-
-  std::string form_;
-  size_t next_ = 0;
-};
-
-/// One sequence of lemmas and <slots>.
-struct Rule {
-  Words words;
-  const Question* question;
-  const SentenceForm* form;
-  size_t literals = 0;
-};
-
-/// All rules; those with most literal words first.
+/// All rules; those that ask for most first.
 const std::vector<Rule>& rules() {
   static const std::vector<Rule> all = [] {
     std::vector<Rule> result;
     for (const Question& question : questions())
-      for (const SentenceForm& form : question.sentences)
-        for (Words& words : FormExpander(form.form).expand()) {
-          const auto literals = static_cast<size_t>(
-              std::ranges::count_if(words, [](const std::string& word) { return word[0] != '<'; }));
-          result.push_back({std::move(words), &question, &form, literals});
-        }
-    std::ranges::stable_sort(result, std::ranges::greater(), &Rule::literals);
+      for (const SentenceForm& form : question.sentences) result.push_back(read_rule(question, form));
+    std::ranges::stable_sort(result, std::ranges::greater(), &Rule::specificity);
     return result;
   }();
   return all;
 }
 
+/// Lemmas that rules name, and those that none may pass over.
+const std::set<std::string>& concepts() {
+  static const std::set<std::string> all = [] {
+    std::set<std::string> result = {"not", "every", "everything", "thing", "quantity", "future", "room"};
+    for (const Rule& rule : rules()) {
+      for (const auto& required : rule.required) result.insert(required.begin(), required.end());
+      result.insert(rule.optional.begin(), rule.optional.end());
+    }
+    std::erase_if(result, [](const std::string& one) { return class_of(one) != WordClass::name; });
+    return result;
+  }();
+  return all;
+}
+
+bool fits_relation(const std::string& wanted, const std::string& given) {
+  static const std::map<std::string, std::set<std::string>> wider = {
+      {"on", {"on", "at"}},
+      {"at", {"on", "in", "at"}},
+      {"to", {"to", "into", "on", "in", "at"}},
+      {"into", {"to", "into"}},
+      {"pos", {"behind", "under", "infront", "above", "over", "between"}},
+      {"like", {"like", "to"}},
+      {"from", {"from", "of"}}};
+  const auto found = wider.find(wanted);
+  return found == wider.end() ? wanted == given : found->second.contains(given);
+}
+
 using Slots = std::map<std::string, std::string>;
 
-bool match(const Words& rule, size_t r, const Tokens& tokens, size_t t, Slots& slots) {
-  if (r == rule.size()) return t == tokens.words.size();
-  if (rule[r][0] != '<')
-    return t < tokens.words.size() && tokens.lemmas[t] == rule[r] && match(rule, r + 1, tokens, t + 1, slots);
-  // As few words as possible: "<object> on <place>" is split at the first "on".
-  for (size_t end = t + 1; end <= tokens.words.size() && !is_closed_word(tokens.words[end - 1]); ++end) {
-    if (!match(rule, r + 1, tokens, end, slots)) continue;
-    const size_t first = tokens.words[t] == "of" && t + 1 < end ? t + 1 : t;
-    slots[rule[r].substr(1, rule[r].size() - 2)] = join(tokens.words, first, end);
-    return true;
+/// Gives every phrase a slot, in order; empty when one is left, or a slot is.
+std::optional<Slots> assigned(const std::vector<Slot>& slots, const std::vector<Phrase>& phrases) {
+  if (slots.size() != phrases.size()) return std::nullopt;
+  Slots result;
+  std::vector<bool> taken(phrases.size(), false);
+  for (const Slot& slot : slots) {
+    size_t i = 0;
+    while (i < phrases.size() && (taken[i] || !fits_relation(slot.relation, phrases[i].relation))) ++i;
+    if (i == phrases.size()) return std::nullopt;
+    taken[i] = true;
+    result[slot.parameter] = phrases[i].text;
   }
-  return false;
+  return result;
+}
+
+std::optional<Slots> match(const Rule& rule, const Clause& clause) {
+  if (!rule.moods.contains(clause.mood)) return std::nullopt;
+  std::set<std::string> allowed = rule.optional;
+  for (const std::set<std::string>& one_of : rule.required) {
+    if (std::ranges::none_of(one_of, [&](const std::string& one) {
+          return clause.concepts.contains(one) || clause.marks.contains(one);
+        }))
+      return std::nullopt;
+    allowed.insert(one_of.begin(), one_of.end());
+  }
+  for (const std::string& one : clause.concepts)
+    if (!allowed.contains(one)) return std::nullopt;
+  for (const std::string& one : rule.forbidden)
+    if (clause.concepts.contains(one) || clause.marks.contains(one)) return std::nullopt;
+  return assigned(rule.slots, clause.phrases);
 }
 
 /// "{object} in {part}" with the words of the slots.
@@ -245,7 +154,7 @@ bool add_time(Query& query, const Question& question, SentenceTime time,
     return true;
   }
   if (!period) return true;
-  const auto& [from, to, moment] = *period;
+  const std::string &from = period->from, &to = period->to;
   if (time == SentenceTime::none) return false;
   if (time == SentenceTime::during) {
     if (from.empty() || to.empty()) return false;
@@ -253,8 +162,8 @@ bool add_time(Query& query, const Question& question, SentenceTime time,
     return true;
   }
   if (time == SentenceTime::moment_or_period) {
-    if (!moment) query.question = question.over_period;
-    time = moment ? SentenceTime::at : SentenceTime::period;
+    if (!period->moment) query.question = question.over_period;
+    time = period->moment ? SentenceTime::at : SentenceTime::period;
   }
   if (time == SentenceTime::at) {
     query.arguments["at"] = to.empty() ? "now" : to;  // what holds "since nine" is what holds now
@@ -265,93 +174,39 @@ bool add_time(Query& query, const Question& question, SentenceTime time,
   return true;
 }
 
-/// Openings and endings that only make a sentence polite.
-const std::vector<Words>& openings() {
-  static const std::vector<Words> all = FormExpander(
-                                            "(can|could|would|will) you [tell me|show me]|(do|would) you "
-                                            "(know|remember|happen to know)|you know|"
-                                            "tell me|say|i wonder|i (want|need|would like) to "
-                                            "know|robot|hey|hello|hi|dear|excuse me|sorry|ok|well|"
-                                            "so|and|but|if|whether|that|have you an idea|idea")
-                                            .expand();
-  return all;
-}
-const std::vector<Words>& endings() {
-  static const std::vector<Words> all =
-      FormExpander("for me|robot|thanks|thank you|as well|too|by chance|do you know|at moment|exactly")
-          .expand();
-  return all;
-}
-
-/// The words as they are, and before them the same without openings and endings.
-std::vector<Words> without_politeness(Words words) {
-  std::vector<Words> readings = {words};
-  for (bool stripped = true; stripped;) {
-    stripped = false;
-    for (const Words& opening : openings())
-      if (!stripped && words.size() > opening.size() && starts_with_words(words, opening)) {
-        replace_words(words, 0, opening.size(), {});
-        stripped = true;
-      }
-    for (const Words& ending : endings())
-      if (!stripped && words.size() > ending.size() &&
-          starts_with_words(words, ending, words.size() - ending.size())) {
-        words.resize(words.size() - ending.size());
-        stripped = true;
-      }
-    if (stripped) readings.insert(readings.begin(), words);
-  }
-  return readings;
-}
-
-/// A sentence cut into its time and the readings of the rest.
-struct Sentence {
-  std::optional<SentencePeriod> period;
-  std::vector<Tokens> readings;
-};
-
-Sentence analysed(Words words, const TimeReader& times) {
-  Sentence sentence;
-  if (words.size() > kMaxWords) return sentence;
-  for (size_t i = 0; i + 1 < words.size(); ++i)
-    if (words[i] == "right" && words[i + 1] == "now") words.erase(words.begin() + offset(i));
-  sentence.period = cut_time(words, times);
-  std::erase_if(words, [](const std::string& word) { return is_empty_word(word); });
-  for (Words& reading : without_politeness(std::move(words)))
-    sentence.readings.push_back(tokens_of(std::move(reading)));
-  return sentence;
-}
-
 bool same(const Query& a, const Query& b) {
   return a.question == b.question && a.arguments == b.arguments && a.asks == b.asks;
 }
 
-std::vector<Query> matching(const Sentence& sentence) {
-  constexpr size_t kMaxReadings = 6;
+std::vector<Query> matching(const std::string& sentence, const TimeReader& times) {
+  constexpr size_t kMaxReadings = 8;
   std::vector<Query> queries;
-  for (const Tokens& reading : sentence.readings)
+  for (const Clause& clause : parse_clauses(sentence, concepts(), times))
     for (const Rule& rule : rules()) {
-      Slots slots;
-      if (queries.size() == kMaxReadings || !match(rule.words, 0, reading, 0, slots)) continue;
-      Query query = query_of(rule, slots);
-      if (add_time(query, *rule.question, rule.form->time.value_or(rule.question->time), sentence.period) &&
+      if (queries.size() == kMaxReadings) return queries;
+      const auto slots = match(rule, clause);
+      if (!slots) continue;
+      Query query = query_of(rule, *slots);
+      if (add_time(query, *rule.question, rule.form->time.value_or(rule.question->time), clause.period) &&
           std::ranges::none_of(queries, [&](const Query& one) { return same(one, query); }))
         queries.push_back(std::move(query));
     }
   return queries;
 }
 
-/// The sentence with one word of the grammar that was misspelt by one letter, in all ways.
+// ---- Typos.
+
+/// The sentence with one word corrected to a word of the grammar.
 std::vector<Words> respellings(const Words& words) {
   constexpr size_t kMinLength = 4;  // of words that are corrected
   static const std::set<std::string> known = [] {
     std::set<std::string> all;
     const auto add = [&](const std::string& word) {
-      if (word.size() >= kMinLength && word[0] != '<') all.insert(word);
+      if (word.size() >= kMinLength) all.insert(word);
     };
     for (const auto& [word, lemma] : lexicon()) add(word);
-    for (const Rule& rule : rules())
-      for (const std::string& word : rule.words) add(word);
+    for (const std::string& concept_word : concepts()) add(concept_word);
+    for (const char* word : {"where", "when", "what", "which", "could", "there"}) add(word);
     return all;
   }();
   std::vector<Words> all;
@@ -381,11 +236,11 @@ double similarity(const Words& a, const Words& b) {
 }  // namespace
 
 std::vector<Query> parse_readings(const std::string& sentence, const TimeReader& times) {
+  std::vector<Query> queries = matching(sentence, times);
   const Words words = sentence_words(sentence);
-  std::vector<Query> queries = matching(analysed(words, times));
-  if (queries.empty() && words.size() < kMaxWords)
+  if (queries.empty() && words.size() <= kMaxSentenceWords)
     for (const Words& other : respellings(words))
-      if (queries.empty()) queries = matching(analysed(other, times));
+      if (queries.empty()) queries = matching(join_words(other, 0, other.size()), times);
   return queries;
 }
 
@@ -394,33 +249,53 @@ std::optional<Query> parse_sentence(const std::string& sentence, const TimeReade
   return queries.empty() ? std::nullopt : std::optional(std::move(queries.front()));
 }
 
+std::optional<Query> parse_name(const std::string& sentence, const TimeReader& times) {
+  const std::vector<Clause> clauses = parse_clauses(sentence, concepts(), times);
+  if (clauses.empty()) return std::nullopt;
+  const Clause& clause = clauses.back();
+  const bool alone = clause.mood == "bare" && clause.concepts.empty() && clause.phrases.size() == 1 &&
+                     clause.phrases[0].relation.empty() && !clause.period;
+  return alone ? std::optional(Query{"where", {{"object", clause.phrases[0].text}}, Asks::place})
+               : std::nullopt;
+}
+
 std::vector<Query> parse_follow_up(const std::string& sentence, const Query& last, const TimeReader& times) {
   const Question* question = find_question(last.question);
-  const Sentence parsed = analysed(sentence_words(sentence), times);
-  if (question == nullptr || parsed.readings.empty()) return {};
-  const Tokens& tokens = parsed.readings.front();
-  const std::string text = join(tokens.lemmas, 0, tokens.lemmas.size());
-  static const std::map<std::string, Asks> asked_again = {{"why", Asks::reason},
-                                                          {"why that", Asks::reason},
-                                                          {"how do someone know", Asks::reason},
-                                                          {"howsure is someone", Asks::probability},
-                                                          {"is someone sure", Asks::probability}};
+  const std::vector<Clause> clauses = parse_clauses(sentence, concepts(), times);
+  if (question == nullptr || clauses.empty()) return {};
+  const Clause& clause = clauses.front();
   Query query = last;
-  if (const auto found = asked_again.find(text); found != asked_again.end()) {
-    query.asks = found->second;
-    return {query};
+  static const std::set<std::string> doubts = {"sure", "know", "think", "why", "say"};
+  const bool doubted =
+      std::ranges::all_of(clause.concepts, [](const std::string& one) { return doubts.contains(one); });
+  const bool that =
+      clause.phrases.empty() || (clause.phrases.size() == 1 && clause.phrases[0].text == "that");
+  if (doubted && that) {
+    if (clause.mood == "why" || (clause.mood == "how" && !clause.concepts.empty()))
+      return query.asks = Asks::reason, std::vector{query};
+    if (clause.mood == "howsure" ||
+        ((clause.mood == "yes" || clause.mood == "bare") && clause.concepts.contains("sure")))
+      return query.asks = Asks::probability, std::vector{query};
   }
-  const bool is_short =
-      sentence_words(sentence).front() == "and" || sentence_words(sentence).front() == "what about";
-  if (!is_short || std::ranges::any_of(tokens.words, [](const std::string& w) { return is_closed_word(w); }))
-    return {};
-  const bool of_place = tokens.words.size() > 1 && (tokens.lemmas[0] == "on" || tokens.lemmas[0] == "in");
+  // "And the jam?", "What about on the counter?", "And at noon?"
+  const bool leans = clause.mood == "bare" || (clause.mood == "what" && clause.phrases.size() == 1 &&
+                                               clause.phrases[0].relation == "about");
+  if (!leans || !clause.concepts.empty() || clause.phrases.size() > 1) return {};
+  if (clause.phrases.empty()) {
+    if (!clause.period) return {};
+    for (const char* name : {"at", "from", "to"}) query.arguments.erase(name);
+    return add_time(query, *question, question->time, clause.period) ? std::vector{query}
+                                                                     : std::vector<Query>{};
+  }
+  const Phrase& phrase = clause.phrases[0];
+  const bool of_place = phrase.relation == "on" || phrase.relation == "in" || phrase.relation == "at";
   const auto wanted = of_place ? ParameterType::place : ParameterType::object;
-  for (const Parameter& parameter : question->parameters)
-    if (parameter.type == wanted && query.arguments.contains(parameter.name)) {
-      query.arguments[parameter.name] = join(tokens.words, of_place ? 1 : 0, tokens.words.size());
-      return {query};
-    }
+  for (const ParameterType type : {wanted, ParameterType::place, ParameterType::part})
+    for (const Parameter& parameter : question->parameters)
+      if (parameter.type == type && query.arguments.contains(parameter.name)) {
+        query.arguments[parameter.name] = phrase.text;
+        return {query};
+      }
   return {};
 }
 

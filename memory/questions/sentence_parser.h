@@ -8,13 +8,16 @@
 
 namespace loci::memory {
 
-// English sentences as queries. Words become lemmas, times are cut out wherever they stand ("this morning",
-// "between nine and ten", "in the last hour"), and the rules of the declared questions match the rest.
+// English sentences as queries: a sentence is taken apart into a clause (clause.h), and the forms of the
+// declared questions say which clauses mean them.
 
 /// All queries that a sentence may mean, the most literal first; empty when no rule matches.
 std::vector<Query> parse_readings(const std::string& sentence, const TimeReader& times);
 /// The first of them.
 std::optional<Query> parse_sentence(const std::string& sentence, const TimeReader& times);
+
+/// A name alone asks where it is: "The milk?"
+std::optional<Query> parse_name(const std::string& sentence, const TimeReader& times);
 
 /// A sentence that leans on the one before: "And the jam?", "And on the counter?", "Why?", "How sure are
 /// you?". Empty when it does not, or makes no sense after `last`.

@@ -320,7 +320,20 @@ std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
   std::vector<std::string> words = lower_case_words(asked);
   while (words.size() > 1 && kFillers.contains(words.front())) words.erase(words.begin());
   std::vector<PlaceRow> found = places_called(phrase(words, 0));
-  if (found.empty() && words.size() > 1) found = places_called(words.back());
+  // "kitchen table" may be any table, "top drawer" not any drawer.
+  static const std::set<std::string> restricting = {"top",   "bottom", "upper", "lower", "left",
+                                                    "right", "middle", "other", "next",  "lowest"};
+  const bool restricted =
+      std::ranges::any_of(words, [](const std::string& word) { return restricting.contains(word); });
+  if (found.empty() && words.size() > 1 && !restricted) found = places_called(words.back());
+  if (found.empty() && !words.empty()) {  // "the drawers", "shelves"
+    std::string& last = words.back();
+    if (last.ends_with("ves"))
+      last.replace(last.size() - 3, 3, "f");
+    else if (last.ends_with('s'))
+      last.pop_back();
+    found = places_called(phrase(words, 0));
+  }
   if (!found.empty()) return found;
   std::vector<std::string> names;
   for (const PlaceRow& place : places_) names.push_back(place.name);
@@ -370,9 +383,17 @@ std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
       const bool size = row.size && is_size_word(word) && has_size(word, *row.size);
       if (color || size) found.push_back(row.object);
     }
+  // What a person called its class overrules what it looked like to an annotator.
+  std::set<Id> classed;
+  std::set<std::string> classes;
+  for (const FactRow& fact : facts_)
+    if (fact.object && fact.key == "class") {
+      classed.insert(*fact.object);
+      classes.insert(lower_case(*fact.value));
+    }
   for (const std::string& meaning : meanings)
     for (const Id id : store_.objects_annotated(meaning, as_of_))
-      if (belief(id) != nullptr) found.push_back(id);
+      if (belief(id) != nullptr && !(classed.contains(id) && classes.contains(meaning))) found.push_back(id);
   return unique(std::move(found));
 }
 

@@ -60,6 +60,7 @@ std::optional<int> count_of(const std::string& word) {
   static const std::array<const char*, 13> names = {"zero", "one",    "two",   "three", "four",
                                                     "five", "six",    "seven", "eight", "nine",
                                                     "ten",  "eleven", "twelve"};
+  if (word == "twenty") return 20;
   for (size_t i = 0; i < names.size(); ++i)
     if (word == names[i]) return static_cast<int>(i);
   if (word == "a" || word == "an") return 1;
@@ -72,7 +73,9 @@ std::optional<TimeSpan> part_of_day(const std::string& word) {
     const char* name;
     TimeNs first, end;
   };
-  static const std::array<Part, 10> parts = {{{"morning", 5 * kHour, 12 * kHour},
+  static const std::array<Part, 12> parts = {{{"midday", 12 * kHour, 12 * kHour + kMinute},
+                                              {"lunchtime", 11 * kHour, 15 * kHour},
+                                              {"morning", 5 * kHour, 12 * kHour},
                                               {"afternoon", 12 * kHour, 18 * kHour},
                                               {"evening", 18 * kHour, 24 * kHour},
                                               {"night", 22 * kHour, 30 * kHour},
@@ -223,6 +226,16 @@ class TimePhrase {
       const TimeNs start = hour * kHour + minute * kMinute;
       return TimeSpan{start, start + kMinute - 1};
     };
+    // "ten past nine", "twenty minutes to ten"
+    const bool minutes_named = word(1) == "minutes";
+    const std::string to_or_past = word(minutes_named ? 2 : 1);
+    if (const auto count = count_of(word());
+        count && *count > 0 && *count < 60 && word() != "a" && (to_or_past == "past" || to_or_past == "to")) {
+      const auto hour = count_of(word(minutes_named ? 3 : 2));
+      if (!hour || *hour < 0 || *hour > 24) return std::nullopt;
+      next_ += minutes_named ? 4 : 3;
+      return at_minute(*hour, to_or_past == "past" ? *count : -*count);
+    }
     const auto shift = is("half", "past") ? 30 : is("quarter", "past") ? 15 : is("quarter", "to") ? -15 : 0;
     if (shift != 0) split_half_of_day();
     const std::string text = word();

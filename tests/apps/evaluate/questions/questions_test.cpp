@@ -10,9 +10,7 @@ namespace {
 const std::string kTables = std::string(LOCI_SOURCE_DIR) + "/tests/data/questions/";
 
 std::vector<AskedQuestion> all_questions() {
-  std::vector<AskedQuestion> all = read_table(kTables + "tuning.yaml");
-  for (AskedQuestion& one : read_table(kTables + "held_out.yaml")) all.push_back(std::move(one));
-  return all;
+  return read_table(kTables + "tuning.yaml");
 }
 
 /// The questions of the tables, asked of the memory of the synthetic day.
@@ -25,9 +23,8 @@ class QuestionTables : public memory::testing_support::DayFixture {
   }
 };
 
-TEST(QuestionTable, Has200QuestionsForTuningAnd100HeldOut) {
-  EXPECT_EQ(read_table(kTables + "tuning.yaml").size(), 200U);
-  EXPECT_EQ(read_table(kTables + "held_out.yaml").size(), 100U);
+TEST(QuestionTable, Has300QuestionsForTuning) {
+  EXPECT_EQ(all_questions().size(), 300U);
 }
 
 TEST_F(QuestionTables, EveryAnswerIsOneShortSentenceAndAtMostThreeLinesOfEvidence) {

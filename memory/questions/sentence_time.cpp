@@ -1,0 +1,216 @@
+#include "memory/questions/sentence_time.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "mapping/base/text.h"
+
+namespace loci::memory {
+namespace {
+
+constexpr TimeNs kLongSpan = 3600 * kSecond;  ///< of what is no moment
+constexpr size_t kMaxWordsOfTime = 12;
+
+using WordSet = std::set<std::string>;
+
+/// Words [first, last) of a sentence that may be a time.
+class PeriodReader {
+ public:
+  PeriodReader(const Words& words, size_t first, size_t last, const TimeReader& times)
+      : words_(words), first_(first), last_(last), times_(times) {}
+
+  std::optional<SentencePeriod> read() const {
+    if (const auto period = read_last()) return period;
+    if (const auto period = read_whole()) return period;
+    const std::string& head = words_[first_];
+    if (head == "between" || head == "from") return read_between(head == "between" ? "and" : "to");
+    static const WordSet begins = {"since", "after"}, ends = {"until", "till", "before", "by", "to"};
+    const bool up_to =
+        starts_with_words(words_, {"up", "to"}, first_) || starts_with_words(words_, {"up", "until"}, first_);
+    if ((begins.contains(head) || (ends.contains(head) && head != "to")) || up_to)
+      return read_open(up_to ? "until" : head, first_ + (up_to ? 2 : 1), begins.contains(head));
+    return read_moment();
+  }
+
+ private:
+  std::string join(size_t first, size_t last) const { return join_words(words_, first, last); }
+  bool is_time(size_t first, size_t last, bool introduced) const {
+    if (first >= last) return false;
+    const std::string text = join(first, last);
+    if (!times_.try_read(text)) return false;
+    // An hour alone ("nine") is a time only after a preposition: "the red one" is not a time.
+    static const WordSet names = {"now",  "today",  "yesterday", "tonight",
+                                  "noon", "midday", "midnight",  "lunchtime"};
+    return introduced || text.find_first_of(" :-") != std::string::npos || names.contains(text) ||
+           weekday_of(text) || (is_digit(text[0]) && (text.ends_with("am") || text.ends_with("pm")));
+  }
+
+  /// "in the last hour", "for the past 20 minutes" as the time ago.
+  std::optional<SentencePeriod> read_last() const {
+    static const WordSet introductions = {"in", "within", "during", "for", "over"};
+    size_t first = first_;
+    if (introductions.contains(words_[first])) ++first;
+    if (first < last_ && words_[first] == "the") ++first;
+    if (first + 1 >= last_ || (words_[first] != "last" && words_[first] != "past")) return std::nullopt;
+    std::string amount = join(first + 1, last_);
+    if (last_ - first == 2) amount = (amount == "hour" ? "an " : "a ") + amount;
+    if (amount == "half hour") amount = "half an hour";
+    if (!times_.try_read(amount + " ago")) return std::nullopt;
+    return SentencePeriod{amount + " ago", ""};
+  }
+
+  /// "all day", "throughout the morning", "at any time today".
+  std::optional<SentencePeriod> read_whole() const {
+    static const std::vector<Words> wholes = {{"all"},
+                                              {"the", "whole"},
+                                              {"all", "through", "the"},
+                                              {"throughout", "the"},
+                                              {"during", "the"},
+                                              {"through", "the"},
+                                              {"in", "the", "course", "of", "the"},
+                                              {"over", "the", "course", "of", "the"},
+                                              {"over", "the"},
+                                              {"that"}};
+    for (const Words& whole : wholes)
+      if (starts_with_words(words_, whole, first_) && first_ + whole.size() + 1 == last_) {
+        const std::string text = words_[last_ - 1] == "day" ? "today" : "this " + words_[last_ - 1];
+        if (times_.try_read(text))
+          return SentencePeriod{text, text, false, whole[0] != "that" && whole[0] != "during"};
+      }
+    return std::nullopt;
+  }
+
+  std::optional<SentencePeriod> read_between(const std::string& middle) const {
+    for (size_t i = first_ + 2; i + 1 < last_; ++i) {
+      if ((words_[i] != middle && words_[i] != "until" && words_[i] != "till") ||
+          !is_time(first_ + 1, i, true) || !is_time(i + 1, last_, true))
+        continue;
+      std::string from = join(first_ + 1, i);
+      const std::string to = join(i + 1, last_);
+      // "between 2 and 3 pm" begins in the afternoon, too.
+      for (const char* half : {"am", "pm"})
+        if (to.ends_with(half) && i == first_ + 2 && times_.try_read(from + " " + half)) {
+          const std::string same_half = from + " " + half;
+          if (times_.read(same_half).first <= times_.read(to).last) from = same_half;
+        }
+      return SentencePeriod{from, to};
+    }
+    return std::nullopt;
+  }
+
+  /// "since nine", "before noon", "up to 14:00".
+  std::optional<SentencePeriod> read_open(const std::string& head, size_t first, bool begins) const {
+    if (!is_time(first, last_, true)) return std::nullopt;
+    const std::string text = join(first, last_);
+    const TimeSpan span = times_.read(text);
+    const bool is_long = span.last - span.first >= kLongSpan;
+    if (begins) return SentencePeriod{head == "after" && is_long ? format_time(span.last) : text, ""};
+    return SentencePeriod{"", head == "before" && is_long ? format_time(span.first) : text};
+  }
+
+  std::optional<SentencePeriod> read_moment() const {
+    static const WordSet introductions = {"at", "around", "about", "on", "in", "during", "over", "for"};
+    static const WordSet vague = {"exactly", "about", "around", "roughly", "precisely", "sharp"};
+    const std::string& head = words_[first_];
+    size_t first = first_;
+    if (introductions.contains(head)) ++first;
+    const bool introduced = first > first_ && head != "in" && head != "on" && head != "for";
+    if (introduced && first < last_ && vague.contains(words_[first])) ++first;
+    if (!is_time(first, last_, introduced)) return std::nullopt;
+    const std::string text = join(first, last_);
+    const TimeSpan span = times_.read(text);
+    return SentencePeriod{text, text, span.last - span.first < kLongSpan};
+  }
+
+  const Words& words_;
+  size_t first_, last_;
+  const TimeReader& times_;
+};
+
+/// "at the moment" is now, "earlier today" is today, "8.30" after "at" is 8:30.
+void normalize_times(Words& words) {
+  static const std::vector<std::pair<Words, Words>> replacements = {
+      {{"right", "now"}, {"now"}},
+      {{"just", "now"}, {"now"}},
+      {{"at", "the", "moment"}, {"now"}},
+      {{"at", "this", "moment"}, {"now"}},
+      {{"at", "this", "very", "moment"}, {"now"}},
+      {{"at", "present"}, {"now"}},
+      {{"at", "this", "point"}, {"now"}},
+      {{"as", "of", "now"}, {"now"}},
+      {{"up", "to", "now"}, {}},
+      {{"until", "now"}, {}},
+      {{"till", "now"}, {}},
+      {{"so", "far"}, {}},
+      {{"as", "of"}, {"at"}},
+      {{"as", "at"}, {"at"}},
+      {{"at", "any", "point"}, {}},
+      {{"at", "any", "time"}, {}},
+      {{"at", "some", "point"}, {}},
+      {{"at", "some", "time"}, {}},
+      {{"at", "all"}, {}},
+      {{"earlier", "today"}, {"today"}},
+      {{"earlier", "this"}, {"this"}},
+      {{"earlier", "on"}, {"earlier"}},
+      {{"breakfast", "time"}, {"breakfast"}},
+      {{"dinner", "time"}, {"dinner"}},
+      {{"lunch", "time"}, {"lunch"}},
+      {{"of", "today"}, {"today"}},
+      {{"couple", "of"}, {"two"}},
+      {{"o'clock"}, {}},
+  };
+  for (const auto& [from, to] : replacements)
+    for (size_t i = 0; i < words.size(); ++i)
+      if (starts_with_words(words, from, i)) replace_words(words, i, from.size(), to);
+  for (std::string& word : words)
+    if ((word.size() == 4 || word.size() == 5) && word[word.size() - 3] == '.' &&
+        word.find_first_not_of("0123456789.") == std::string::npos)
+      word[word.size() - 3] = ':';
+}
+
+}  // namespace
+
+namespace {
+
+std::optional<SentencePeriod> cut_longest(Words& words, const TimeReader& times) {
+  for (size_t length = std::min(words.size(), kMaxWordsOfTime); length > 0; --length)
+    for (size_t first = words.size() - length + 1; first-- > 0;)
+      if (const auto period = PeriodReader(words, first, first + length, times).read()) {
+        replace_words(words, first, length, {});
+        return period;
+      }
+  return std::nullopt;
+}
+
+/// "between 8 and 9" with "yesterday"; unset when both cannot hold.
+std::optional<SentencePeriod> combined(const SentencePeriod& inner, const SentencePeriod& outer,
+                                       const TimeReader& times) {
+  if (outer.from != outer.to) return std::nullopt;
+  const TimeSpan day = times.read(outer.from);
+  SentencePeriod period = inner;
+  for (std::string* text : {&period.from, &period.to}) {
+    if (text->empty()) continue;
+    if (const auto on_day = times.try_read(outer.from + " " + *text)) *text = outer.from + " " + *text;
+    const TimeSpan span = times.read(*text);
+    if (span.first < day.first || span.last > day.last) return std::nullopt;
+  }
+  return period;
+}
+
+}  // namespace
+
+std::optional<SentencePeriod> cut_time(Words& words, const TimeReader& times) {
+  normalize_times(words);
+  const auto first = cut_longest(words, times);
+  if (!first) return std::nullopt;
+  Words rest = words;
+  const auto second = cut_longest(rest, times);
+  if (!second) return first;
+  auto both = combined(*first, *second, times);
+  if (!both) both = combined(*second, *first, times);
+  if (both) words = rest;
+  return both ? both : first;
+}
+
+}  // namespace loci::memory

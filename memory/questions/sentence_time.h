@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "memory/questions/lexicon.h"
+#include "memory/questions/time_parser.h"
+
+namespace loci::memory {
+
+/// A time that a sentence names, as texts that TimeReader reads.
+struct SentencePeriod {
+  std::string from, to;     ///< "" = open
+  bool moment = false;      ///< one short time
+  bool throughout = false;  ///< "the whole day": all of it
+};
+
+/// Removes the longest time from a sentence ("this morning", "between nine and ten", "in the last hour"), the
+/// last of equally long ones; unset when there is none.
+std::optional<SentencePeriod> cut_time(Words& words, const TimeReader& times);
+
+}  // namespace loci::memory
