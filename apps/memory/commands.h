@@ -28,6 +28,7 @@ Command serve_command();
 Command watch_command();
 Command push_command();
 Command grant_command();
+Command unify_command();
 Command report_command();
 
 Command reason_command();

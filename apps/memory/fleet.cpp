@@ -1,4 +1,4 @@
-// Memories of many robots in PostgreSQL: push, grant.
+// Memories of many robots in PostgreSQL: push, grant, unify.
 
 #include <fmt/format.h>
 
@@ -11,6 +11,7 @@
 #include "mapping/base/stopwatch.h"
 #include "memory/fleet/fleet_roles.h"
 #include "memory/fleet/push.h"
+#include "memory/fleet/unify.h"
 
 namespace loci::apps {
 namespace {
@@ -108,6 +109,29 @@ Command grant_command() {
                {"granted", !arguments->revoke}});
         };
       }};
+}
+
+Command unify_command() {
+  return {.name = "unify",
+          .description = "Join the memories of a home's robots: objects that several have seen become one",
+          .examples = {"loci-memory unify postgresql:///loci", "loci-memory unify postgresql:///loci --json"},
+          .declare = [](ArgumentTable& table) {
+            struct Arguments {
+              std::string url;
+              memory::RobotName name{.home = "home", .robot = "unified"};
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("URL", &arguments->url, kUrlHelp);
+            table.option("--home NAME", &arguments->name.home, "Name of the home");
+            table.option("--as NAME", &arguments->name.robot,
+                         "Name of the robot that has the unified memory");
+            return [arguments](Session& session) {
+              const memory::UnifyResult result =
+                  memory::unify(memory::parse_fleet_url(arguments->url), arguments->name,
+                                cache_folder() / "fleet", session.progress());
+              session.answer(result.summary(), result.report());
+            };
+          }};
 }
 
 }  // namespace loci::apps

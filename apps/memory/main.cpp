@@ -16,6 +16,6 @@ int main(int argc, char** argv) {
                    retain_command(), forget_command(), merge_command()});
   add("Exchange",
       {ingest_command(), export_command(), catalogue_command(), model_command(), serve_command()});
-  add("Share", {push_command(), grant_command()});
+  add("Share", {push_command(), grant_command(), unify_command()});
   return program.run(argc, argv);
 }

@@ -96,7 +96,10 @@ struct FleetReplica::Lock {
 };
 
 FleetReplica::FleetReplica(const std::string& url, const fs::path& cache)
-    : url_(parse_fleet_url(url)),
+    : FleetReplica(parse_fleet_url(url), cache) {}
+
+FleetReplica::FleetReplica(FleetUrl url, const fs::path& cache)
+    : url_(std::move(url)),
       folder_(cache / content_hash(url_.shown + '\n' +
                                    url_.connection.substr(
                                        std::min(url_.connection.find('?'), url_.connection.size())) +

@@ -16,6 +16,7 @@ inline constexpr double kFreshReplica_s = 1;
 class FleetReplica {
  public:
   /// `cache` is the folder for all replicas. Nothing is done yet.
+  FleetReplica(FleetUrl url, const std::filesystem::path& cache);
   FleetReplica(const std::string& url, const std::filesystem::path& cache);
 
   /// The file in the state of the last completed push. It is asked for in the database unless that was done

@@ -201,7 +201,7 @@ void MemoryPush::claim(const TableReader& file) {
   begin();
   SqlParameters parameters = name_parameters();
   parameters.emplace_back(created);
-  parameters.emplace_back("loci " LOCI_VERSION);
+  parameters.emplace_back(options_.program + " " LOCI_VERSION);
   database_.sql().run(
       "INSERT INTO loci.robot (home, robot, memory, revision, complete, pushed, program) "
       "VALUES ($1, $2, $3, 0, false, now(), $4) "
@@ -236,7 +236,7 @@ void MemoryPush::commit(bool complete) {
   begin();
   SqlParameters parameters = name_parameters();
   parameters.emplace_back(complete ? "true" : "false");
-  parameters.emplace_back("loci " LOCI_VERSION);
+  parameters.emplace_back(options_.program + " " LOCI_VERSION);
   if (database_.sql().run("UPDATE loci.robot SET complete = $3::boolean, pushed = now(), program = $4, "
                           "revision = revision + $3::boolean::integer WHERE home = $1 AND robot = $2",
                           parameters) != 1)

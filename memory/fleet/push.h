@@ -8,7 +8,8 @@ namespace loci::memory {
 
 struct PushOptions {
   RobotName name = {};
-  bool replace = false;      ///< the memory in the database may be another one: its rows go
+  bool replace = false;  ///< the memory in the database may be another one: its rows go
+  std::string program = "loci-memory push";
   int64_t max_rows = 20000;  ///< of one transaction: little enough that a killed push loses a second of work
 };
 

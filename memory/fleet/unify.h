@@ -1,16 +1,26 @@
 #pragma once
 
+#include "mapping/base/json_fwd.h"
+#include "mapping/base/progress.h"
 #include "memory/fleet/fleet_database.h"
 
 namespace loci::memory {
 
-/// The robots of a home whose memories the URL's role may read and whose pushes are complete, but one.
-std::vector<std::string> robots_of_home(const FleetUrl& url, const std::string& home,
-                                        const std::string& except);
+struct UnifyResult {
+  std::vector<std::string> robots = {};
+  int64_t their_objects = 0;  ///< of the robots, with an observation that the unified memory has
+  int64_t objects = 0;        ///< that these are
 
-/// After the merged memory of other robots was pushed as that of `unified`: writes which of its objects are
-/// which of theirs, by the observations that both have (recording, frame and number), into loci.identity, in
-/// the place of earlier rows. The number of objects of other robots.
-int64_t write_identities(const FleetUrl& url, const RobotName& unified);
+  std::string summary() const;
+  Json report() const;
+};
+
+/// Joins the memories of the robots of a home into one, reasons over all of their observations, and pushes
+/// the result as the memory of a robot of its own, `unified`: its rows name their run, its recordings where
+/// they come from, and loci.identity which objects of the robots its objects are. Nothing of the robots
+/// changes. Again, it brings that memory to their present state. The memories must be in one map frame, as
+/// for merge(). Needs the rights to read the home and to push `unified`. `cache` as for FleetReplica.
+UnifyResult unify(const FleetUrl& url, const RobotName& unified, const std::filesystem::path& cache,
+                  Progress& progress);
 
 }  // namespace loci::memory
