@@ -62,8 +62,9 @@ endif()
 
 if(LOCI_TESTS)
   find_package(GTest REQUIRED)
-  # Whether maps run elsewhere: Gazebo's reader and a physics engine.
+  # Whether maps run elsewhere: Gazebo's reader and two physics engines.
   find_package(sdformat12 REQUIRED)
   pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet)
+  find_package(mujoco REQUIRED)
   include(GoogleTest)
 endif()

@@ -166,6 +166,7 @@ SurveyResult survey(mapping::Robot& robot, const mapping::PlanarPose& start,
 
   progress.check(0.98, "writes the map");
   result.seconds = watch.seconds();
+  result.map.world.name = mapping::map_name(folder);
   write_urdf(result.map.world, folder / "map.urdf");
   write_semantic_map(result.map.semantics, folder / "map.semantic.json");
   write_file_atomically(folder / "report.html", survey_report(result, folder));

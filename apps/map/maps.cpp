@@ -8,6 +8,7 @@
 #include "mapping/base/json.h"
 #include "mapping/exchange/compare.h"
 #include "mapping/exchange/link_graph.h"
+#include "mapping/exchange/mjcf.h"
 #include "mapping/exchange/occupancy_grid.h"
 #include "mapping/exchange/owl.h"
 #include "mapping/exchange/ply.h"
@@ -85,11 +86,12 @@ struct ExportArguments {
 std::string format_of(const ExportArguments& arguments) {
   if (!arguments.format.empty()) return arguments.format;
   const std::string ending = std::filesystem::path(arguments.out).extension();
-  for (const char* format : {"sdf", "owl", "ply", "bt", "svg"})
+  for (const char* format : {"sdf", "mjcf", "owl", "ply", "bt", "svg"})
     if (ending == std::string(".") + format) return format;
+  if (ending == ".xml") return "mjcf";
   if (ending == ".pgm" || ending == ".yaml") return "grid";
   throw Error("the ending of '" + arguments.out + "' names no format", {},
-              "give --format: sdf, owl, ply, grid, bt, svg");
+              "give --format: sdf, mjcf, owl, ply, grid, bt, svg");
 }
 
 /// PGM and YAML side by side. Returns what to tell.
@@ -128,11 +130,15 @@ Json export_map(const ExportArguments& arguments, const std::string& format, Ses
     if (!described)
       throw Error("what the links are is not known", {arguments.input, 0, ""},
                   "OWL needs the sidecar " + sidecar.string());
-    return write_text(owl_text(world, semantics, world.name, modified_ns(arguments.input)), arguments.out);
+    const std::string name = world.name.empty() || world.name == "map"
+                                 ? mapping::map_name(std::filesystem::path(arguments.input).parent_path())
+                                 : world.name;
+    return write_text(owl_text(world, semantics, name, modified_ns(arguments.input)), arguments.out);
   }
   mapping::MeshSearch search;
   search.package_paths.assign(arguments.package_paths.begin(), arguments.package_paths.end());
   search.urdf_folder = std::filesystem::path(arguments.input).parent_path();
+  if (format == "mjcf") return write_text(mjcf_text(world, search, session.warnings()), arguments.out);
   const std::vector<mapping::WorldTriangle> triangles = triangles_of(world, search, session.warnings());
   if (format == "ply") return write_text(ply_text(triangles), arguments.out);
   if (format == "grid")
@@ -173,8 +179,9 @@ void run(const ExportArguments& arguments, Session& session) {
 
 Command export_command() {
   return {"export",
-          "Export a map as SDF, OWL, PLY, grid, OctoMap or link graph; scans as PLY, grid or OctoMap",
+          "Export a map as SDF, MJCF, OWL, PLY, grid, OctoMap or link graph; scans as PLY, grid or OctoMap",
           {"loci-map export apps/samples/kitchen.urdf -o demo-output/kitchen.sdf",
+           "loci-map export demo-output/map.urdf --format mjcf -o demo-output/kitchen.xml",
            "loci-map export apps/samples/kitchen.urdf --format grid --resolution-m 0.02 -o "
            "demo-output/floor.yaml"},
           [](ArgumentTable& table) {
@@ -182,9 +189,9 @@ Command export_command() {
             table.positional("MAP", &arguments->input,
                              "URDF of the map (the sidecar is found beside it), or a folder of scans");
             table.output("FILE", &arguments->out, "File to write", {.replaces = true});
-            table.option(
-                "--format FORMAT", &arguments->format, "Format",
-                {.default_text = "by the file name", .choices = {"sdf", "owl", "ply", "grid", "bt", "svg"}});
+            table.option("--format FORMAT", &arguments->format, "Format",
+                         {.default_text = "by the file name",
+                          .choices = {"sdf", "mjcf", "owl", "ply", "grid", "bt", "svg"}});
             table.option("--root LINK", &arguments->root, "Link with which the link graph begins");
             table.package_path(&arguments->package_paths);
             table.options(table_of(arguments->grid), "Grid");

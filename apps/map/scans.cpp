@@ -333,6 +333,7 @@ Command interpret_command() {
               }
               make_folder(arguments->out);
               const std::filesystem::path urdf = std::filesystem::path(arguments->out) / "map.urdf";
+              map.world.name = mapping::map_name(arguments->out);
               write_urdf(map.world, urdf);
               write_semantic_map(map.semantics, mapping::sidecar_path(urdf));
               move_room(arguments->scans, map.semantics, arguments->out);

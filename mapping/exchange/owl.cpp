@@ -14,9 +14,8 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// Depth, width, height of a link's shape: the box of its primitives in the link's axes.
-std::optional<Vector3d> size_of(const Link& link) {
-  Eigen::AlignedBox3d box;
+/// Extends a box by the primitives of a link.
+void extend_by(const Link& link, const Isometry3d& frame_from_link, Eigen::AlignedBox3d& box) {
   for (const Visual& visual : link.visuals) {
     Vector3d half;
     if (const auto* cuboid = std::get_if<Box>(&visual.geometry))
@@ -27,12 +26,11 @@ std::optional<Vector3d> size_of(const Link& link) {
       half = Vector3d::Constant(ball->radius);
     else
       continue;
-    const Vector3d reach = visual.link_from_visual.linear().cwiseAbs() * half;
-    box.extend(visual.link_from_visual.translation() - reach);
-    box.extend(visual.link_from_visual.translation() + reach);
+    const Isometry3d pose = frame_from_link * visual.link_from_visual;
+    const Vector3d reach = pose.linear().cwiseAbs() * half;
+    box.extend(pose.translation() - reach);
+    box.extend(pose.translation() + reach);
   }
-  if (box.isEmpty()) return std::nullopt;
-  return box.sizes();
 }
 
 class OwlWriter {
@@ -60,7 +58,7 @@ class OwlWriter {
   void add_link(const Link& link, const SemanticLink& entry) {
     XMLElement& node = document_.individual(link.name, knowrob_class(entry));
     document_.relate(node, "describedInMap", map_);
-    if (const std::optional<Vector3d> size = size_of(link)) {
+    if (const std::optional<Vector3d> size = size_of(link, entry)) {
       document_.state(node, "depthOfObject", size->x());
       document_.state(node, "widthOfObject", size->y());
       document_.state(node, "heightOfObject", size->z());
@@ -76,6 +74,25 @@ class OwlWriter {
         document_.relate(node, "hingedTo", joint.child);
     }
     add_perception(link.name, root_from_link_[world_.link_index(link.name)]);
+  }
+
+  /// Depth, width, height: the box of its primitives in its axes. A drawer goes as deep as its sides; the
+  /// face of a front is as large as it was measured.
+  std::optional<Vector3d> size_of(const Link& link, const SemanticLink& entry) const {
+    Eigen::AlignedBox3d box;
+    extend_by(link, Isometry3d::Identity(), box);
+    if (box.isEmpty()) return std::nullopt;
+    for (const Joint& joint : world_.joints) {
+      const auto part = semantics_.links.find(joint.child);
+      if (joint.parent == link.name && part != semantics_.links.end() &&
+          part->second.class_name.starts_with("drawer_"))
+        extend_by(*world_.find_link(joint.child), joint.parent_from_joint, box);
+    }
+    Vector3d size = box.sizes();
+    if (entry.geometry.contains("width")) size.y() = entry.geometry.at("width").get<double>();
+    if (entry.geometry.contains("width") && entry.geometry.contains("height"))
+      size.z() = entry.geometry.at("height").get<double>();
+    return size;
   }
 
   /// Where and when something was seen, as KnowRob keeps poses.

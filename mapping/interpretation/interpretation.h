@@ -34,6 +34,7 @@ struct InterpretedMap {
   std::vector<Front> fronts;         ///< furniture fronts with fixtures and joints, as in their links
   std::vector<FurnitureFace> faces;  ///< vertical planes that may be furniture, with or without fronts
   double room_yaw = 0;               ///< of the room's main directions in the map, radians
+  std::vector<Link> whole_supports;  ///< supports before room for fronts was cut out of them
   SemanticMap semantics;             ///< class, geometry, confidence, evidence of each link
   std::vector<std::string> notes;    ///< e.g. "no free-space evidence: the input is a bare cloud"
   Json configuration;                ///< the effective options

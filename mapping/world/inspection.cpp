@@ -82,6 +82,7 @@ WorldInspection inspect(const World& world, const MeshSearch& search, Warnings& 
         result.bounds.extend(Vector3d(root_from_visual * vertex.cast<double>()));
     }
   }
+  result.contacts = closed_contacts(world);
   count_extensions(world, result.extensions);
   return result;
 }
@@ -116,6 +117,10 @@ std::string WorldInspection::report() const {
   line("joints", fmt::format("{}{}", joints, joints ? " (" + list(joints_by_type) + ")" : ""));
   line("visuals", visuals_by_kind.empty() ? "none" : list(visuals_by_kind));
   line("collisions", std::to_string(collisions));
+  line("contacts", contacts.empty() ? "none in the closed state"
+                                    : fmt::format("{} in the closed state, the deepest {:.1f} mm ({}, {})",
+                                                  contacts.size(), 1000 * contacts[0].depth,
+                                                  contacts[0].first, contacts[0].second));
   line("triangles", std::to_string(triangles));
   if (!missing_meshes.empty()) line("missing", fmt::format("{} meshes", missing_meshes.size()));
   line("mass", links_with_mass ? fmt::format("{:.6g} kg in {} links", mass, links_with_mass) : "none stated");
@@ -144,6 +149,9 @@ Json WorldInspection::to_json() const {
                {"mass_kg", links_with_mass ? Json(mass) : Json()}};
   json["bounds"] =
       bounds.isEmpty() ? Json() : Json{{"min", numbers(bounds.min())}, {"max", numbers(bounds.max())}};
+  Json& touching = json["closed_contacts"] = Json::array();
+  for (const Contact& contact : contacts)
+    touching.push_back({{"links", {contact.first, contact.second}}, {"depth_m", contact.depth}});
   json["extensions"] = extensions;
   if (classes) json["classes"] = *classes;
   return json;

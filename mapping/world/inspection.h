@@ -9,6 +9,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/json_fwd.h"
+#include "mapping/world/contacts.h"
 #include "mapping/world/mesh.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/world.h"
@@ -28,7 +29,8 @@ struct WorldInspection {
   std::vector<std::string> missing_meshes;  ///< URIs that gave no triangles, each once
   double mass = 0;                          ///< kg, of the links that state one
   size_t links_with_mass = 0;
-  Eigen::AlignedBox3d bounds;  ///< of the visual geometry, root frame, metres, joints at 0; may be empty
+  Eigen::AlignedBox3d bounds;     ///< of the visual geometry, root frame, metres, joints at 0; may be empty
+  std::vector<Contact> contacts;  ///< of boxes, cylinders and spheres in the closed state
   std::map<std::string, size_t> extensions;              ///< elements that URDF does not define, by name
   std::optional<std::map<std::string, size_t>> classes;  ///< links by class, when there is a sidecar
 

@@ -20,4 +20,7 @@ World parse_urdf(const std::string& text, const std::string& file);
 std::string urdf_text(const World& world);
 void write_urdf(const World& world, const std::filesystem::path& path);
 
+/// What a map in a folder is called: the folder's name, "map" where it has none.
+std::string map_name(const std::filesystem::path& folder);
+
 }  // namespace loci::mapping

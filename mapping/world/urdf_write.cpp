@@ -229,4 +229,11 @@ void write_urdf(const World& world, const std::filesystem::path& path) {
   write_file_atomically(path, urdf_text(world));
 }
 
+std::string map_name(const std::filesystem::path& folder) {
+  std::filesystem::path path = std::filesystem::absolute(folder).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  const std::string name = path.filename();
+  return name.empty() ? "map" : name;
+}
+
 }  // namespace loci::mapping

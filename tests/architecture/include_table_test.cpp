@@ -72,6 +72,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"bullet/", "Bullet"},
                                                                      {"BulletDynamics/", "Bullet"},
                                                                      {"btBullet", "Bullet"},
+                                                                     {"mujoco/", "MuJoCo"},
                                                                      {"benchmark/", "benchmark"},
                                                                      {"pybind11/", "pybind11"}};
 const std::set<std::string> kBaseLibraries = {"fmt", "yaml-cpp", "nlohmann-json", "Eigen"};

@@ -97,8 +97,8 @@ TEST(Commands, ExplainWrongUsageInOneLine) {
       {"loci-map check a.urdf --threads 2000",
        "loci-map check: --threads: 2000 is not allowed (0 to 1024); see loci-map check --help\n"},
       {"loci-map export a.urdf -o b --format stl",
-       "loci-map export: --format: 'stl' is not one of sdf, owl, ply, grid, bt, svg; see loci-map export "
-       "--help\n"},
+       "loci-map export: --format: 'stl' is not one of sdf, mjcf, owl, ply, grid, bt, svg; see loci-map "
+       "export --help\n"},
       {"loci-map articulate --before scans",
        "loci-map articulate: --before needs --after; see loci-map articulate --help\n"},
   };

@@ -63,11 +63,11 @@ class Survey : public testing::Test {
 
 TEST_F(Survey, GoesOnAfterInterruptionsAsIfThereHadBeenNone) {
   const SmallWorld world = drawers_that_hang_together();
-  const SurveyResult whole = explore(world, "whole", 2, quiet_);
+  const SurveyResult whole = explore(world, "whole/room", 2, quiet_);
   EXPECT_FALSE(whole.interactions.empty());
   // Stopped in the exploration, and once more where it pulls; other numbers of threads.
   StopAfter soon(2);
-  EXPECT_THROW(explore(world, "parts", 1, soon), Interrupted);
+  EXPECT_THROW(explore(world, "parts/room", 1, soon), Interrupted);
   class StopAtSecondPull : public Progress {
    public:
     bool update(double, std::string_view text) override {
@@ -77,10 +77,11 @@ TEST_F(Survey, GoesOnAfterInterruptionsAsIfThereHadBeenNone) {
    private:
     int pulls_ = 0;
   } later;
-  EXPECT_THROW(explore(world, "parts", 2, later, true), Interrupted);
-  explore(world, "parts", 1, quiet_, true);
+  EXPECT_THROW(explore(world, "parts/room", 2, later, true), Interrupted);
+  explore(world, "parts/room", 1, quiet_, true);
   for (const char* file : {"map.urdf", "map.semantic.json"})
-    EXPECT_EQ(bytes(std::string("parts/") + file), bytes(std::string("whole/") + file)) << file;
+    EXPECT_EQ(bytes(std::string("parts/room/") + file), bytes(std::string("whole/room/") + file)) << file;
+  EXPECT_EQ(mapping::read_urdf(folder_ / "whole/room/map.urdf").name, "room");
 }
 
 TEST_F(Survey, FrontsThatShareAJointAreEachMappedAsTheDrawersThatTheyAre) {

@@ -78,6 +78,12 @@ class Table {
     spread("wall angle, worst", "deg", 1, objects(kLast, "wall", &mapping::ComparedElement::angle_error_deg),
            worst_of, most(0.3));
     each(
+        "contacts in the closed state", "",
+        [](const MappedWorld& map) { return static_cast<double>(map.contacts); }, most(0));
+    each(
+        "joints that jam", "", [](const MappedWorld& map) { return static_cast<double>(map.jammed); },
+        most(0));
+    each(
         "scans", "", [](const MappedWorld& map) { return static_cast<double>(map.scans); }, kNone);
     each(
         "handles pulled", "", [](const MappedWorld& map) { return static_cast<double>(map.pulls); }, kNone);

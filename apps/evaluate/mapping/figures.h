@@ -15,6 +15,8 @@ struct MappedWorld {
   mapping::Comparison before;                ///< of what looking alone gives
   std::optional<mapping::Comparison> after;  ///< of what it is after the handles were pulled
   size_t scans = 0, pulls = 0;
+  size_t contacts = 0;   ///< pairs of links that penetrate each other in the closed state
+  size_t jammed = 0;     ///< joints that something stops before their limit
   double seconds = 0;    ///< the sensor's simulation is in it where the robot explored
   double memory_mb = 0;  ///< peak of the whole process so far
 

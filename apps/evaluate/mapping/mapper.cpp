@@ -7,6 +7,7 @@
 #include "mapping/fusion/fusion.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/orthophoto/photo_interpretation.h"
+#include "mapping/world/contacts.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 
@@ -102,6 +103,9 @@ MappedWorld map_world(const Run& run, Progress& progress, Warnings& warnings) {
   mapped.scans = made.scans.scans.size();
   mapped.pulls = made.interactions.size();
   mapped.memory_mb = peak_memory_mb();
+  mapped.contacts = mapping::closed_contacts(made.map.world).size();
+  for (const mapping::Joint& joint : made.map.world.joints)
+    if (joint.limits && !mapping::free_range(made.map.world, joint).blocker.empty()) ++mapped.jammed;
   const mapping::MapStructure truth = read_structure(run.truth, search_of(run, run.truth), warnings);
   const auto compared = [&] {
     return compare(structure_from_sidecar(made.map.semantics, made.map.world, run.world.string()), truth,

@@ -7,6 +7,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
+#include "mapping/interpretation/furniture/front_fit.h"
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/parameters.h"
 #include "mapping/world/kinematics.h"
@@ -21,25 +22,20 @@ Json json_of(const Vector3d& v) {
   return {v.x(), v.y(), v.z()};
 }
 
-Isometry3d map_from_front(const Front& front) {
-  Isometry3d pose = Isometry3d::Identity();
-  const Vector3d x = front.normal.normalized();
-  const Vector3d y = front.up.cross(x).normalized();
-  pose.linear() << x, y, x.cross(y);
-  pose.translation() = front.centre;
-  return pose;
-}
-
 Isometry3d at(double x, double y, double z) {
   return Isometry3d(Eigen::Translation3d(x, y, z));
 }
+
+constexpr double kStandardGravity = 9.80665;
 
 /// Writes one front. The frame of most of its links is the front's: x outward, y to the right of a person in
 /// front of it, z up.
 class FrontWriter {
  public:
-  FrontWriter(const Front& front, const std::string& parent, World& world, SemanticMap& semantics)
+  FrontWriter(const Front& front, const FrontBody& body, const std::string& parent, World& world,
+              SemanticMap& semantics)
       : front_(front),
+        body_(body),
         world_(world),
         semantics_(semantics),
         parent_(parent),
@@ -57,7 +53,9 @@ class FrontWriter {
 
  private:
   LinkPart panel() const {
-    return box_part({-kFurniture.panel_m / 2, 0, 0}, {kFurniture.panel_m, front_.width, front_.height});
+    const Vector2d middle = body_.panel.center(), size = body_.panel.sizes();
+    return box_part({-kFurniture.panel_m / 2, middle.x(), middle.y()},
+                    {kFurniture.panel_m, size.x(), size.y()});
   }
 
   Joint& write_panel(const std::string& name, const std::string& parent, const Isometry3d& parent_from_link,
@@ -79,7 +77,7 @@ class FrontWriter {
   void write_drawer() {
     const std::string front = front_.name + "_front";
     Joint& joint = write_panel(front, parent_, map_from_parent_.inverse() * map_from_front_, at(0, 0, 0));
-    const double depth = std::max(front_.depth - kFurniture.panel_m, kFurniture.min_drawer_m);
+    const double depth = body_.drawer_depth;
     if (front_.joint && front_.joint->type == ArticulationType::prismatic) {
       joint.type = JointType::prismatic;
       joint.axis = map_from_front_.linear().transpose() * front_.joint->axis;
@@ -90,20 +88,22 @@ class FrontWriter {
 
   /// Sides and back stand on the edges of the bottom; the box is a little smaller than the front.
   void write_box(const std::string& front, double depth) {
-    const double runner = std::min(kFurniture.runner_m, 0.1 * front_.width);
-    const double board = std::min(kFurniture.board_m, 0.1 * std::min(front_.width, front_.height));
-    const double inner_width = front_.width - 2 * (runner + board);
-    const double floor = -0.45 * front_.height;       // underside of the bottom
-    const double top = floor + 0.65 * front_.height;  // of the sides
+    const Vector2d size = body_.panel.sizes(), centre = body_.panel.center();
+    const double runner = std::min(kFurniture.runner_m, 0.1 * size.x());
+    const double board = std::min(kFurniture.board_m, 0.1 * size.minCoeff());
+    const double inner_width = size.x() - 2 * (runner + board);
+    const double floor = centre.y() - 0.45 * size.y();  // underside of the bottom
+    const double top = floor + 0.65 * size.y();         // of the sides
     const double middle_x = -kFurniture.panel_m - depth / 2;
     const double middle_z = (floor + top) / 2;
     const double side_y = inner_width / 2 + board / 2;
     const Vector3d side(depth, board, top - floor);
-    write_side("_left", front, at(middle_x, side_y, middle_z), side, Vector3d::UnitY());
-    write_side("_right", front, at(middle_x, -side_y, middle_z), side, -Vector3d::UnitY());
-    write_side("_back", front, at(-kFurniture.panel_m - depth + board / 2, 0, middle_z),
+    write_side("_left", front, at(middle_x, centre.x() + side_y, middle_z), side, Vector3d::UnitY());
+    write_side("_right", front, at(middle_x, centre.x() - side_y, middle_z), side, -Vector3d::UnitY());
+    write_side("_back", front, at(-kFurniture.panel_m - depth + board / 2, centre.x(), middle_z),
                {board, inner_width, top - floor}, Vector3d::UnitX());
-    write_bottom(front, at(middle_x + board / 2, 0, floor + board), {depth - board, inner_width, board});
+    write_bottom(front, at(middle_x + board / 2, centre.x(), floor + board),
+                 {depth - board, inner_width, board});
   }
 
   void write_side(const char* suffix, const std::string& front, const Isometry3d& front_from_side,
@@ -147,12 +147,19 @@ class FrontWriter {
   /// A hinged link has its origin in the hinge; the front's frame is the link NAME_front.
   void write_hinged() {
     Isometry3d map_from_link = map_from_front_;
-    map_from_link.translation() = front_.joint->origin;
+    map_from_link.translation() = fitted_hinge(front_, body_);
     Joint& joint = write_panel(front_.name, parent_, map_from_parent_.inverse() * map_from_link,
                                map_from_link.inverse() * map_from_front_);
     joint.type = JointType::revolute;
     joint.axis = map_from_link.linear().transpose() * front_.joint->axis;
-    limit(joint, kPi / 2, 20, 1);
+    limit(joint, kPi / 2, std::max(20.0, 2 * weight_torque(map_from_link.translation())), 1);
+  }
+
+  /// What holds the panel of a flap up, N m.
+  double weight_torque(const Vector3d& hinge) const {
+    const double weight =
+        kStandardGravity * kFurniture.wood_density * kFurniture.panel_m * body_.panel.sizes().prod();
+    return weight * front_.joint->axis.normalized().head<2>().norm() * (front_.centre - hinge).norm();
   }
 
   /// Unknown limits become usual ones, as simulators need limits.
@@ -164,13 +171,16 @@ class FrontWriter {
   }
 
   void write_fixture(const Fixture& fixture, const std::string& parent) {
+    const Fixture fitted = fitted_fixture(front_, body_);
     const bool bar = fixture.kind == Fixture::Kind::handle;
     const std::string class_name = bar ? "handle" : "knob";
     const std::string name = front_.name + "_" + class_name;
     const Vector3d centre = map_from_front_.inverse() * fixture.centre;
+    const Vector3d shift = map_from_front_.inverse() * fitted.centre - centre;
     const Vector3d axis = map_from_front_.linear().transpose() * fixture.axis.normalized();
-    add_link(world_, name, class_name, parent, at(centre.x(), centre.y(), centre.z()),
-             bar ? bar_parts(fixture, axis, centre.x()) : knob_parts(fixture, centre.x()));
+    std::vector<LinkPart> parts = bar ? bar_parts(fitted, axis, centre.x()) : knob_parts(fitted, centre.x());
+    for (LinkPart& part : parts) part.link_from_part.pretranslate(shift);
+    add_link(world_, name, class_name, parent, at(centre.x(), centre.y(), centre.z()), parts);
     SemanticLink& link = semantics_.links[name] = SemanticLink{};
     link.class_name = class_name;
     link.confidence = fixture.confidence;
@@ -227,6 +237,7 @@ class FrontWriter {
   }
 
   const Front& front_;
+  const FrontBody& body_;
   World& world_;
   SemanticMap& semantics_;
   std::string parent_;
@@ -237,12 +248,23 @@ class FrontWriter {
 }  // namespace
 
 void add_front(const Front& front, const std::string& parent, World& world, SemanticMap& semantics) {
-  if (front.name.empty()) throw Error("a front needs a name before it becomes a link");
-  if (!(front.width > 0 && front.height > 0))
-    throw Error("the front '" + front.name + "' has no width or height");
-  if (front_link(front.name, semantics))
-    throw Error("the map has a front '" + front.name + "' already", {}, "remove it first");
-  FrontWriter(front, parent, world, semantics).write();
+  add_fronts(std::vector<Front>{front}, parent, world, semantics);
+}
+
+void add_fronts(const std::vector<Front>& fronts, const std::string& parent, World& world,
+                SemanticMap& semantics) {
+  for (const Front& front : fronts) {
+    if (front.name.empty()) throw Error("a front needs a name before it becomes a link");
+    if (!(front.width > 0 && front.height > 0))
+      throw Error("the front '" + front.name + "' has no width or height");
+    if (front_link(front.name, semantics))
+      throw Error("the map has a front '" + front.name + "' already", {}, "remove it first");
+  }
+  const std::vector<FrontBody> bodies = fit_fronts(fronts, world, semantics);
+  cut_supports(fronts, bodies, world, semantics);
+  for (size_t i = 0; i < fronts.size(); ++i)
+    FrontWriter(fronts[i], bodies[i], parent, world, semantics).write();
+  limit_joints(fronts, world, semantics);
 }
 
 void remove_front(const std::string& name, World& world, SemanticMap& semantics) {

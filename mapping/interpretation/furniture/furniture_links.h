@@ -14,9 +14,14 @@ namespace loci::mapping {
 ///  - A door or flap NAME is the link NAME whose frame has the origin in the hinge, under a revolute joint;
 ///    NAME_front is the front's frame without geometry, and carries NAME_handle or NAME_knob.
 ///  - A front without joint, or with a rigid one, is the link NAME, fixed, in the front's frame.
-/// Unknown limits (upper = lower) become usual ones. Error for a front without name or size,
+/// Unknown limits (upper = lower) become usual ones. Nothing of it penetrates what is there already: see
+/// fit_fronts(), cut_supports(), limit_joints(). Error for a front without name or size,
 /// or whose name is taken.
 void add_front(const Front& front, const std::string& parent, World& world, SemanticMap& semantics);
+
+/// The same for several fronts, which make room for each other.
+void add_fronts(const std::vector<Front>& fronts, const std::string& parent, World& world,
+                SemanticMap& semantics);
 
 /// Removes a front's links, joints and entries. Error when there is no front of this name.
 void remove_front(const std::string& name, World& world, SemanticMap& semantics);

@@ -85,17 +85,24 @@ Rgba color_of(const std::string& class_name) {
   return {0.62F, 0.45F, 0.35F, 1};
 }
 
-Joint& add_link(World& world, const std::string& name, const std::string& class_name,
-                const std::string& parent, const Isometry3d& parent_from_link,
-                const std::vector<LinkPart>& parts) {
-  Link link;
-  link.name = name;
+void set_parts(Link& link, const std::string& class_name, const std::vector<LinkPart>& parts) {
+  link.visuals.clear();
+  link.collisions.clear();
+  link.inertial.reset();
   for (const LinkPart& part : parts) {
     link.visuals.push_back(
         {"", part.link_from_part, part.shape, Material{class_name, color_of(class_name), ""}});
     link.collisions.push_back({"", part.link_from_part, part.shape});
   }
   if (!parts.empty()) link.inertial = inertial_of(parts);
+}
+
+Joint& add_link(World& world, const std::string& name, const std::string& class_name,
+                const std::string& parent, const Isometry3d& parent_from_link,
+                const std::vector<LinkPart>& parts) {
+  Link link;
+  link.name = name;
+  set_parts(link, class_name, parts);
   world.links.push_back(std::move(link));
   Joint joint;
   joint.name = name + "_joint";

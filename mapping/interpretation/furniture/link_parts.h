@@ -27,6 +27,9 @@ Inertial inertial_of(const std::vector<LinkPart>& parts);
 /// The colour of links of a class.
 Rgba color_of(const std::string& class_name);
 
+/// Gives a link visual and collision geometry and inertia in the place of its own.
+void set_parts(Link& link, const std::string& class_name, const std::vector<LinkPart>& parts);
+
 /// Appends a link with visual and collision geometry and inertia, fixed to its parent by LINK_joint; the
 /// joint may be changed afterwards. A link without parts is a frame.
 Joint& add_link(World& world, const std::string& name, const std::string& class_name,

@@ -232,8 +232,10 @@ void add_links(const RecognisedRoom& room, const InterpretationOptions& options,
   const std::vector<std::string> walls = wall_names(room);
   for (const size_t i : in_name_order(walls)) add_wall(room.walls[i], walls[i], map);
   const std::vector<std::string> supports = support_names(room);
-  for (const size_t i : in_name_order(supports))
+  for (const size_t i : in_name_order(supports)) {
     add_support(room, room.supports[i], supports[i], options, map);
+    map.whole_supports.push_back(map.world.links.back());
+  }
 }
 
 namespace {
@@ -243,9 +245,9 @@ void add_named(std::vector<Front> fronts, InterpretedMap& map) {
   for (const size_t i : front_order(fronts, map.room_yaw)) {
     Front& front = fronts[i];
     front.name = fmt::format("{}_{}", front.class_name, ++used[front.class_name]);
-    add_front(front, kRoot, map.world, map.semantics);
     map.fronts.push_back(front);
   }
+  add_fronts(map.fronts, kRoot, map.world, map.semantics);
 }
 
 }  // namespace
@@ -268,6 +270,9 @@ void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, Interpret
 void replace_fronts(std::vector<Front> fronts, InterpretedMap& map) {
   for (const Front& front : map.fronts) remove_front(front.name, map.world, map.semantics);
   map.fronts.clear();
+  for (const Link& support : map.whole_supports)  // Other fronts need other room.
+    for (Link& link : map.world.links)
+      if (link.name == support.name) link = support;
   add_named(std::move(fronts), map);
 }
 

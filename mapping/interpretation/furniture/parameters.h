@@ -14,6 +14,15 @@ struct FurnitureParameters {
   double min_joint_probability = 0.5;  ///< without which no joint is claimed
   double row_m = 0.3;                  ///< faces less far behind each other are one row of furniture
   double column_m = 0.1;               ///< between the left edges of fronts of one column
+  double gap_m = 0.003;                ///< between fronts, and between a front and what is beside it
+  double max_cut = 0.35;               ///< of a panel's width or height, to make room for others
+  double max_planing_m = 0.015;        ///< of a panel's side, to slide past what stands beside it
+  double hinge_m = 0.03;               ///< how far off a panel's edge a hinge may be found
+  double max_hinge_behind_m = 0.002;   ///< the face; from farther behind, a door turns into its neighbour
+  double min_slide_m = 0.02;           ///< shorter ranges are errors of the map, not limits of joints
+  double min_turn = 0.1;               ///< radians, likewise
+  double min_slab_m = 0.01;            ///< thickness of the thinnest slab
+  double min_rest_m = 0.002;           ///< sides of the smallest box that a cut leaves
   double wood_density = 600;           ///< kg/m³
   double steel_density = 7800;         ///< kg/m³
 };

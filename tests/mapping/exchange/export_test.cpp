@@ -94,6 +94,8 @@ TEST(Owl, TellsPartsPosesAndJoints) {
   EXPECT_NEAR(owl.number("pose_drawer_1_front", "m13"), 1.4, 1e-9);
   EXPECT_NEAR(owl.number("pose_drawer_1_front", "m23"), 0.74, 1e-9);
   EXPECT_NEAR(owl.number("drawer_1_front", "widthOfObject"), 0.6, 1e-9);
+  EXPECT_NEAR(owl.number("drawer_1_front", "depthOfObject"), 0.5, 1e-9);
+  EXPECT_NEAR(owl.number("front_1", "depthOfObject"), 0.02, 1e-9);
   EXPECT_NEAR(owl.number("drawer_1_front_joint", "maxJointValue"), 0.42, 1e-9);
   EXPECT_NEAR(owl.number("direction_drawer_1_front_joint", "vectorY"), -1, 1e-9);
   EXPECT_NEAR(owl.number("door_1_joint", "turnRadius"), std::hypot(0.3, 0.035), 1e-9);

@@ -13,6 +13,7 @@
 
 #include "mapping/world/kinematics.h"
 #include "tests/mapping/exchange/furnished_map.h"
+#include "tests/mapping/exchange/scanned_kitchens.h"
 
 namespace loci::mapping::test {
 namespace {
@@ -31,11 +32,11 @@ btTransform transform_of(const Isometry3d& pose) {
                      vector_of(pose.translation()));
 }
 
-/// A drawer of a map in a physics engine, built from nothing but the URDF: collision shapes, inertia, joint,
-/// limits. All else of the map stands still.
-class SimulatedDrawer {
+/// A drawer or door of a map in a physics engine, built from nothing but the URDF: collision shapes, inertia,
+/// joint, limits. All else of the map stands still.
+class SimulatedJoint {
  public:
-  SimulatedDrawer(const World& world, const std::string& joint_name)
+  SimulatedJoint(const World& world, const std::string& joint_name)
       : world_(world), root_from_link_(root_from_links(world, {})), joint_(*world.find_joint(joint_name)) {
     dynamics_.setGravity({0, 0, -9.81F});
     std::vector<std::string> moving = {joint_.child};
@@ -44,12 +45,12 @@ class SimulatedDrawer {
         if (joint.parent == moving[i]) moving.push_back(joint.child);
     for (const Link& link : world.links)
       if (!link.collisions.empty() && std::ranges::find(moving, link.name) == moving.end()) add_static(link);
-    add_drawer(moving);
+    add_moving(moving);
   }
 
-  ~SimulatedDrawer() {
+  ~SimulatedJoint() {
     for (const auto& constraint : constraints_) dynamics_.removeMultiBodyConstraint(constraint.get());
-    dynamics_.removeMultiBody(drawer_.get());
+    dynamics_.removeMultiBody(body_.get());
     for (int i = dynamics_.getNumCollisionObjects() - 1; i >= 0; --i)
       dynamics_.removeCollisionObject(dynamics_.getCollisionObjectArray()[i]);
   }
@@ -73,7 +74,19 @@ class SimulatedDrawer {
     }
   }
 
-  double position() const { return drawer_->getJointPos(0); }
+  /// Between what the joint moves and all else, with the joint where it is.
+  int contacts() {
+    dynamics_.performDiscreteCollisionDetection();
+    int count = 0;
+    for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+      const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
+      for (int k = 0; k < manifold.getNumContacts(); ++k)
+        count += manifold.getContactPoint(k).getDistance() < 0 ? 1 : 0;
+    }
+    return count;
+  }
+
+  double position() const { return body_->getJointPos(0); }
   Vector3d box() const {
     const btVector3& at = box_->getWorldTransform().getOrigin();
     return {at.x(), at.y(), at.z()};
@@ -122,7 +135,7 @@ class SimulatedDrawer {
   }
 
   /// The links that are fixed to each other are one body about their common centre of mass.
-  void add_drawer(const std::vector<std::string>& moving) {
+  void add_moving(const std::vector<std::string>& moving) {
     double mass = 0;
     Vector3d weighted = Vector3d::Zero();
     for (const std::string& name : moving) {
@@ -153,29 +166,37 @@ class SimulatedDrawer {
     }
     const Isometry3d root_from_parent = root_from_link_[world_.link_index(joint_.parent)];
     const Isometry3d body_from_parent = root_from_body.inverse() * root_from_parent;
-    drawer_ = std::make_unique<btMultiBody>(1, btScalar(0), btVector3(0, 0, 0), true, false);
-    drawer_->setBaseWorldTransform(transform_of(root_from_parent));
+    body_ = std::make_unique<btMultiBody>(1, btScalar(0), btVector3(0, 0, 0), true, false);
+    body_->setBaseWorldTransform(transform_of(root_from_parent));
     const Eigen::Quaterniond turn(body_from_parent.linear());
     const Vector3d parent_to_body = root_from_parent.inverse() * root_from_body.translation();
-    drawer_->setupPrismatic(0, static_cast<btScalar>(mass), vector_of(inertia.diagonal()), -1,
-                            btQuaternion(static_cast<btScalar>(turn.x()), static_cast<btScalar>(turn.y()),
-                                         static_cast<btScalar>(turn.z()), static_cast<btScalar>(turn.w())),
-                            vector_of(joint_.axis.normalized()), vector_of(parent_to_body),
-                            btVector3(0, 0, 0), true);
-    drawer_->finalizeMultiDof();
-    dynamics_.addMultiBody(drawer_.get());
-    collider_ = std::make_unique<btMultiBodyLinkCollider>(drawer_.get(), 0);
+    const btQuaternion body_from(static_cast<btScalar>(turn.x()), static_cast<btScalar>(turn.y()),
+                                 static_cast<btScalar>(turn.z()), static_cast<btScalar>(turn.w()));
+    const auto body_mass = static_cast<btScalar>(mass);
+    const btVector3 axis = vector_of(joint_.axis.normalized());
+    if (joint_.type == JointType::prismatic) {
+      body_->setupPrismatic(0, body_mass, vector_of(inertia.diagonal()), -1, body_from, axis,
+                            vector_of(parent_to_body), btVector3(0, 0, 0), true);
+    } else {
+      const Isometry3d root_from_joint = root_from_link_[world_.link_index(joint_.child)];
+      body_->setupRevolute(0, body_mass, vector_of(inertia.diagonal()), -1, body_from, axis,
+                           vector_of((root_from_parent.inverse() * root_from_joint).translation()),
+                           vector_of((root_from_joint.inverse() * root_from_body).translation()), true);
+    }
+    body_->finalizeMultiDof();
+    dynamics_.addMultiBody(body_.get());
+    collider_ = std::make_unique<btMultiBodyLinkCollider>(body_.get(), 0);
     collider_->setCollisionShape(compound);
     collider_->setWorldTransform(transform_of(root_from_body));
     collider_->setFriction(0.5F);
-    drawer_->getLink(0).m_collider = collider_.get();
+    body_->getLink(0).m_collider = collider_.get();
     dynamics_.addCollisionObject(collider_.get(), btBroadphaseProxy::DefaultFilter,
                                  btBroadphaseProxy::AllFilter);
     constraints_.push_back(std::make_unique<btMultiBodyJointLimitConstraint>(
-        drawer_.get(), 0, static_cast<btScalar>(joint_.limits->lower),
+        body_.get(), 0, static_cast<btScalar>(joint_.limits->lower),
         static_cast<btScalar>(joint_.limits->upper)));
     auto motor = std::make_unique<btMultiBodyJointMotor>(
-        drawer_.get(), 0, btScalar(0), static_cast<btScalar>(joint_.limits->effort * kStep));
+        body_.get(), 0, btScalar(0), static_cast<btScalar>(joint_.limits->effort * kStep));
     motor_ = motor.get();
     constraints_.push_back(std::move(motor));
     for (const auto& constraint : constraints_) dynamics_.addMultiBodyConstraint(constraint.get());
@@ -192,7 +213,7 @@ class SimulatedDrawer {
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<std::unique_ptr<btDefaultMotionState>> states_;
   std::vector<std::unique_ptr<btRigidBody>> bodies_;
-  std::unique_ptr<btMultiBody> drawer_;
+  std::unique_ptr<btMultiBody> body_;
   std::unique_ptr<btMultiBodyLinkCollider> collider_;
   std::vector<std::unique_ptr<btMultiBodyConstraint>> constraints_;
   btMultiBodyJointMotor* motor_ = nullptr;
@@ -204,7 +225,7 @@ class SimulatedDrawer {
 void expect_box_stays(const World& world, const std::string& drawer) {
   constexpr double kOpen = 0.35;
   constexpr double kBox = 0.07;
-  SimulatedDrawer simulated(world, drawer + "_front_joint");
+  SimulatedJoint simulated(world, drawer + "_front_joint");
   simulated.drive(kOpen, 0.4, 2);
   ASSERT_NEAR(simulated.position(), kOpen, 0.01);
   const std::string bottom = drawer + "_bottom";
@@ -232,6 +253,35 @@ TEST(Simulator, BoxDroppedIntoAnOpenedDrawerStaysThereWhenItCloses) {
 TEST(Simulator, SoDoesTheSampleKitchensDrawer) {
   expect_box_stays(read_urdf(std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf"),
                    "drawer_2");
+}
+
+/// Every joint of a map, pushed through its range by its own motor, all else closed.
+void expect_all_open(const World& world, size_t min_joints) {
+  size_t joints = 0;
+  for (const Joint& joint : world.joints) {
+    if (joint.type == JointType::fixed) continue;
+    ++joints;
+    SimulatedJoint simulated(world, joint.name);
+    EXPECT_EQ(simulated.contacts(), 0) << joint.name;
+    const double upper = joint.limits->upper;
+    simulated.drive(upper, 0.5 * upper, 4);
+    EXPECT_GT(simulated.position(), 0.97 * upper) << joint.name;
+  }
+  EXPECT_GE(joints, min_joints);
+}
+
+TEST(Simulator, TightFurnitureStandsFreeWhenClosedAndOpensToItsLimits) {
+  expect_all_open(tight_furniture().world, 5);
+}
+
+TEST(Simulator, SoDoesAKitchenAsItWasScanned) {
+  expect_all_open(scanned_sample_kitchen().world, 8);
+}
+
+TEST(Simulator, SoDoesTheKitchenOfALaboratory) {
+  const std::optional<InterpretedMap> map = scanned_laboratory_kitchen();
+  if (!map) GTEST_SKIP() << "no shared data";
+  expect_all_open(map->world, 12);
 }
 
 }  // namespace

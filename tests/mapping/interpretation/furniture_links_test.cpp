@@ -7,6 +7,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/world/contacts.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
 
@@ -267,6 +268,54 @@ TEST(FurnitureLinks, ReadsTheFrontsOfASampleMadeByHand) {
   EXPECT_NEAR(drawer.joint->upper, 0.5, 1e-12);
   EXPECT_NEAR(drawer.fixture->length, 0.24, 1e-12);
   EXPECT_NEAR(drawer.fixture->protrusion, 0.035, 1e-9);
+}
+
+/// A door whose hinge was found behind its face, beside a drawer that is a little too wide, both in the slab.
+struct TightMap : Map {
+  TightMap() {
+    world.links[1].collisions.push_back(
+        {"", Isometry3d(Eigen::Translation3d(0, 0, -0.02)), Box{{4, 4, 0.04}}});
+    semantics.links["counter_1"].class_name = "counter";
+    Front door = a_door(), drawer = a_drawer();
+    door.joint->origin -= 0.01 * door.normal;
+    door.centre.z() = 0.9 - 0.038 - door.height / 2;
+    drawer.centre = door.centre + 0.598 * door.right();
+    drawer.joint->axis = drawer.normal;
+    drawer.confidence = 0.99;
+    for (Front* front : {&door, &drawer}) front->fixture->centre = front->centre + 0.035 * front->normal;
+    add_fronts({door, drawer}, "map", world, semantics);
+  }
+};
+
+TEST(FurnitureLinks, FrontsKeepTheGapsOfFurnitureWhateverTheirExtents) {
+  const TightMap map;
+  EXPECT_TRUE(closed_contacts(map.world).empty());
+  for (const char* name : {"door_2_joint", "drawer_3_front_joint"}) {
+    const Joint& joint = *map.world.find_joint(name);
+    const FreeRange range = free_range(map.world, joint);
+    EXPECT_EQ(range.blocker, "") << name;
+    EXPECT_GT(range.upper, 0.39) << name;
+  }
+  // The sidecar keeps what was measured.
+  EXPECT_EQ(map.semantics.links.at("door_2").geometry.at("width").get<double>(), 0.6);
+}
+
+TEST(FurnitureLinks, ADrawerThatMeetsSomethingOpensUpToIt) {
+  Map map;
+  const Front front = a_drawer();
+  Link post;
+  post.name = "post";
+  post.collisions.push_back(
+      {"", Isometry3d(Eigen::Translation3d(front.centre + 0.3 * front.normal)), Cylinder{0.02, 1}});
+  map.world.links.push_back(post);
+  Joint joint;
+  joint.name = "post_joint";
+  joint.parent = "map";
+  joint.child = "post";
+  map.world.joints.push_back(joint);
+  add_front(front, "map", map.world, map.semantics);
+  EXPECT_EQ(map.semantics.links.at("drawer_3_front").extra.at("blocked_by"), "post");
+  EXPECT_NEAR(map.world.find_joint("drawer_3_front_joint")->limits->upper, 0.3 - 0.02 - 0.04, 0.01);
 }
 
 }  // namespace

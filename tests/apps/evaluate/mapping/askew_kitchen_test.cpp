@@ -43,6 +43,8 @@ TEST(MappingFigures, AimsAreMetInAKitchenWithAskewFurniture) {
   EXPECT_GE(value("support IoU, mean"), 0.9);
   EXPECT_LE(value("support height, worst"), 1);
   EXPECT_LE(value("wall offset, worst"), 1);
+  EXPECT_EQ(value("contacts in the closed state"), 0);
+  EXPECT_EQ(value("joints that jam"), 0);
 }
 
 }  // namespace
