@@ -108,6 +108,11 @@ double InteractionModel::moved_to(const std::string& from, const std::string& to
                     : leaves / all * (others > 0 ? std::min(1.0, places * there / others) : 1.0);
 }
 
+double InteractionModel::elsewhere() const {
+  const double elsewhere = statistics_.went_elsewhere + kParameters.prior_put_down / 2;
+  return elsewhere / (elsewhere + statistics_.carried_off + kParameters.prior_carried_off);
+}
+
 double InteractionModel::short_share() const {
   return (statistics_.short_moves + kParameters.prior_put_down / 2) /
          (statistics_.stayed_on_place + kParameters.prior_put_down);

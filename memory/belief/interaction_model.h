@@ -60,6 +60,8 @@ class InteractionModel {
 
   /// Share of what is handled in `from` that is put down in `to`; the rest is carried off.
   double moved_to(const std::string& from, const std::string& to) const;
+  /// Probability that what was handled and is no longer on its place is elsewhere in the home.
+  double elsewhere() const;
   void learn_moved(const std::string& from, const std::string& to, double probability);
   /// Share of short moves among those on one place.
   double short_share() const;

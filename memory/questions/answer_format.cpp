@@ -146,6 +146,7 @@ Json belief_json(const ObjectBelief& belief) {
   Json json = object_json(belief.object);
   json["status"] = to_text(belief.status);
   json["probability"] = belief.probability;
+  json["in_home"] = belief.in_home;
   put(json, "place", belief.place, place_json);
   put(json, "position", belief.position, vector_json);
   put(json, "first_seen", belief.first_seen, scene_json);

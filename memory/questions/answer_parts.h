@@ -49,6 +49,7 @@ struct ObjectBelief {
   ObjectRef object = {};
   ObjectStatus status = ObjectStatus::seen;
   double probability = 0;  ///< that it is at this place
+  double in_home = 0;      ///< that it is at this place or elsewhere in the home
   std::optional<PlaceRef> place = {};
   std::optional<Vector3d> position = {};  ///< map frame
   std::optional<SceneRef> first_seen = {};

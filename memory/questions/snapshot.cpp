@@ -251,6 +251,7 @@ ObjectBelief Snapshot::object_belief(const BeliefRow& row) const {
   ObjectBelief belief{.object = object_ref(row.object),
                       .status = row.status,
                       .probability = row.probability,
+                      .in_home = row.probability + (1 - row.probability) * row.elsewhere.value_or(0),
                       .place = place_ref(row.place),
                       .position = row.position,
                       .first_seen = scene_ref(sightings.first_scene),

@@ -46,7 +46,8 @@ bool same(const BeliefRow& a, const BeliefRow& b) {
   return a.object == b.object && a.status == b.status && a.place == b.place &&
          a.last_observation == b.last_observation && a.clock.valid_from == b.clock.valid_from &&
          a.color == b.color && same(a.position, b.position) && same(a.size, b.size) &&
-         same(a.fade_s, b.fade_s) && same(a.fade_to, b.fade_to) && same(a.probability, b.probability);
+         same(a.fade_s, b.fade_s) && same(a.fade_to, b.fade_to) && same(a.elsewhere, b.elsewhere) &&
+         same(a.probability, b.probability);
 }
 
 /// Adds rows in place of those known now.

@@ -58,8 +58,9 @@ Fading fading_of(const belief::ProtoObject& object, const belief::BeliefState& s
                  const belief::BeliefOptions& options) {
   const belief::InteractionKey key = belief::interaction_key(object);
   const double age = state.exposure_s - object.last_seen_exposure_s;
+  const double leaves = 1 - state.interaction.moved_to(object.place, object.place);
   const auto left = [&](double seconds) {
-    return 1 - state.interaction.probability(key, age, age + seconds, options);
+    return 1 - leaves * state.interaction.probability(key, age, age + seconds, options);
   };
   double early = 0, late = 6 * options.move_time_s;
   Fading fading{options.move_time_s, left(late)};
@@ -219,8 +220,7 @@ class RowBuilder {
     BeliefRow row = before == nullptr ? BeliefRow() : *before;
     row.object = object.id;
     row.scene = c_.scene;
-    row.probability =
-        std::clamp(outcome == nullptr ? object.probability_here : outcome->probability_here, 0.0, 1.0);
+    row.probability = std::clamp(belief::probability_on_place(object, c_.after, c_.options), 0.0, 1.0);
     row.status = gone                 ? ObjectStatus::gone
                  : seen_now           ? ObjectStatus::seen
                  : outcome == nullptr ? ObjectStatus::out_of_view
@@ -232,6 +232,7 @@ class RowBuilder {
     row.sigma = std::sqrt(object.variance);
     row.clock = clock();
     if (seen_now) fill_observation(row, object);
+    row.elsewhere = c_.after.interaction.elsewhere();
     row.probability_then = row.probability;
     row.then = c_.record.row.time;
     const bool new_appearance = outcome != nullptr && outcome->explanation == Explanation::newview;

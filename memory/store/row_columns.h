@@ -246,6 +246,7 @@ void visit_columns(Columns& column, Row& row) {
   column.vector("size_", row.size);
   column("fade_s", row.fade_s);
   column("fade_to", row.fade_to);
+  column("elsewhere", row.elsewhere);
   column.bitemporal(row.clock);
 }
 

@@ -200,6 +200,7 @@ struct BeliefRow {
   std::optional<Vector3d> size = {};
   /// Without observations, the probability fades to this share within about this time; unset = it does not.
   std::optional<double> fade_s = {}, fade_to = {};
+  std::optional<double> elsewhere = {};  ///< probability that it is elsewhere in the home if it is not here
   Bitemporal clock = {};
   // When read: `probability`, `status` and the last observation are as of the latest scene, extrapolated from
   // these.

@@ -315,6 +315,7 @@ CREATE TABLE belief (
   color TEXT,
   size_x REAL, size_y REAL, size_z REAL,
   fade_s REAL, fade_to REAL,       -- how the probability fades without observations; NULL = it does not
+  elsewhere REAL,                  -- probability that it is elsewhere in the home if it is not at this place
   valid_from INTEGER NOT NULL,
   valid_to INTEGER,
   known_from INTEGER NOT NULL,
@@ -445,7 +446,7 @@ CREATE VIEW object_known AS
 CREATE VIEW belief_known AS
   SELECT a.id, a.object, a.scene, a.status, a.probability, a.place, a.x, a.y, a.z, a.sigma, a.last_scene,
     a.last_observation, a.hue, a.saturation, a.value, a.color, a.size_x, a.size_y, a.size_z, a.fade_s, a.fade_to,
-    a.valid_from, a.valid_to,
+    a.elsewhere, a.valid_from, a.valid_to,
     a.known_from, coalesce(a.known_to, (SELECT min(b.known_from) FROM belief b WHERE b.supersedes = a.id)) AS known_to,
     a.supersedes, a.run, a.source
   FROM belief a;

@@ -135,7 +135,7 @@ class Scorer {
     if (where.status != memory::ObjectStatus::seen && where.place) {
       if (!gone)
         score_.place_stated.emplace_back(where.probability, truly_on(name, where.place->name, scene.time));
-      score_.existence_stated.emplace_back(gone ? 0.0 : where.probability,
+      score_.existence_stated.emplace_back(where.in_home,
                                            frame_at(scene.time).support.contains(name));
     }
     for (const memory::PlaceRow& place : places_) {
