@@ -10,6 +10,7 @@
 
 #include "mapping/base/math.h"
 #include "perception/annotators/segmentation/convex_parts.h"
+#include "perception/annotators/segmentation/object_piece.h"
 #include "perception/annotators/structure/supports.h"
 
 namespace loci::perception {
@@ -17,129 +18,6 @@ namespace {
 
 using Eigen::Vector2f;
 using Eigen::Vector3f;
-
-/// What a camera sees of an upright object between two heights, from left to right.
-struct OutlineBand {
-  int points = 0;      ///< that it was measured on
-  float width = 0;     ///< between the outermost points to the left and to the right, metres
-  float distance = 0;  ///< of the mean from the viewpoint, in the plane, metres
-  Eigen::Vector2f middle = Eigen::Vector2f::Zero();  ///< between those two points, in the plane
-  Eigen::Vector2f across = Eigen::Vector2f::Zero();  ///< unit vector to the left in the image
-};
-
-/// The band between the heights `low` and `high` of the points `members` of a cloud over a support (z =
-/// height, metres), as seen from `viewpoint`. Of the outermost points 2 % on either side are left out.
-OutlineBand outline_band(const std::vector<Eigen::Vector3f>& cloud, const std::vector<int>& members,
-                         const Eigen::Vector2f& viewpoint, float low, float high) {
-  using Eigen::Vector2f;
-  OutlineBand band;
-  std::vector<std::pair<float, Vector2f>> seen;
-  Vector2f mean = Vector2f::Zero();
-  for (const int i : members) {
-    const Eigen::Vector3f& p = cloud[static_cast<size_t>(i)];
-    if (p.z() < low || p.z() > high) continue;
-    seen.emplace_back(0.0f, p.head<2>());
-    mean += p.head<2>();
-  }
-  band.points = static_cast<int>(seen.size());
-  if (seen.empty()) return band;
-  mean /= static_cast<float>(seen.size());
-  band.distance = (mean - viewpoint).norm();
-  const Vector2f ahead = (mean - viewpoint).normalized();
-  band.across = Vector2f(-ahead.y(), ahead.x());
-  for (auto& [angle, p] : seen) angle = std::atan2(band.across.dot(p - viewpoint), ahead.dot(p - viewpoint));
-  std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  const size_t tail = seen.size() / 50;
-  const auto& right = seen[tail];
-  const auto& left = seen[seen.size() - 1 - tail];
-  band.width = band.distance * (left.first - right.first);
-  band.middle = viewpoint + Eigen::Rotation2Df(0.5f * (left.first + right.first)) * (band.distance * ahead);
-  return band;
-}
-
-/// One or several parts that are taken for one object so far.
-struct Piece {
-  std::vector<int> points;
-  double area = 0;   ///< m², as seen
-  double noise = 1;  ///< of the depth relative to that at 1 m
-  float bottom = 0;
-  float top = 0;
-  std::vector<cv::Point2f> footprint;  ///< convex, completed by reflection
-  Eigen::AlignedBox2f extent;          ///< of the footprint
-  float distance = 0;                  ///< of the mean from the viewpoint, in the plane
-  float bearing = 0;                   ///< of the mean as seen from there, radians
-  float left = 0, right = 0;           ///< angles between which it is seen, from the bearing
-  float facing_out = 0;                ///< whether its walls face its middle (-1) or away from it (1)
-};
-
-/// Whether the walls of a piece face its middle (-1) or away from it (1).
-void set_hollowness(Piece& piece, const Vector2f& mean, const PlaneCloud& cloud) {
-  float facing = 0;
-  float all = 0;
-  for (const int i : piece.points) {
-    const Vector2f normal = cloud.normals[static_cast<size_t>(i)].head<2>();
-    const Vector2f out = cloud.points[static_cast<size_t>(i)].head<2>() - mean;
-    if (!normal.allFinite()) continue;
-    facing += normal.dot(out);
-    all += normal.norm() * out.norm();
-  }
-  piece.facing_out = all > 0 ? facing / all : 0;
-}
-
-/// Convex hull of the points and of their reflection about the middle of the line between the outermost
-/// points to the left and to the right as the camera sees them.
-void set_footprint(Piece& piece, const PlaneCloud& cloud) {
-  const size_t stride = std::max<size_t>(1, piece.points.size() / 2000);
-  std::vector<std::pair<float, Vector2f>> seen;
-  Vector2f mean = Vector2f::Zero();
-  for (size_t k = 0; k < piece.points.size(); k += stride) {
-    const Vector2f p = cloud.points[static_cast<size_t>(piece.points[k])].head<2>();
-    seen.emplace_back(0.0f, p);
-    mean += p;
-  }
-  mean /= static_cast<float>(seen.size());
-  piece.distance = (mean - cloud.viewpoint).norm();
-  const Vector2f ahead = (mean - cloud.viewpoint).normalized();
-  for (auto& [angle, p] : seen) {
-    const Vector2f to = p - cloud.viewpoint;
-    angle = std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
-  }
-  std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  const size_t tail = seen.size() / 50;
-  const Vector2f middle = 0.5f * (seen[tail].second + seen[seen.size() - 1 - tail].second);
-  std::vector<cv::Point2f> both;
-  for (size_t k = tail; k < seen.size() - tail; ++k) {
-    const Vector2f p = seen[k].second;
-    const Vector2f q = 2.0f * middle - p;
-    both.emplace_back(p.x(), p.y());
-    both.emplace_back(q.x(), q.y());
-  }
-  cv::convexHull(both, piece.footprint);
-  piece.extent.setEmpty();
-  for (const cv::Point2f& p : piece.footprint) piece.extent.extend(Vector2f(p.x, p.y));
-  piece.left = seen[tail].first;
-  piece.right = seen[seen.size() - 1 - tail].first;
-  piece.bearing = std::atan2(ahead.y(), ahead.x());
-  set_hollowness(piece, mean, cloud);
-}
-
-/// Area and noise, which joining splinters goes by.
-void set_area(Piece& piece, const PlaneCloud& cloud) {
-  piece.area = 0;
-  for (const int i : piece.points) piece.area += static_cast<double>(cloud.areas[static_cast<size_t>(i)]);
-  // What a pixel covers grows with the square of the distance, and so does the noise.
-  const double focal_squared = cloud.camera.fx * cloud.camera.fy;
-  piece.noise = std::max(1.0, piece.area / static_cast<double>(piece.points.size()) * focal_squared);
-}
-
-/// All but those: heights, footprint, where it is seen, where its walls face.
-void measure(Piece& piece, const PlaneCloud& cloud) {
-  std::vector<float> heights;
-  heights.reserve(piece.points.size());
-  for (const int i : piece.points) heights.push_back(cloud.points[static_cast<size_t>(i)].z());
-  std::tie(piece.bottom, piece.top) = quantiles(heights, 0.02, 0.98);
-  set_footprint(piece, cloud);
-}
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
@@ -151,18 +29,18 @@ class Assembly {
     for (size_t i = 0; i < parts.part_of_point.size(); ++i)
       pieces_[static_cast<size_t>(parts.part_of_point[i])].points.push_back(static_cast<int>(i));
     for (const auto& [pair, count] : parts.contacts) contacts_[pair] = count;
-    for (Piece& piece : pieces_) set_area(piece, cloud_);
+    for (Piece& piece : pieces_) measure_area(piece, cloud_);
   }
 
   void run() {
     while (join_splinter()) {
     }
     for (size_t i = 0; i < pieces_.size(); ++i)
-      if (alive(i)) measure(pieces_[i], cloud_);
+      if (alive(i)) measure_shape(pieces_[i], cloud_);
     while (join_coplanar()) {
     }
     while (join_hollow() || join_cavity() || join_contained() || join_appendage() || join_neck() ||
-           join_lid() || join_hidden()) {
+           join_lid() || join_bent() || join_hidden()) {
     }
   }
 
@@ -193,7 +71,7 @@ class Assembly {
     pieces_[keep].points.insert(pieces_[keep].points.end(), pieces_[gone].points.begin(),
                                 pieces_[gone].points.end());
     pieces_[gone].points.clear();
-    set_area(pieces_[keep], cloud_);
+    measure_area(pieces_[keep], cloud_);
     std::map<std::array<int, 2>, int> contacts;
     for (const auto& [pair, count] : contacts_) {
       const int first = piece_of(pair[0]);
@@ -205,7 +83,7 @@ class Assembly {
 
   void join(size_t a, size_t b) {
     merge(a, b);
-    measure(pieces_[std::min(a, b)], cloud_);
+    measure_shape(pieces_[std::min(a, b)], cloud_);
   }
 
   int contact(size_t a, size_t b) const {
@@ -309,6 +187,32 @@ class Assembly {
     const float low = std::max(inner.left + turn, outer.left - slack);
     const float high = std::min(inner.right + turn, outer.right + slack);
     return static_cast<double>((high - low) / std::max(1e-6f, inner.right - inner.left));
+  }
+
+  /// Pieces of one bent rod, such as a banana, whose inner side is concave: both are as high as thick, of one
+  /// height and thickness, and meet end to end.
+  bool join_bent() {
+    for (const auto& [pair, count] : contacts_) {
+      const auto first = static_cast<size_t>(pair[0]);
+      const auto second = static_cast<size_t>(pair[1]);
+      if (!one_bent_rod(pieces_[first], pieces_[second])) continue;
+      join(first, second);
+      return true;
+    }
+    return false;
+  }
+
+  bool one_bent_rod(const Piece& a, const Piece& b) const {
+    const auto slack = static_cast<float>(options_.slack_m);
+    if (std::abs(a.top - b.top) > slack || std::abs(a.bottom - b.bottom) > slack) return false;
+    constexpr float kMinThickness = 0.45f;  // only the side towards the camera is seen
+    const Rod first(a, cloud_), second(b, cloud_);
+    if (!first.is_rod() || !second.is_rod()) return false;
+    const auto [thinner, thicker] = std::minmax(first.thickness, second.thickness);
+    if (thinner < kMinThickness * thicker) return false;
+    constexpr float kMinCosine = 0.5f;  // bent by 60 degrees at most
+    if (std::abs(first.along.dot(second.along)) < kMinCosine) return false;
+    return first.gap_to(second) < first.thickness + slack;
   }
 
   /// Pieces of the inside of a round vessel, which concave edges part where it is narrow.

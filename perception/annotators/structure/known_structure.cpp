@@ -73,7 +73,7 @@ void grow_known_structure(const cv::Mat& points, const cv::Mat& normals, const m
                           const std::vector<char>& is_surface, const KnownStructureOptions& options,
                           KnownStructure& known) {
   constexpr double kDistortion = 7;
-  constexpr float kMinCosine = 0.94f;  // 20 degrees: what leans against a wall is turned from it
+  constexpr float kAlike = 0.94f;  // 20 degrees: what leans against a wall is turned from it
   constexpr auto kExplained = static_cast<uint8_t>(mapping::PixelKind::map_explained);
   const auto* point = points.ptr<cv::Vec3f>();
   const auto* normal = normals.ptr<cv::Vec3f>();
@@ -87,7 +87,7 @@ void grow_known_structure(const cv::Mat& points, const cv::Mat& normals, const m
     if (std::isnan(z) || kind[i] == kExplained || link[i] < 0 || is_surface[static_cast<size_t>(link[i])])
       return false;
     const double reach = options.epsilon_m + kDistortion * depth_noise(static_cast<double>(z));
-    return static_cast<double>(depth[i] - z) <= reach && normal[i].dot(facing[i]) > kMinCosine;
+    return static_cast<double>(depth[i] - z) <= reach && normal[i].dot(facing[i]) > kAlike;
   };
   std::vector<int> front;
   const auto take_neighbours = [&](int i) {

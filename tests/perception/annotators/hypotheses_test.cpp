@@ -135,6 +135,24 @@ TEST(Clusters, ABottleKeepsItsNeckAndCap) {
   }
 }
 
+TEST(Clusters, ABentRodIsOneThing) {
+  // As bananas lie: an arc that is hollow towards the camera, as thick as high.
+  for (const double x : {-0.3, 0.0, 0.25})
+    for (const double bend_m : {0.08, 0.1, 0.13}) {
+      SyntheticTable table;
+      auto& rod = table.rounds.emplace_back();
+      for (double angle = -1.0; angle <= 1.0; angle += 0.05) {
+        const double radius = 0.019 * (1 - 0.4 * angle * angle);
+        const Vector3d foot(x + bend_m * std::sin(angle), 0.25 + bend_m * std::cos(angle), 0);
+        rod.push_back({foot, 0.019, radius, radius});
+        rod.push_back({foot + Vector3d(0, 0, 0.019), 0.018, radius, 0.35 * radius});
+      }
+      const Found found = find(table, 0.1, table.up());
+      EXPECT_EQ(found.clusters.size(), 1U) << x << " " << bend_m;
+      EXPECT_GT(best_overlap(found, 1), 0.7) << x << " " << bend_m;
+    }
+}
+
 TEST(Clusters, ABowlOfWhichABottleHidesASideIsOneThing) {
   struct Case {
     double aside, radius_low, radius_high;
