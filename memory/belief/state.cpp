@@ -33,9 +33,11 @@ double probability_here(const ProtoObject& object, const BeliefState& state, con
   return object.probability_here * (1 - interaction_probability(object, state.exposure_s, state, options));
 }
 
-double probability_on_place(const ProtoObject& object, const BeliefState& state, const BeliefOptions& options) {
+double probability_on_place(const ProtoObject& object, const BeliefState& state,
+                            const BeliefOptions& options) {
   const double left = 1 - state.interaction.moved_to(object.place, object.place);
-  return object.probability_here * (1 - left * interaction_probability(object, state.exposure_s, state, options));
+  return object.probability_here *
+         (1 - left * interaction_probability(object, state.exposure_s, state, options));
 }
 
 AxisBox box_in_map(const ProtoObject& object, const std::vector<PlacePose>& places) {

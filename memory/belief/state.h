@@ -116,9 +116,10 @@ double interaction_probability(const ProtoObject& object, double exposure_s, con
                                const BeliefOptions& options);
 /// Probability that an object still is where it was observed last, as of the last scene.
 double probability_here(const ProtoObject& object, const BeliefState& state, const BeliefOptions& options);
-/// Probability that an object still is on the place where it was observed last: whatever was handled since its
-/// spot was last observed may have been put down elsewhere on the same place.
-double probability_on_place(const ProtoObject& object, const BeliefState& state, const BeliefOptions& options);
+/// Probability that an object still is on the place where it was observed last: whatever was handled since
+/// its spot was last observed may have been put down elsewhere on the same place.
+double probability_on_place(const ProtoObject& object, const BeliefState& state,
+                            const BeliefOptions& options);
 /// The box of an object in the map frame, for the poses that places have now.
 AxisBox box_in_map(const ProtoObject& object, const std::vector<PlacePose>& places);
 

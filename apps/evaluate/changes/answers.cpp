@@ -135,8 +135,7 @@ class Scorer {
     if (where.status != memory::ObjectStatus::seen && where.place) {
       if (!gone)
         score_.place_stated.emplace_back(where.probability, truly_on(name, where.place->name, scene.time));
-      score_.existence_stated.emplace_back(where.in_home,
-                                           frame_at(scene.time).support.contains(name));
+      score_.existence_stated.emplace_back(where.in_home, frame_at(scene.time).support.contains(name));
     }
     for (const memory::PlaceRow& place : places_) {
       const bool there = !gone && where.place && where.place->id == place.id && where.probability >= 0.5;
