@@ -80,7 +80,7 @@ Command edit_command() {
             table.memory(arguments->memory);
             return [arguments](Session& session) {
               if (arguments->action == "list")
-                return answer_list(session, edits(memory::Store::open_read(arguments->memory)));
+                return answer_list(session, edits(open_memory(arguments->memory, session)));
               const memory::Query query = arguments->query();
               memory::Store store = open_to_change(arguments->memory, session);
               const memory::Edit edit = make_edit(store, query, session.progress());
@@ -116,7 +116,7 @@ Command fact_command() {
               const auto word = [&w = words](size_t i) { return i < w.size() ? w[i] : std::string(); };
               memory::FactsAnswer answer;
               if (action == "list") {
-                answer = ask(memory::Store::open_read(memory), memory::FactsQuestion{word(0), word(1), {}});
+                answer = ask(open_memory(memory, session), memory::FactsQuestion{word(0), word(1), {}});
               } else {
                 memory::Store store = open_to_change(memory, session);
                 answer = action == "set" ? set_fact(store, word(0), word(1), word(2))
@@ -172,7 +172,7 @@ Command taxonomy_command() {
             memory::Store store = open_to_change(arguments->memory, session);
             taxonomy.save(store);
           } else {
-            taxonomy = memory::Taxonomy::of(memory::Store::open_read(arguments->memory), {});
+            taxonomy = memory::Taxonomy::of(open_memory(arguments->memory, session), {});
           }
           session.answer(to_text(taxonomy), to_json(taxonomy));
         };
