@@ -97,26 +97,24 @@ void derive_tables(SQLite::Database& database) {
   count_rows(database);
 }
 
-void derive_tables_of(SQLite::Database& database, const std::set<Id>& objects,
+void derive_tables_of(SQLite::Database& database, const std::set<Id>& observed, const std::set<Id>& believed,
                       std::map<std::string, int64_t> added) {
   run_statements(database, fmt::format("DELETE FROM {0}; INSERT INTO {0} ({1}) {2};", kSceneRank.name,
                                        kSceneRank.columns, select_text(kSceneRank)));
-  for (const Id object : objects) {
-    for (const DerivedTable& table : {kObservationRank, kVisit, kObjectTerm, kStay}) {
-      const bool by_belief = std::string_view(table.name) == kStay.name;  // it has no index of objects
-      const int64_t removed = run_statements(
-          database,
-          fmt::format("DELETE FROM {} WHERE {};", table.name,
-                      by_belief ? "belief IN (SELECT id FROM main.belief WHERE object = ?1)" : "object = ?1"),
-          {sql(object)});
-      const int64_t inserted =
-          run_statements(database,
-                         fmt::format("INSERT INTO {} ({}) {};", table.name, table.columns,
-                                     select_text(table, " AND object = ?1")),
-                         {sql(object)});
-      if (by_belief) added[table.name] += inserted - removed;
-    }
-  }
+  const auto derive = [&](const DerivedTable& table, Id object, const char* condition) {
+    const int64_t removed = run_statements(
+        database, fmt::format("DELETE FROM {} WHERE {};", table.name, condition), {sql(object)});
+    return run_statements(database,
+                          fmt::format("INSERT INTO {} ({}) {};", table.name, table.columns,
+                                      select_text(table, " AND object = ?1")),
+                          {sql(object)}) -
+           removed;
+  };
+  for (const Id object : observed)
+    for (const DerivedTable& table : {kObservationRank, kVisit, kObjectTerm})
+      derive(table, object, "object = ?1");
+  for (const Id object : believed)  // stays have no index of objects
+    added[kStay.name] += derive(kStay, object, "belief IN (SELECT id FROM main.belief WHERE object = ?1)");
   for (const char* table : kCountedTables)
     if (added.contains(table))
       run_statements(database, "UPDATE row_count SET rows = rows + ?1 WHERE name = ?2;",

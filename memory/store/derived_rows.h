@@ -23,9 +23,9 @@ int64_t stay_seconds(TimeNs time);
 
 /// Derives all of them.
 void derive_tables(SQLite::Database& database);
-/// Derives those of some objects, of which rows of association, belief and annotation were added, and adds to
-/// the counts of rows; digests are left as they are.
-void derive_tables_of(SQLite::Database& database, const std::set<Id>& objects,
+/// Derives those of objects that have new observations, and stays of objects that have new beliefs, and adds
+/// to the counts of rows; digests are left as they are.
+void derive_tables_of(SQLite::Database& database, const std::set<Id>& observed, const std::set<Id>& believed,
                       std::map<std::string, int64_t> added);
 /// Counts the rows of the large tables (row_count), and computes the digests of all tables.
 void count_rows(SQLite::Database& database);

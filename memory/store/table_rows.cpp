@@ -185,7 +185,7 @@ struct TableWriter::State {
   bool was_empty = true;
   bool conflict = false;  ///< a new row contradicts one that was there: that one has changed or gone
   // What tells which derived rows follow from the new ones.
-  std::set<Id> objects;
+  std::set<Id> observed, believed;
   Id last_observation = 0;  ///< before
   bool derive_all = false;
 
@@ -203,7 +203,11 @@ Id TableWriter::State::id(const TableLayout& table, const TableRow& row, const c
 
 void TableWriter::State::note(const TableLayout& table, const TableRow& row) {
   if (table.name == AssociationRow::kTable || table.name == BeliefRow::kTable) {
-    if (const Id object = id(table, row, "object"); object != 0) objects.insert(object);
+    const Id object = id(table, row, "object");
+    const bool belief = table.name == BeliefRow::kTable;
+    if (object != 0 && belief) believed.insert(object);
+    if (object != 0 && !belief && id(table, row, "chosen") == 1 && id(table, row, "observation") != 0)
+      observed.insert(object);
     derive_all = derive_all || id(table, row, "supersedes") != 0;
   } else if (table.name == "annotation") {
     const Id observation = id(table, row, "observation");
@@ -297,7 +301,7 @@ bool TableWriter::commit() {
     if (state_->was_empty || state_->derive_all)
       derive_tables(database);
     else
-      derive_tables_of(database, state_->objects, state_->added);
+      derive_tables_of(database, state_->observed, state_->believed, state_->added);
     state_->inserts.clear();
     state_->transaction->commit();
     database.exec("PRAGMA wal_checkpoint(PASSIVE)");
