@@ -7,6 +7,7 @@ namespace loci::apps {
 Command articulation_command();
 Command changes_command();
 Command days_command();
+Command detection_command();
 Command mapping_command();
 Command description_command();
 Command filter_command();

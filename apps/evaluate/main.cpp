@@ -6,6 +6,7 @@ int main(int argc, char** argv) {
   program.add(loci::apps::changes_command());
   program.add(loci::apps::days_command());
   program.add(loci::apps::description_command());
+  program.add(loci::apps::detection_command());
   program.add(loci::apps::filter_command());
   program.add(loci::apps::fleet_command());
   program.add(loci::apps::mapping_command());

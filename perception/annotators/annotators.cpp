@@ -2,6 +2,7 @@
 
 #include "perception/annotators/description/color_annotators.h"
 #include "perception/annotators/description/geometry_annotators.h"
+#include "perception/annotators/description/network_embedding.h"
 #include "perception/annotators/description/object_views.h"
 #include "perception/annotators/description/recognition_annotators.h"
 #include "perception/annotators/description/shape_annotators.h"
@@ -41,6 +42,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<TextAnnotator>();
   registry.add<PclFeatureAnnotator>();
   registry.add<ImageFeatureAnnotator>();
+  registry.add<NetworkEmbedding>();
   registry.add<FeatureClassifier>();
   registry.add("ImageClassifier", [] { return std::make_unique<FeatureClassifier>(true); });
   registry.add<HouseholdClassifier>();

@@ -117,6 +117,7 @@ Network::Network(const std::filesystem::path& model, NetworkInput input, double 
     : file_(model.string()), input_(std::move(input)) {
   const OnnxModel checked = read_onnx_model(model);
   input_.size = input_size(checked, input_.size, file_);
+  takes_batches_ = checked.input.shape[0] == 0;
   const std::string hint = fmt::format(
       "OpenCV {} reads operator sets up to about 13, this model has {}: export it with opset 12, without "
       "post-processing such as NMS, and simplified",

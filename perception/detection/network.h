@@ -42,6 +42,8 @@ class Network {
 
   const NetworkInput& input() const { return input_; }
   const std::string& file() const { return file_; }
+  /// Whether the model was exported for any number of images.
+  bool takes_batches() const { return takes_batches_; }
   /// The fit of an image of this size.
   InputFit fit(const cv::Size& image) const;
 
@@ -61,6 +63,7 @@ class Network {
   NetworkInput input_;
   mutable cv::dnn::Net net_;
   std::vector<std::string> outputs_;
+  bool takes_batches_ = false;
 };
 
 }  // namespace loci::perception

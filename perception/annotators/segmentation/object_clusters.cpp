@@ -70,12 +70,12 @@ struct Standing {
 };
 
 /// A support made ready to be asked about many points.
-struct Ground {
+struct SupportGround {
   const SupportPlane& plane;
   ConvexOutline outline;
   Eigen::Matrix3f plane_from_camera;  ///< rotation
 
-  explicit Ground(const SupportPlane& support)
+  explicit SupportGround(const SupportPlane& support)
       : plane(support),
         outline(support.outline),
         plane_from_camera(support.camera_from_plane.linear().transpose().cast<float>()) {}
@@ -85,7 +85,7 @@ constexpr int kNoSupport = -1;  ///< below a point
 constexpr int kOnSupport = -2;  ///< it is the support itself
 
 /// The highest support below a point, or one of the two above, and the point in its frame.
-int support_below(const Vector3f& p, int label, const std::vector<Ground>& grounds,
+int support_below(const Vector3f& p, int label, const std::vector<SupportGround>& grounds,
                   const ClusterOptions& options, Vector3d& position) {
   // Beyond the outline by this much objects are still looked at, to tell what merely reaches over the
   // support.
@@ -114,8 +114,8 @@ enum class Shows : uint8_t { nothing, support, candidate, surroundings };
 
 /// Gives every pixel to the highest support below it. `shows`: CV_8U, of every pixel.
 std::vector<Standing> stand_on_supports(const ClusterImages& images, const mapping::PinholeCamera& camera,
-                                        const std::vector<Ground>& grounds, const ClusterOptions& options,
-                                        int threads, cv::Mat& shows) {
+                                        const std::vector<SupportGround>& grounds,
+                                        const ClusterOptions& options, int threads, cv::Mat& shows) {
   const cv::Mat& points = images.points;
   const auto* point = points.ptr<cv::Vec3f>();
   const auto* normal = images.normals.ptr<cv::Vec3f>();
@@ -174,7 +174,7 @@ std::vector<std::vector<size_t>> members_of(const std::vector<int>& group_of, in
 
 class ClusterMaker {
  public:
-  ClusterMaker(const ClusterImages& images, const mapping::PinholeCamera& camera, const Ground& ground,
+  ClusterMaker(const ClusterImages& images, const mapping::PinholeCamera& camera, const SupportGround& ground,
                int index, const ClusterOptions& options)
       : points_(images.points),
         normals_(images.normals),
@@ -537,7 +537,7 @@ std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const m
                                             const ClusterOptions& options, int threads) {
   const cv::Mat& points = images.points;
   std::vector<ObjectCluster> clusters;
-  const std::vector<Ground> grounds(supports.begin(), supports.end());
+  const std::vector<SupportGround> grounds(supports.begin(), supports.end());
   cv::Mat shows;
   const std::vector<Standing> standing = stand_on_supports(images, camera, grounds, options, threads, shows);
   for (size_t s = 0; s < supports.size(); ++s) {

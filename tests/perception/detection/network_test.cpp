@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/error.h"
+#include "perception/detection/image_encoder.h"
 #include "perception/detection/network_detector.h"
 #include "perception/detection/onnx_model.h"
 #include "tests/perception/detection/onnx_file.h"
@@ -233,6 +234,67 @@ TEST(NetworkDescription, IsReadStrictly) {
             std::string::npos);
   write_file_atomically(folder / "names.txt", "");
   EXPECT_NE(error_of_text(head + "layout: ssd\n").find("names.txt"), std::string::npos);
+}
+
+/// An encoder of mean colours with its description.
+fs::path mean_encoder(const fs::path& folder, const test::Shape& input) {
+  test::write_model(folder / "encoder.onnx", test::mean_network(input));
+  write_file_atomically(folder / "encoder.yaml",
+                        "model: encoder.onnx\nname: mean\ninput: {width: 8, height: 8}\n");
+  return folder / "encoder.yaml";
+}
+
+TEST(ImageEncoder, GivesUnitVectorsAloneAndInBatches) {
+  const cv::Mat red(10, 20, CV_8UC3, cv::Scalar(0, 0, 200)), yellow(9, 9, CV_8UC3, cv::Scalar(0, 90, 120)),
+      black(9, 9, CV_8UC3, cv::Scalar(0, 0, 0));
+  for (const int64_t batch : {1, 0}) {
+    const ImageEncoder encoder(mean_encoder(fresh_folder(), {batch, 3, 8, 8}));
+    EXPECT_EQ(encoder.name(), "mean");
+    const auto vectors = encoder.encode({yellow, black, yellow});
+    ASSERT_EQ(vectors.size(), 3U);
+    ASSERT_EQ(vectors[0].size(), 3U);
+    EXPECT_NEAR(vectors[0][0], 0.8, 1e-4);
+    EXPECT_NEAR(vectors[0][1], 0.6, 1e-4);
+    EXPECT_TRUE(vectors[1].empty());
+    EXPECT_EQ(vectors[2], vectors[0]);
+    EXPECT_GT(encoder.encode({red})[0][0], 0.8F);
+  }
+}
+
+TEST(ImageEncoder, WhatDoesNotFitIsRefused) {
+  const fs::path folder = fresh_folder();
+  const fs::path description = mean_encoder(folder, {1, 3, 8, 8});
+  write_file_atomically(description, "model: encoder.onnx\nname: mean\noutput: features\n");
+  EXPECT_NE(error_of([&] { ImageEncoder encoder(description); }).find("no output 'features'"),
+            std::string::npos);
+  write_file_atomically(description, "model: encoder.onnx\nnam: mean\n");
+  EXPECT_NE(error_of([&] { ImageEncoder encoder(description); }).find("did you mean 'name'"),
+            std::string::npos);
+}
+
+/// Damaged copies of a real model: an error in one line or a model that runs, never a crash.
+TEST(Network, DamagedModelsAreRefused) {
+  const fs::path folder = fresh_folder(), data = fs::path(LOCI_SOURCE_DIR) / "tests/data/detector";
+  const std::string whole = read_file(data / "household.onnx");
+  fs::copy_file(data / "classes.txt", folder / "classes.txt");
+  fs::copy_file(data / "household.yaml", folder / "household.yaml");
+  int refused = 0;
+  const auto try_model = [&](const std::string& bytes) {
+    write_file_atomically(folder / "household.onnx", bytes);
+    refused += error_of([&] { ObjectDetector detector(folder / "household.yaml"); }) != "no error";
+  };
+  for (const size_t length : {size_t{0}, size_t{10}, whole.size() / 2, whole.size() - 1})
+    try_model(whole.substr(0, length));
+  EXPECT_EQ(refused, 4);
+  write_file_atomically(folder / "classes.txt", "cup\nbox\n");
+  try_model(whole);
+  EXPECT_EQ(refused, 5);
+}
+
+TEST(ObjectDetector, FindsNothingOnABlankImage) {
+  const ObjectDetector detector(fs::path(LOCI_SOURCE_DIR) / "tests/data/detector/household.yaml");
+  EXPECT_EQ(detector.description().classes.size(), 13U);
+  EXPECT_TRUE(detector.detect(cv::Mat(480, 640, CV_8UC3, cv::Scalar(120, 130, 140))).empty());
 }
 
 }  // namespace
