@@ -365,7 +365,93 @@ void add_cluster(const FlatObject& object, const types::PlanarSupport& support, 
   scene.add_cluster(cluster);
 }
 
+/// Clusters as a flat object sees its neighbours.
+class Neighbours {
+ public:
+  Neighbours(const std::vector<std::vector<int>>& clusters, const cv::Mat& depth, const cv::Mat& color,
+             const mapping::RgbdCamera& camera)
+      : depth_(depth),
+        color_(color),
+        camera_(camera),
+        clusters_(clusters),
+        cluster_of_(depth.size(), CV_32S, cv::Scalar(-1)) {
+    for (size_t cluster = 0; cluster < clusters.size(); ++cluster)
+      for (const int pixel : clusters[cluster]) cluster_of_.ptr<int>()[pixel] = static_cast<int>(cluster);
+  }
+
+  bool is_part_of_one(const FlatObject& object) const {
+    constexpr double kMinShare = 0.3;
+    const auto [cluster, share] = longest_contact(object.pixels);
+    return share > kMinShare && same_color(object.pixels, clusters_[cluster]);
+  }
+
+ private:
+  /// The cluster along which most of an outline runs, and that share of it.
+  std::pair<size_t, double> longest_contact(const std::vector<int>& object) const {
+    constexpr int kReach = 2 * kClusterMargin;
+    cv::Mat own = cv::Mat::zeros(depth_.size(), CV_8U);
+    for (const int pixel : object) own.ptr<unsigned char>()[pixel] = 1;
+    std::vector<int> contact(clusters_.size());
+    int outline = 0;
+    const cv::Rect image({}, depth_.size());
+    for (const int pixel : object) {
+      const cv::Point here(pixel % depth_.cols, pixel / depth_.cols);
+      for (const cv::Point& step : {cv::Point(-1, 0), cv::Point(1, 0), cv::Point(0, -1), cv::Point(0, 1)}) {
+        if (!image.contains(here + step) || own.at<unsigned char>(here + step)) continue;
+        ++outline;
+        for (int far = 1; far <= kReach && image.contains(here + far * step); ++far) {
+          const int cluster = cluster_of_.at<int>(here + far * step);
+          if (cluster < 0) continue;
+          ++contact[static_cast<size_t>(cluster)];
+          break;
+        }
+      }
+    }
+    const auto most = std::ranges::max_element(contact);
+    if (most == contact.end() || outline == 0) return {};
+    return {static_cast<size_t>(most - contact.begin()), static_cast<double>(*most) / outline};
+  }
+
+  bool same_color(const std::vector<int>& a, const std::vector<int>& b) const {
+    constexpr double kMaxChroma = 15;
+    constexpr double kMaxLightness = 50;  // surfaces that face another way are brighter or darker
+    const cv::Vec3d apart = mean_lab(a) - mean_lab(b);
+    return std::hypot(apart[1], apart[2]) < kMaxChroma && std::abs(apart[0]) < kMaxLightness;
+  }
+
+  /// Mean colour of pixels of the depth image, CIELAB as OpenCV has it in 8 bits.
+  cv::Vec3d mean_lab(const std::vector<int>& pixels) const {
+    const Isometry3d color_from_depth = camera_.depth_from_color.inverse();
+    cv::Mat seen(0, 1, CV_8UC3);
+    for (const int pixel : pixels) {
+      const auto z = static_cast<double>(depth_.ptr<float>()[pixel]);
+      if (std::isnan(z)) continue;
+      const Vector3d p =
+          color_from_depth * camera_.depth.unproject(pixel % depth_.cols, pixel / depth_.cols, z);
+      if (p.z() <= 0) continue;
+      const Vector2d at = camera_.color.project(p);
+      if (camera_.color.contains(at))
+        seen.push_back(color_.at<cv::Vec3b>(static_cast<int>(at.y() + 0.5), static_cast<int>(at.x() + 0.5)));
+    }
+    if (seen.empty()) return {};
+    cv::cvtColor(seen, seen, cv::COLOR_BGR2Lab);
+    const cv::Scalar mean = cv::mean(seen);
+    return {mean[0], mean[1], mean[2]};
+  }
+
+  const cv::Mat& depth_;
+  const cv::Mat& color_;
+  const mapping::RgbdCamera& camera_;
+  const std::vector<std::vector<int>>& clusters_;
+  cv::Mat cluster_of_;  ///< CV_32S, index by pixel of the depth image, -1 = none
+};
+
 }  // namespace
+
+bool is_part_of_cluster(const FlatObject& object, const std::vector<std::vector<int>>& clusters,
+                        const cv::Mat& depth, const cv::Mat& color, const mapping::RgbdCamera& camera) {
+  return Neighbours(clusters, depth, color, camera).is_part_of_one(object);
+}
 
 cv::Mat seen_by_color(const cv::Mat& image, const mapping::RgbdCamera& camera, const FlatSurface& surface,
                       double outside) {
@@ -424,6 +510,11 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
     throw Error("the empty surface is not as large as the depth image", {calibration_, 0, {}},
                 "make it from a recording of the same camera");
   cv::Mat taken = pixels_of_clusters(scene, depth.size(), kClusterMargin);
+  std::vector<std::vector<int>> clusters;
+  for (const types::Cluster& cluster : scene.clusters()) {
+    const auto indices = cluster_indices(cluster);
+    clusters.emplace_back(indices.begin(), indices.end());
+  }
   const cv::Mat map_depth = scene.has(kMapDepthView) ? types::view_image(scene, kMapDepthView) : cv::Mat();
   size_t found = 0;
   for (const types::PlanarSupport& support : scene.supports()) {
@@ -434,7 +525,7 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
       leave_out_what_the_map_hides(map_depth, surface.normal, surface.offset, camera.depth, surface.inside);
     surface.empty_depth = empty_depth_;
     for (const FlatObject& object : find_flat_objects(depth, color, camera, surface, options_)) {
-      if (object.pixels.empty()) continue;
+      if (object.pixels.empty() || is_part_of_cluster(object, clusters, depth, color, camera)) continue;
       add_cluster(object, support, scene, pose);
       // Of two supports that overlap in the image one has it.
       for (const int pixel : object.pixels) taken.ptr<unsigned char>()[pixel] = 255;

@@ -31,9 +31,15 @@ std::vector<FlatObject> find_flat_objects(const cv::Mat& depth, const cv::Mat& c
                                           const mapping::RgbdCamera& camera, const FlatSurface& surface,
                                           const FlatOptions& options);
 
+/// Whether a flat object is the low part of one of `clusters` (pixels of the depth image, row · width +
+/// column): a good part of its outline runs along that cluster, and it has its colour, as the inside of a
+/// plate has that of the rim. `color`: CV_8UC3 of camera.color's size.
+bool is_part_of_cluster(const FlatObject& object, const std::vector<std::vector<int>>& clusters,
+                        const cv::Mat& depth, const cv::Mat& color, const mapping::RgbdCamera& camera);
+
 /// Flat objects on the supports that were found before it, one cluster each, with a mask in the colour image
-/// (§4.3): what is too low to be told from the support by its height alone. What already is a cluster is left
-/// alone.
+/// (§4.3): what is too low to be told from the support by its height alone. What already is a cluster, or the
+/// low part of one, is left alone.
 class FlatObjectExtractor : public Annotator {
  public:
   static constexpr const char* kName = "FlatObjectExtractor";

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 
 #include "mapping/base/random.h"
 #include "perception/annotators/segmentation/flat_objects.h"
@@ -185,6 +186,30 @@ TEST(FlatObjects, WhatStandsHigherIsNotFlat) {
       find_flat_objects(workspace.depth(true, Random(1)), workspace.color(0, Random(2)), workspace.camera,
                         workspace.surface, FlatOptions());
   for (const FlatObject& object : found) EXPECT_LT(workspace.overlap(object), 0.2);
+}
+
+TEST(FlatObjects, TheInsideOfAPlateBelongsToItsRim) {
+  Workspace workspace;
+  const cv::Mat depth = workspace.depth(false, Random(1));
+  cv::Mat color(workspace.camera.color.height, workspace.camera.color.width, CV_8UC3,
+                cv::Scalar(40, 90, 160));
+  const auto ring = [&](int from, int to, bool whole) {
+    std::vector<int> pixels;
+    for (int v = -to; v <= to; ++v)
+      for (int u = -to; u <= to; ++u)
+        if (u * u + v * v >= from * from && u * u + v * v < to * to && (whole || v > 3 * to / 4))
+          pixels.push_back((240 + v) * depth.cols + 320 + u);
+    return pixels;
+  };
+  const FlatObject inside{{}, {}, ring(0, 30, true), 0.008};
+  const auto in_rim = [&](bool whole) {
+    return is_part_of_cluster(inside, {ring(36, 44, whole)}, depth, color, workspace.camera);
+  };
+  EXPECT_TRUE(in_rim(true));
+  EXPECT_FALSE(in_rim(false)) << "it touches the rest of an object along a small part of its outline";
+  EXPECT_FALSE(is_part_of_cluster(inside, {}, depth, color, workspace.camera));
+  cv::circle(color, {320, 240}, 32, cv::Scalar(160, 90, 40), cv::FILLED);
+  EXPECT_FALSE(in_rim(true)) << "it has another colour";
 }
 
 TEST(FlatObjects, AreNotLookedForWhereTheMapHidesTheSupport) {
