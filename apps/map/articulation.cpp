@@ -45,7 +45,16 @@ void articulate_map(const ArticulateArguments& arguments, Session& session) {
   std::string text;
   Json report = {{"fronts", Json::object()}};
   size_t asked = 0;
-  for (const mapping::Front& front : fronts_of(world, semantics)) {
+  const std::vector<mapping::Front> fronts = fronts_of(world, semantics);
+  if (const mapping::MapFit fit = fit_to_map(before, fronts, arguments.difference);
+      !fronts.empty() && !fit.plausible())
+    throw Error(
+        fmt::format("the scans do not fit the map {}: of its {} fronts {} are where it has them, {} are "
+                    "looked through, {} are not seen",
+                    arguments.map, fronts.size(), fit.there, fit.looked_through, fit.unseen),
+        {arguments.before, 0, ""},
+        "give scans of this kitchen in the map's frame; loci-map register brings scans together");
+  for (const mapping::Front& front : fronts) {
     if (!arguments.front.empty() && front.name != arguments.front) continue;
     ++asked;
     const mapping::DifferenceResult result = articulate(before, after, front, {}, arguments.difference);

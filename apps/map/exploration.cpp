@@ -9,6 +9,7 @@
 #include "mapping/base/math.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/exchange/occupancy_grid.h"
+#include "mapping/interpretation/surfaces/levelling.h"
 #include "mapping/sensor/pose_text.h"
 #include "mapping/simulation/simulated_robot.h"
 #include "nbv/images.h"
@@ -110,14 +111,27 @@ std::string pose_text(const mapping::PlanarPose& pose) {
   return fmt::format("x {:.2f} m, y {:.2f} m, yaw {:.0f}°", pose.x, pose.y, pose.yaw / kDegree);
 }
 
-mapping::ScanSet read_scans(const std::string& path, const std::string& what, Warnings& warnings) {
-  mapping::ScanSet set = mapping::read_registered_scans(path, warnings);
+/// Moves scans so that their floor lies at z = 0; x, y and yaw stay.
+void level(mapping::ScanSet& set, const std::string& path, Session& session) {
+  NoProgress quiet;
+  const mapping::Surface surface = gather_surface(set, session.flags().threads, quiet);
+  std::optional<Isometry3d> levelled;
+  for (const Vector3d& up : up_hints(set))
+    if (!levelled) levelled = level_by_floor(surface, up);
+  if (!levelled)
+    throw Error("the scans are not levelled, and no floor was found in them", {path, 0, {}},
+                "level them so that the floor is at z = 0 and set 'levelled: true'");
+  for (mapping::Scan& scan : set.scans) scan.map_from_scan = *levelled * scan.map_from_scan;
+  set.levelled = true;
+  session.warnings().add("the scans were levelled by their floor; x, y and yaw are theirs", {path, 0, {}});
+}
+
+mapping::ScanSet read_scans(const std::string& path, const std::string& what, Session& session) {
+  mapping::ScanSet set = mapping::read_registered_scans(path, session.warnings());
   if (!set.free_space)
     throw Error("without scan origins nothing is known to be free", {path, 0, {}},
                 what + " is a folder with scans.yaml, poses and origins");
-  if (!set.levelled)
-    throw Error("the scans are not levelled: where the floor is is not known", {path, 0, {}},
-                "level them so that the floor is at z = 0 and set 'levelled: true'");
+  if (!set.levelled) level(set, path, session);
   return set;
 }
 
@@ -148,7 +162,7 @@ std::string view_text(const nbv::NextView& view) {
 /// The scans of the pool that are not in the map yet, by name.
 void choose(const NextViewArguments& arguments, const mapping::ScanSet& scans,
             const mapping::OccupancyMap& map, Session& session) {
-  const mapping::ScanSet pool = read_scans(arguments.pool, "a pool", session.warnings());
+  const mapping::ScanSet pool = read_scans(arguments.pool, "a pool", session);
   std::set<std::string> taken;
   for (const mapping::Scan& scan : scans.scans) taken.insert(scan.name);
   std::vector<mapping::PlanarPose> poses;
@@ -168,7 +182,7 @@ void next(NextViewArguments& arguments, Session& session) {
   table_of(arguments.occupancy).validate();
   table_of(arguments.planner).validate();
   arguments.planner.threads = arguments.occupancy.threads = session.flags().threads;
-  const mapping::ScanSet scans = read_scans(arguments.scans, "a scan set", session.warnings());
+  const mapping::ScanSet scans = read_scans(arguments.scans, "a scan set", session);
   mapping::OccupancyMap map(arguments.occupancy);
   Stopwatch watch;
   for (size_t i = 0; i < scans.scans.size(); ++i) {

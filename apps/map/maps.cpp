@@ -153,12 +153,12 @@ Json export_scans(const ExportArguments& arguments, const std::string& format, S
   if (format != "grid" && format != "bt")
     throw Error("scans have no links and joints", {arguments.input, 0, ""},
                 "export the map for " + format + "; scans go to ply, grid, bt");
+  if (format == "grid") return write_grid(occupancy_grid(scans, arguments.grid), arguments.out, session);
   mapping::OccupancyOptions options;
   options.resolution_m = arguments.grid.resolution_m;
   if (scans.range_max > 0) options.range_max_m = scans.range_max;
   mapping::OccupancyMap map(options);
   for (const mapping::Scan& scan : scans.scans) map.insert(scan);
-  if (format == "grid") return write_grid(occupancy_grid(map.tree(), arguments.grid), arguments.out, session);
   map.write_bt(arguments.out);
   return {{"files", {arguments.out}}};
 }

@@ -184,6 +184,8 @@ void write_connected(mapping::ScanSet scans, const mapping::RegistrationResult& 
     connected.back().registered = true;
   }
   scans.scans = std::move(connected);
+  // Bare clouds in their sensors' frames: what registration found out of their rays is worth keeping.
+  scans.free_space |= std::ranges::all_of(scans.scans, mapping::origins_fit);
   check_scan_files(scans, folder, session);
   write_scan_set(scans, folder);
 }

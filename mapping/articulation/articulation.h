@@ -99,6 +99,15 @@ struct DifferenceResult {
   Json report() const;
 };
 
+/// How scans show the closed fronts of a map. A front is there where points lie on its face, and is looked
+/// through where rays passed its face.
+struct MapFit {
+  size_t there = 0, looked_through = 0, unseen = 0;  ///< fronts
+  /// Whether the scans can be of the map's kitchen, in its frame.
+  bool plausible() const { return there > looked_through; }
+};
+MapFit fit_to_map(const ScanSet& scans, const std::vector<Front>& fronts, const DifferenceOptions& options);
+
 /// The motion between two scan sets in one map frame near the front that was pulled: segments the temporal
 /// difference, searches for the face that slid or rotated, and fits the joint to it and to `hand_path` (poses
 /// of the gripper, closed first; may be empty), weighted by their noise. The type follows from the front's

@@ -20,7 +20,13 @@ class ObservedFreeSpace {
  public:
   /// Keeps origins within reach of `near`. A point is free when the rays around it continue by `tolerance`
   /// metres.
-  ObservedFreeSpace(const ScanSet& set, const Vector3d& near, double tolerance);
+  ObservedFreeSpace(const ScanSet& set, const Vector3d& near, double tolerance)
+      : ObservedFreeSpace(set, tolerance) {
+    std::erase_if(views_,
+                  [&](const View& view) { return (view.origin - near).norm() > kFaceMotion.view_reach_m; });
+  }
+  /// Keeps all origins.
+  ObservedFreeSpace(const ScanSet& set, double tolerance);
 
   bool is_free(const Vector3d& point) const;
   /// The share of points that are free.
@@ -54,8 +60,7 @@ size_t index_of(int azimuth, int elevation) {
   return static_cast<size_t>(elevation * kAzimuths + (azimuth + kAzimuths) % kAzimuths);
 }
 
-ObservedFreeSpace::ObservedFreeSpace(const ScanSet& set, const Vector3d& near, double tolerance)
-    : tolerance_(tolerance) {
+ObservedFreeSpace::ObservedFreeSpace(const ScanSet& set, double tolerance) : tolerance_(tolerance) {
   if (!set.free_space) return;
   for (const Scan& scan : set.scans) {
     const size_t first = views_.size();
@@ -70,8 +75,6 @@ ObservedFreeSpace::ObservedFreeSpace(const ScanSet& set, const Vector3d& near, d
       range = std::min(range, static_cast<float>(ray.norm()));
     }
   }
-  std::erase_if(views_,
-                [&](const View& view) { return (view.origin - near).norm() > kFaceMotion.view_reach_m; });
 }
 
 bool ObservedFreeSpace::is_free(const Vector3d& point) const {
@@ -249,6 +252,37 @@ void DifferenceOptions::declare(OptionTable& table) {
   table.number("hand_position_sigma_m", hand_position_sigma_m, "m", "Noise of a hand's position.", 1e-5, 0.1);
   table.number("hand_orientation_sigma_deg", hand_orientation_sigma_deg, "deg",
                "Noise of a hand's orientation.", 0.001, 30);
+}
+
+MapFit fit_to_map(const ScanSet& scans, const std::vector<Front>& fronts, const DifferenceOptions& options) {
+  const ObservedFreeSpace free(scans, options.tolerance_m);
+  MapFit fit;
+  for (const Front& front : fronts) {
+    const int columns = std::max(2, static_cast<int>(front.width / kFaceMotion.fit_cell_m));
+    const int rows = std::max(2, static_cast<int>(front.height / kFaceMotion.fit_cell_m));
+    std::vector<uint8_t> covered(static_cast<size_t>(columns * rows), 0);
+    for (const Vector3d& p : points_near(scans, front)) {
+      const Vector3d off = p - front.centre;
+      const double u = off.dot(front.right()) / front.width + 0.5, v = off.dot(front.up) / front.height + 0.5;
+      if (std::abs(off.dot(front.normal)) < options.tolerance_m && u > 0 && u < 1 && v > 0 && v < 1)
+        covered[static_cast<size_t>(static_cast<int>(v * rows) * columns + static_cast<int>(u * columns))] =
+            1;
+    }
+    std::vector<Vector3d> face;
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column)
+        face.push_back(front.centre + ((column + 0.5) / columns - 0.5) * front.width * front.right() +
+                       ((row + 0.5) / rows - 0.5) * front.height * front.up);
+    const double there =
+        static_cast<double>(std::ranges::count(covered, 1)) / static_cast<double>(covered.size());
+    if (there > kFaceMotion.min_fit)
+      ++fit.there;
+    else if (free.share_free(face) > kFaceMotion.min_fit)
+      ++fit.looked_through;
+    else
+      ++fit.unseen;
+  }
+  return fit;
 }
 
 DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const Front& front,

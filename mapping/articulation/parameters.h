@@ -17,6 +17,8 @@ struct FaceMotionParameters {
   size_t min_points = 40;        ///< of a moved part
   int rounds = 3;                ///< a face and the points that belong to it settle
   double cell_m = 0.03;          ///< of the raster over a front
+  double fit_cell_m = 0.05;      ///< of the raster that tells whether scans fit a map
+  double min_fit = 0.3;          ///< of a front's raster, to be there or to be looked through
   double inner = 0.45;           ///< of a front's extent, from its middle: edges are seen at a slant
   double fixture_gap_m = 0.015;  ///< beams still touch the fixture
   double normal_sd = 0.01;       ///< radians, of a front's normal in the map

@@ -10,7 +10,9 @@
 #include "mapping/base/html.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
+#include "mapping/exchange/map_drawings.h"
 #include "mapping/image/image_io.h"
+#include "mapping/interpretation/furniture/furniture_links.h"
 
 namespace loci::mapping {
 namespace {
@@ -139,9 +141,13 @@ std::string links_table(const InterpretedMap& map) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& [name, link] : map.semantics.links) {
     const Json& geometry = link.geometry;
-    const std::string where = geometry.contains("height")
-                                  ? fmt::format("height {:.3f} m", geometry["height"].get<double>())
-                                  : fmt::format("offset {:.3f} m", geometry.value("offset", 0.0));
+    const auto number = [&](const char* key) { return geometry.at(key).get<double>(); };
+    const std::string where = geometry.contains("width")
+                                  ? fmt::format("{:.3f} × {:.3f} m", number("width"), number("height"))
+                              : geometry.contains("length") ? fmt::format("{:.3f} m long", number("length"))
+                              : geometry.contains("height") ? fmt::format("height {:.3f} m", number("height"))
+                              : geometry.contains("offset") ? fmt::format("offset {:.3f} m", number("offset"))
+                                                            : "";
     rows.push_back(
         {name, link.class_name, where, fmt::format("{:.2f}", link.confidence), evidence_text(link.evidence)});
   }
@@ -158,6 +164,88 @@ std::string times_table(const InterpretedMap& map) {
   std::vector<std::vector<std::string>> rows;
   for (const StageTime& time : map.times) rows.push_back({time.stage, fmt::format("{:.2f}", time.seconds)});
   return html_table({"stage", "seconds"}, rows);
+}
+
+constexpr double kUnsureJoint = 0.9;  // probability of a joint's type that nobody saw move
+
+std::string details(const std::string& title, const std::string& body) {
+  return "<details><summary>" + html_escape(title) + "</summary>" + body + "</details>\n";
+}
+
+/// "drawer", "door, hinge on the left", "flap, hinge below".
+std::string way_of(const Front& front) {
+  if (!front.joint || front.joint->type == ArticulationType::rigid) return "does not open, as far as known";
+  if (front.joint->type == ArticulationType::prismatic) return "drawer";
+  const Vector3d off = front.joint->origin - front.centre;
+  if (std::abs(front.joint->axis.dot(front.up)) > std::sqrt(0.5))
+    return off.dot(front.right()) > 0 ? "door, hinge on the right" : "door, hinge on the left";
+  return off.dot(front.up) > 0 ? "flap, hinge above" : "flap, hinge below";
+}
+
+double probability_of(const JointEstimate& joint) {
+  return joint.probabilities[static_cast<size_t>(joint.type)];
+}
+
+std::string openings_table(const InterpretedMap& map) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Front& front : fronts_of(map.world, map.semantics)) {
+    const bool opens = front.joint && front.joint->type != ArticulationType::rigid;
+    const bool slides = opens && front.joint->type == ArticulationType::prismatic;
+    const SemanticLink& entry = map.semantics.links.at(*front_link(front.name, map.semantics));
+    std::string far = !opens   ? ""
+                      : slides ? fmt::format("{:.0f} cm", 100 * front.joint->upper)
+                               : fmt::format("{:.0f}°", front.joint->upper / kDegree);
+    if (entry.extra.contains("blocked_by"))
+      far += ", then it meets " + entry.extra["blocked_by"].get<std::string>();
+    const std::string known = !opens                             ? ""
+                              : front.joint->evidence == "prior" ? "its shape and handle"
+                                                                 : "seen to move";
+    rows.push_back({front.name, way_of(front), far, known,
+                    opens ? fmt::format("{:.0f} %", 100 * probability_of(*front.joint)) : "",
+                    fmt::format("{:.1f} × {:.1f} cm", 100 * front.width, 100 * front.height),
+                    !front.fixture                               ? "none found"
+                    : front.fixture->kind == Fixture::Kind::knob ? "knob"
+                                                                 : "bar",
+                    fmt::format("{:.2f}", front.confidence)});
+  }
+  return html_table(
+      {"front", "how it opens", "how far", "known from", "probability", "size", "handle", "confidence"},
+      rows);
+}
+
+/// What a person should look at before relying on the map.
+std::vector<std::string> doubts(const InterpretedMap& map) {
+  std::vector<std::string> texts;
+  for (const Front& front : fronts_of(map.world, map.semantics)) {
+    if (front.confidence < kUnsureConfidence)
+      texts.push_back(
+          fmt::format("{}: its edges are unsure (confidence {:.2f})", front.name, front.confidence));
+    if (front.joint && front.joint->evidence == "prior" && probability_of(*front.joint) < kUnsureJoint)
+      texts.push_back(
+          fmt::format("{}: that it is a {} follows from its shape alone ({:.0f} %); nobody saw it move",
+                      front.name, front.class_name, 100 * probability_of(*front.joint)));
+  }
+  for (const auto& [name, link] : map.semantics.links) {
+    if (link.class_name != "wall" && link.geometry.contains("outline") && link.confidence < kUnsureConfidence)
+      texts.push_back(fmt::format("{}: confidence {:.2f}", name, link.confidence));
+    const Json edges = link.evidence.is_object() ? link.evidence.value("edges", Json::object()) : Json();
+    const auto unseen = std::ranges::count(edges, Json("unseen"));
+    if (edges.is_object() && link.geometry.contains("outline") && unseen > 0)
+      texts.push_back(fmt::format("{}: {} of its edges were not seen", name, unseen));
+  }
+  return texts;
+}
+
+std::string elevations(const InterpretedMap& map) {
+  std::string text;
+  for (const FurnitureRun& run : furniture_runs(map))
+    text += fmt::format(
+        "<figure>{}<figcaption class=\"faint\">{} front{}, seen from before them</figcaption>"
+        "</figure>\n",
+        elevation_svg(map, run), run.fronts.size(), run.fronts.size() == 1 ? "" : "s");
+  return text +
+         "<p class=\"faint\">Sizes in cm. Dashed lines of a door meet at its hinge, drawers have an arrow, "
+         "handles are red. What is outlined dashed in brown is unsure.</p>\n";
 }
 
 }  // namespace
@@ -183,16 +271,25 @@ std::string top_view_svg(const InterpretedMap& map, const ScanSet& scans) {
 }
 
 std::string map_report(const InterpretedMap& map, const ScanSet& scans, const std::string& input) {
+  const bool furnished = std::ranges::any_of(
+      map.semantics.links, [](const auto& entry) { return entry.second.geometry.contains("width"); });
+  const std::vector<std::string> unsure = doubts(map);
   std::string sections = fmt::format("<p>{} from {}.</p>\n", html_escape(map.summary()), html_escape(input));
-  sections += html_section("top-view", "Top view",
-                           top_view_svg(map, scans) +
-                               "<p class=\"faint\">Points in their colours, seen from above "
-                               "(below 1.9 m), with what was recognised.</p>\n");
-  sections += html_section("links", "What was recognised", links_table(map));
+  sections += html_section(
+      "plan", "Plan",
+      plan_svg(map) + "<p class=\"faint\">Lengths in cm; fronts blue.</p>\n" +
+          details("Points in their colours, seen from above (below 1.9 m)", top_view_svg(map, scans)));
+  if (furnished) {
+    sections += html_section("elevations", "Fronts", elevations(map));
+    sections += html_section("openings", "What opens, and how", openings_table(map));
+  }
+  if (!unsure.empty()) sections += html_section("unsure", "What is uncertain", html_list(unsure));
   if (!map.notes.empty())
     sections += html_section("notes", "What was left out, and why", html_list(map.notes));
-  sections += html_section("configuration", "Configuration", configuration_table(map));
-  sections += html_section("times", "Where the time went", times_table(map));
+  sections += html_section("links", "Details",
+                           details("Every link", links_table(map)) +
+                               details("Configuration", configuration_table(map)) +
+                               details("Where the time went", times_table(map)));
   return html_page("Map", sections);
 }
 

@@ -138,6 +138,60 @@ OccupancyGrid occupancy_grid(const octomap::OcTree& tree, const GridOptions& opt
   return grid;
 }
 
+namespace {
+
+constexpr double kSensorReach_m = 0.5;  ///< from the sensor to the nearest free cell
+
+/// Free cells that no chain of free neighbours connects with a sensor become unknown.
+void keep_reached(const std::vector<Vector2d>& sensors, OccupancyGrid& grid) {
+  std::vector<uint8_t> reached(grid.cells.size(), 0);
+  std::vector<int> open;
+  const auto visit = [&](int x, int y) {
+    if (x < 0 || y < 0 || x >= grid.width || y >= grid.height) return;
+    const int cell = y * grid.width + x;
+    if (reached[static_cast<size_t>(cell)] != 0 || grid.at(x, y) != Occupancy::free) return;
+    reached[static_cast<size_t>(cell)] = 1;
+    open.push_back(cell);
+  };
+  const int reach = static_cast<int>(std::ceil(kSensorReach_m / grid.resolution));
+  for (const Vector2d& sensor : sensors) {
+    const Vector2d at = (sensor - grid.origin) / grid.resolution;
+    for (int dy = -reach; dy <= reach; ++dy)
+      for (int dx = -reach; dx <= reach; ++dx)
+        if (dx * dx + dy * dy <= reach * reach)
+          visit(static_cast<int>(std::floor(at.x())) + dx, static_cast<int>(std::floor(at.y())) + dy);
+  }
+  while (!open.empty()) {
+    const int x = open.back() % grid.width, y = open.back() / grid.width;
+    open.pop_back();
+    visit(x + 1, y);
+    visit(x - 1, y);
+    visit(x, y + 1);
+    visit(x, y - 1);
+  }
+  for (size_t i = 0; i < grid.cells.size(); ++i)
+    if (grid.cells[i] == Occupancy::free && reached[i] == 0) grid.cells[i] = Occupancy::unknown;
+}
+
+}  // namespace
+
+OccupancyGrid occupancy_grid(const ScanSet& scans, const GridOptions& options) {
+  OccupancyOptions occupancy;
+  occupancy.resolution_m = options.resolution_m;
+  if (scans.range_max > 0) occupancy.range_max_m = scans.range_max;
+  OccupancyMap map(occupancy);
+  std::vector<Vector2d> sensors;
+  for (Scan scan : scans.scans) {
+    std::erase_if(scan.points, [](const ScanPoint& point) { return !point.returned; });
+    for (const Eigen::Vector3f& origin : scan.origins)
+      sensors.push_back((scan.map_from_scan * origin.cast<double>()).head<2>());
+    map.insert(scan);
+  }
+  OccupancyGrid grid = occupancy_grid(map.tree(), options);
+  keep_reached(sensors, grid);
+  return grid;
+}
+
 std::string pgm_text(const OccupancyGrid& grid) {
   std::string text =
       fmt::format("P5\n# {} m per cell\n{} {}\n255\n", grid.resolution, grid.width, grid.height);

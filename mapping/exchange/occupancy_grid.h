@@ -8,6 +8,7 @@
 #include "mapping/base/options.h"
 #include "mapping/exchange/world_triangles.h"
 #include "mapping/occupancy/occupancy.h"
+#include "mapping/sensor/scan.h"
 
 namespace octomap {
 class OcTree;
@@ -43,6 +44,11 @@ loci::mapping::OccupancyGrid occupancy_grid(const std::vector<loci::mapping::Wor
 /// The columns of a tree: occupied where any voxel between the heights is, free where any is free and none
 /// occupied, else unknown. The tree's resolution is the grid's.
 loci::mapping::OccupancyGrid occupancy_grid(const octomap::OcTree& tree,
+                                            const loci::mapping::GridOptions& options);
+
+/// The same of scans. Rays without return count for nothing: a dark or glossy wall sends nothing back,
+/// either. Free is only what free cells connect with the sensor's positions.
+loci::mapping::OccupancyGrid occupancy_grid(const loci::mapping::ScanSet& scans,
                                             const loci::mapping::GridOptions& options);
 
 /// map_server's PGM (254 free, 0 occupied, 205 unknown; first row = highest y).

@@ -124,7 +124,7 @@ PreparedScan prepare(const Scan& scan, const RegistrationOptions& options) {
   if (options.dof == 3) prepared.level_from_scan = upright(scan.map_from_scan);
   prepared.free_space = FreeSpace(scan, prepared.level_from_scan);
   PlaneFit fit;
-  fit.oriented = prepared.free_space.known() && prepared.free_space.hidden_part() < kSurfels.max_hidden;
+  fit.oriented = prepared.free_space.plausible();
   if (!fit.oriented) prepared.free_space = FreeSpace();
   prepared.levels.push_back(finest_cells(scan, prepared.level_from_scan, options.voxel_m));
   while (prepared.coarsest().cell < kSurfels.coarsest_cell_m)

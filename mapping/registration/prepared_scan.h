@@ -25,6 +25,8 @@ class FreeSpace {
   bool known() const { return !images_.empty(); }
   /// Part of the points that other points of the scan hide from the origins: near 0 for correct origins.
   double hidden_part() const { return hidden_part_; }
+  /// Whether the points can have been seen from the origins.
+  bool plausible() const { return known() && hidden_part() < kSurfels.max_hidden; }
 
  private:
   using CubeFace = std::array<float, size_t{kSurfels.image_side} * kSurfels.image_side>;

@@ -197,4 +197,8 @@ Json RegistrationResult::report() const {
           {"seconds", seconds}};
 }
 
+bool origins_fit(const Scan& scan) {
+  return registration::FreeSpace(scan, Isometry3d::Identity()).plausible();
+}
+
 }  // namespace loci::mapping

@@ -58,6 +58,10 @@ struct RegistrationResult {
   Json report() const;
 };
 
+/// Whether a scan's points can have been seen from its origins: hardly any hides another. A cloud that was
+/// merged from several views, or is not in the sensor's frame, is refuted.
+bool origins_fit(const Scan& scan);
+
 /// Aligns one pair from an initial guess, coarse to fine: a search over rotations and shifts within twice the
 /// expected error, then iterative closest point on the common surface. Does not throw for scans that do not
 /// fit: the result is not trusted.

@@ -189,6 +189,20 @@ class MovedFronts : public testing::Test {
   Warnings warnings_;
 };
 
+TEST_F(MovedFronts, ScansFitTheMapOfTheirKitchenAndNoOther) {
+  const ScanSet scans = set_of(robot(1).scan_at({1.5, 0, 0}));
+  std::vector<Front> own, other;
+  for (const Part& part : kParts) {
+    own.push_back(believed(part, 0));
+    other.push_back(own.back());
+    other.back().centre += Vector3d(-0.6, 0.4, 0.1);  // where the robot looked through
+  }
+  const MapFit fits = fit_to_map(scans, own, {});
+  EXPECT_EQ(fits.there, own.size());
+  EXPECT_TRUE(fits.plausible());
+  EXPECT_FALSE(fit_to_map(scans, other, {}).plausible());
+}
+
 TEST_F(MovedFronts, PullingGivesTypeAxisHingeAndRectangle) {
   for (const uint64_t seed : {1, 2, 3}) {
     SimulatedRobot world = robot(seed);

@@ -8,6 +8,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/math.h"
 #include "mapping/exchange/gltf.h"
 #include "mapping/exchange/link_graph.h"
 #include "mapping/exchange/occupancy_grid.h"
@@ -171,6 +172,40 @@ TEST(Ply, HoldsTheReturnsOfScansInTheMapFrame) {
 Occupancy at(const OccupancyGrid& grid, double x, double y) {
   const Vector2d cell = (Vector2d(x, y) - grid.origin) / grid.resolution;
   return grid.at(static_cast<int>(cell.x()), static_cast<int>(cell.y()));
+}
+
+/// A scanner in a closed room of 4 m × 4 m: returns from its walls, but none from a dark part of one, and a
+/// few through a slit in another, high above the floor beyond.
+ScanSet closed_room() {
+  ScanSet set;
+  set.range_max = 10;
+  Scan& scan = set.scans.emplace_back();
+  scan.map_from_scan.translation() = Vector3d(0, 0, 1);
+  scan.origins.emplace_back(0.F, 0.F, 0.F);
+  for (double azimuth = -180; azimuth < 180; azimuth += 0.5)
+    for (double elevation = -20; elevation <= 10; elevation += 1) {
+      const double a = azimuth * kDegree, e = elevation * kDegree;
+      const Vector3d ray(std::cos(a) * std::cos(e), std::sin(a) * std::cos(e), std::sin(e));
+      ScanPoint point;
+      double range = 2 / std::max(std::abs(ray.x()), std::abs(ray.y()));
+      if (std::abs(azimuth) < 5) range = 10, point.returned = false;  // dark
+      if (std::abs(azimuth - 90) < 4 && elevation > 4) range = 6;     // a slit
+      point.position = (range * ray).cast<float>();
+      scan.points.push_back(point);
+    }
+  return set;
+}
+
+TEST(Grid, OfScansEndsWhereTheRoomEnds) {
+  const OccupancyGrid grid = occupancy_grid(closed_room(), {});
+  EXPECT_EQ(at(grid, 0, 0), Occupancy::free);
+  EXPECT_EQ(at(grid, -1.8, 1.5), Occupancy::free);
+  for (int y = 0; y < grid.height; ++y)
+    for (int x = 0; x < grid.width; ++x) {
+      const Vector2d middle = grid.origin + grid.resolution * Vector2d(x + 0.5, y + 0.5);
+      EXPECT_TRUE(middle.cwiseAbs().maxCoeff() < 2.1 || grid.at(x, y) != Occupancy::free)
+          << middle.transpose();
+    }
 }
 
 TEST(Grid, FurnitureIsOccupiedFloorIsFreeTheRestUnknown) {

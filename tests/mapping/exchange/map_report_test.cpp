@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "mapping/base/html.h"
+#include "mapping/exchange/map_drawings.h"
+#include "tests/mapping/exchange/furnished_map.h"
 
 namespace loci::mapping {
 namespace {
@@ -38,6 +40,27 @@ TEST(MapReport, IsOnePageWithTopViewLinksAndNotes) {
   EXPECT_GT(grown.size(), page.size());
   EXPECT_THAT(html_with_section(grown, "day", html_section("day", "Day", "<p>two</p>")),
               testing::AllOf(testing::HasSubstr("two"), testing::Not(testing::HasSubstr("one</p>"))));
+}
+
+TEST(MapReport, DrawsEachRunOfFurnitureAndSaysWhatOpensAndWhatIsUnsure) {
+  const test::FurnishedMap furnished;
+  InterpretedMap map;
+  map.world = furnished.world;
+  map.semantics = furnished.semantics;
+  map.semantics.links.at("door_1").confidence = 0.4;
+  map.semantics.links.at("door_1").extra["blocked_by"] = "counter_1";
+  const std::vector<FurnitureRun> runs = furniture_runs(map);
+  ASSERT_EQ(runs.size(), 1U);
+  ASSERT_EQ(runs[0].fronts.size(), 3U);
+  EXPECT_EQ(runs[0].fronts[0].name, "drawer_1");  // the leftmost of who stands before them
+  EXPECT_THAT(elevation_svg(map, runs[0]),
+              testing::AllOf(testing::HasSubstr("drawer_1"), testing::HasSubstr("60 × 20")));
+  const std::string page = map_report(map, {}, "scans");
+  EXPECT_THAT(page, testing::AllOf(testing::HasSubstr("door, hinge on the left"),
+                                   testing::HasSubstr("then it meets counter_1"),
+                                   testing::HasSubstr("door_1: its edges are unsure"),
+                                   testing::HasSubstr("0.160 m long")));
+  EXPECT_THAT(page, testing::Not(testing::HasSubstr("offset 0.000 m")));
 }
 
 }  // namespace

@@ -121,6 +121,16 @@ ScanSet tour(double position_error_m, double yaw_error_deg) {
   return set;
 }
 
+TEST(Align, OriginsFitAScanThatWasTakenThereOnly) {
+  Scan scan = kitchen_scan(-0.8, -0.3, 0, 1);
+  EXPECT_TRUE(origins_fit(scan));
+  // Behind a wall: its points would hide all others.
+  scan.origins[0] = (scan.map_from_scan.inverse() * Vector3d(4.5, 0, 1.25)).cast<float>();
+  EXPECT_FALSE(origins_fit(scan));
+  scan.origins.clear();
+  EXPECT_FALSE(origins_fit(scan));
+}
+
 TEST(Registration, BringsATourToMillimetres) {
   const ScanSet truth = tour(0, 0), drifted = tour(0.1, 4);
   NoProgress progress;

@@ -1,0 +1,239 @@
+#include "mapping/exchange/map_drawings.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/base/html.h"
+#include "mapping/base/json.h"
+#include "mapping/interpretation/furniture/furniture_links.h"
+
+namespace loci::mapping {
+namespace {
+
+constexpr double kSameRun_m = 0.1;
+constexpr double kSameDirection = 0.98;  ///< cosine
+constexpr double kPlanScale = 140;       ///< pixels per metre
+constexpr double kElevationScale = 220;
+constexpr double kMargin = 46;  ///< around a drawing, pixels, for dimensions
+
+/// A drawing in metres, y upwards.
+class Drawing {
+ public:
+  Drawing(const Eigen::AlignedBox2d& box, double pixels_per_m, std::string label)
+      : box_(box), scale_(pixels_per_m), label_(std::move(label)) {}
+
+  void line(const Vector2d& a, const Vector2d& b, const std::string& style) {
+    const Vector2d p = at(a), q = at(b);
+    text_ += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" {}/>\n", p.x(), p.y(),
+                         q.x(), q.y(), style);
+  }
+  void polygon(const std::vector<Vector2d>& corners, const std::string& style) {
+    std::string points;
+    for (const Vector2d& corner : corners)
+      points += fmt::format("{:.1f},{:.1f} ", at(corner).x(), at(corner).y());
+    text_ += fmt::format("<polygon points=\"{}\" {}/>\n", points, style);
+  }
+  void rectangle(const Vector2d& low, const Vector2d& high, const std::string& style) {
+    polygon({low, {high.x(), low.y()}, high, {low.x(), high.y()}}, style);
+  }
+  void write(const Vector2d& middle, const std::string& words, double size = 12, double lines_down = 0) {
+    const Vector2d p = at(middle);
+    text_ += fmt::format(
+        "<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"{}\" text-anchor=\"middle\" fill=\"#111\" "
+        "stroke=\"#fff\" "
+        "stroke-width=\"3\" paint-order=\"stroke\" font-family=\"sans-serif\">{}</text>\n",
+        p.x(), p.y() + size * (0.35 + 1.15 * lines_down), size, html_escape(words));
+  }
+  /// A dimension line between two points, with the distance in centimetres.
+  void dimension(const Vector2d& a, const Vector2d& b) {
+    line(a, b, "stroke=\"#6b7280\" stroke-width=\"1\" marker-start=\"url(#tick)\" marker-end=\"url(#tick)\"");
+    write((a + b) / 2, fmt::format("{:.0f}", 100 * (b - a).norm()), 11);
+  }
+  std::string svg() const {
+    const Vector2d size = box_.sizes() * scale_ + Vector2d::Constant(2 * kMargin);
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" "
+        "style=\"max-width:100%;height:auto;background:#fff\" role=\"img\" aria-label=\"{2}\">\n"
+        "<defs><marker id=\"tick\" markerWidth=\"6\" markerHeight=\"8\" refX=\"3\" refY=\"4\" "
+        "orient=\"auto\">"
+        "<path d=\"M1 7L5 1\" stroke=\"#6b7280\"/></marker></defs>\n{3}</svg>\n",
+        size.x(), size.y(), html_escape(label_), text_);
+  }
+
+ private:
+  Vector2d at(const Vector2d& p) const {
+    return {(p.x() - box_.min().x()) * scale_ + kMargin, (box_.max().y() - p.y()) * scale_ + kMargin};
+  }
+
+  Eigen::AlignedBox2d box_;
+  double scale_;
+  std::string label_, text_;
+};
+
+std::vector<Vector2d> outline_of(const SemanticLink& link) {
+  std::vector<Vector2d> outline;
+  if (!link.geometry.is_object()) return outline;
+  for (const Json& corner : link.geometry.value("outline", Json::array()))
+    outline.emplace_back(corner.at(0).get<double>(), corner.at(1).get<double>());
+  return outline;
+}
+
+bool is_support(const SemanticLink& link) {
+  return link.class_name == "counter" || link.class_name == "island" || link.class_name == "table" ||
+         link.class_name == "shelf" || link.class_name == "cabinet";
+}
+
+std::string stroke_of(double confidence) {
+  return confidence < kUnsureConfidence ? "stroke=\"#b45309\" stroke-width=\"1.5\" stroke-dasharray=\"5 4\""
+                                        : "stroke=\"#1f2937\" stroke-width=\"1.5\"";
+}
+
+/// Where a front's lines meet: the middle of the hinged side, in the plane of the front.
+void draw_opening(Drawing& drawing, const Front& front, const Vector2d& middle) {
+  constexpr const char* kThin = "stroke=\"#2563eb\" stroke-width=\"1\" stroke-dasharray=\"3 3\"";
+  const Vector2d half(front.width / 2, front.height / 2);
+  if (!front.joint || front.joint->type == ArticulationType::rigid) return;
+  if (front.joint->type == ArticulationType::prismatic) {
+    drawing.line(middle + Vector2d(-0.25 * half.x(), 0.55 * half.y()), middle + Vector2d(0, 0.3 * half.y()),
+                 kThin);
+    drawing.line(middle + Vector2d(0.25 * half.x(), 0.55 * half.y()), middle + Vector2d(0, 0.3 * half.y()),
+                 kThin);
+    return;
+  }
+  const Vector3d off = front.joint->origin - front.centre;
+  const bool upright = std::abs(front.joint->axis.dot(front.up)) > 0.7;
+  const double side = upright ? off.dot(front.right()) : off.dot(front.up);
+  const int along = upright ? 0 : 1;
+  Vector2d hinge = middle, far = Vector2d::Zero();
+  hinge[along] += std::copysign(half[along], side);
+  far[along] = -std::copysign(half[along], side);
+  for (const double end : {-1.0, 1.0}) {
+    Vector2d corner = middle + far;
+    corner[1 - along] += end * half[1 - along];
+    drawing.line(hinge, corner, kThin);
+  }
+}
+
+void draw_front(Drawing& drawing, const FurnitureRun& run, const Front& front) {
+  const Vector3d right = Vector3d::UnitZ().cross(run.normal);
+  const auto in_plane = [&](const Vector3d& p) { return Vector2d(p.dot(right), p.z()); };
+  const Vector2d middle = in_plane(front.centre), half(front.width / 2, front.height / 2);
+  drawing.rectangle(middle - half, middle + half, "fill=\"#e5edf5\" " + stroke_of(front.confidence));
+  draw_opening(drawing, front, middle);
+  drawing.write(middle, front.name, 11);
+  if (front.height > 0.12)
+    drawing.write(middle, fmt::format("{:.0f} × {:.0f}", 100 * front.width, 100 * front.height), 10, 1);
+  if (!front.fixture) return;
+  const Vector2d bar = in_plane(front.fixture->axis) * front.fixture->length / 2;
+  const Vector2d at = in_plane(front.fixture->centre);
+  if (front.fixture->kind == Fixture::Kind::handle)
+    drawing.line(at - bar, at + bar, "stroke=\"#b91c1c\" stroke-width=\"5\" stroke-linecap=\"round\"");
+  else
+    drawing.line(at, at + Vector2d(1e-3, 0),
+                 "stroke=\"#b91c1c\" stroke-width=\"9\" stroke-linecap=\"round\"");
+}
+
+}  // namespace
+
+std::vector<FurnitureRun> furniture_runs(const InterpretedMap& map) {
+  std::vector<FurnitureRun> runs;
+  for (const Front& front : fronts_of(map.world, map.semantics)) {
+    const double offset = front.normal.dot(front.centre);
+    auto run = std::ranges::find_if(runs, [&](const FurnitureRun& one) {
+      return one.normal.dot(front.normal) > kSameDirection && std::abs(one.offset - offset) < kSameRun_m;
+    });
+    if (run == runs.end()) run = runs.insert(runs.end(), {front.normal, offset, {}});
+    run->fronts.push_back(front);
+  }
+  const auto width = [](const FurnitureRun& run) {
+    double sum = 0;
+    for (const Front& front : run.fronts) sum += front.width * front.height;
+    return sum;
+  };
+  std::ranges::stable_sort(runs,
+                           [&](const FurnitureRun& a, const FurnitureRun& b) { return width(a) > width(b); });
+  for (FurnitureRun& run : runs) {
+    const Vector3d right = Vector3d::UnitZ().cross(run.normal);
+    std::ranges::stable_sort(run.fronts, [&](const Front& a, const Front& b) {
+      const double apart = a.centre.dot(right) - b.centre.dot(right);
+      return std::abs(apart) > kSameRun_m ? apart < 0 : a.centre.z() > b.centre.z();
+    });
+  }
+  return runs;
+}
+
+std::string elevation_svg(const InterpretedMap& map, const FurnitureRun& run) {
+  const Vector3d right = Vector3d::UnitZ().cross(run.normal);
+  Eigen::AlignedBox2d box;
+  for (const Front& front : run.fronts) {
+    const Vector2d middle(front.centre.dot(right), front.centre.z()), half(front.width / 2, front.height / 2);
+    box.extend(middle - half);
+    box.extend(middle + half);
+  }
+  const double top = box.max().y();
+  box.extend(Vector2d(box.min().x(), 0));
+  box.extend(Vector2d(box.min().x(), top + 0.1));
+  Drawing drawing(box, kElevationScale, "Elevation");
+  drawing.line({box.min().x() - 0.2, 0}, {box.max().x() + 0.2, 0}, "stroke=\"#111\" stroke-width=\"3\"");
+  for (const auto& [name, link] : map.semantics.links) {
+    const std::vector<Vector2d> outline = outline_of(link);
+    if (!is_support(link) || outline.empty()) continue;
+    double from = 1e9, to = -1e9, nearest = 1e9;
+    for (const Vector2d& corner : outline) {
+      from = std::min(from, corner.dot(right.head<2>()));
+      to = std::max(to, corner.dot(right.head<2>()));
+      nearest = std::min(nearest, std::abs(corner.dot(run.normal.head<2>()) - run.offset));
+    }
+    const double height = link.geometry.at("height").get<double>();
+    from = std::max(from, box.min().x() - 0.1);
+    to = std::min(to, box.max().x() + 0.1);
+    if (nearest > 0.15 || from >= to || height > top + 0.1) continue;
+    drawing.rectangle({from, height - 0.03}, {to, height}, "fill=\"#9ca3af\" " + stroke_of(link.confidence));
+    drawing.write({(from + to) / 2, height + 0.05}, fmt::format("{}, {:.0f} cm high", name, 100 * height),
+                  11);
+  }
+  for (const Front& front : run.fronts) draw_front(drawing, run, front);
+  drawing.dimension({box.min().x(), -0.18}, {box.max().x(), -0.18});
+  drawing.dimension({box.max().x() + 0.18, 0}, {box.max().x() + 0.18, top});
+  return drawing.svg();
+}
+
+std::string plan_svg(const InterpretedMap& map) {
+  Eigen::AlignedBox2d box;
+  for (const auto& [name, link] : map.semantics.links)
+    if (link.class_name != "floor" && link.class_name != "ceiling")
+      for (const Vector2d& corner : outline_of(link)) box.extend(corner);
+  const std::vector<Front> fronts = fronts_of(map.world, map.semantics);
+  for (const Front& front : fronts) box.extend(Vector2d(front.centre.head<2>()));
+  if (box.isEmpty()) return {};
+  Drawing drawing(box, kPlanScale, "Plan");
+  for (const auto& [name, link] : map.semantics.links) {
+    const std::vector<Vector2d> outline = outline_of(link);
+    if (outline.empty() || link.class_name == "drawer_bottom") continue;
+    if (link.class_name == "wall") {
+      drawing.line(outline[0], outline[1 % outline.size()], "stroke=\"#1f2937\" stroke-width=\"6\"");
+    } else if (is_support(link)) {
+      drawing.polygon(outline, "fill=\"#dbe7df\" " + stroke_of(link.confidence));
+      Vector2d middle = Vector2d::Zero();
+      for (const Vector2d& corner : outline) middle += corner / static_cast<double>(outline.size());
+      drawing.write(middle, name);
+      std::string size = fmt::format("{:.0f} high", 100 * link.geometry.at("height").get<double>());
+      if (outline.size() == 4)
+        size = fmt::format("{:.0f} × {:.0f}, {}", 100 * (outline[1] - outline[0]).norm(),
+                           100 * (outline[2] - outline[1]).norm(), size);
+      drawing.write(middle, size, 10, 1);
+    }
+  }
+  for (const Front& front : fronts) {
+    const Vector2d middle = front.centre.head<2>(), half = front.right().head<2>() * front.width / 2;
+    drawing.line(middle - half, middle + half, "stroke=\"#2563eb\" stroke-width=\"4\"");
+  }
+  drawing.dimension({box.min().x(), box.min().y() - 0.2}, {box.max().x(), box.min().y() - 0.2});
+  drawing.dimension({box.max().x() + 0.2, box.min().y()}, {box.max().x() + 0.2, box.max().y()});
+  return drawing.svg();
+}
+
+}  // namespace loci::mapping

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mapping/interpretation/interpretation.h"
+
+namespace loci::mapping {
+
+/// Of what is found with less, the report says that it is unsure.
+inline constexpr double kUnsureConfidence = 0.6;
+
+/// Fronts in one vertical plane, as someone sees them who stands before it.
+struct FurnitureRun {
+  Vector3d normal = Vector3d::UnitX();
+  double offset = 0;          ///< normal · p of the plane, m
+  std::vector<Front> fronts;  ///< from left to right, top to bottom
+};
+
+/// The runs of a map's furniture, widest first. Fronts less than 10 cm behind each other are one run.
+std::vector<FurnitureRun> furniture_runs(const InterpretedMap& map);
+
+/// One run drawn to scale, in centimetres: fronts with their names, sizes and handles, the floor and the
+/// supports above them. Lines of doors and flaps meet at the hinge, drawers have an arrow; what was found
+/// with little confidence is dashed.
+std::string elevation_svg(const InterpretedMap& map, const FurnitureRun& run);
+
+/// The room from above with dimensions: walls, supports with their heights, fronts with the way they open.
+std::string plan_svg(const InterpretedMap& map);
+
+}  // namespace loci::mapping
