@@ -47,15 +47,8 @@ ClassExperts::ClassExperts(const Store& store, const std::vector<FactRow>& facts
 }
 
 ClassExperts::Votes ClassExperts::votes_of(Id object) const {
-  std::vector<ObjectObservation> observations = store_.observations_of(object, as_of_);
-  if (observations.size() > kMaxObservations)
-    observations.erase(observations.begin(),
-                       observations.end() - static_cast<std::ptrdiff_t>(kMaxObservations));
-  std::vector<AnnotationRow> rows;
-  for (const ObjectObservation& observed : observations)
-    for (AnnotationRow& row : store_.annotations(observed.observation.scene))
-      if (row.observation == observed.observation.id && row.type == kClassType && !row.value.empty())
-        rows.push_back(std::move(row));
+  std::vector<AnnotationRow> rows = store_.latest_annotations(object, kClassType, kMaxObservations, as_of_);
+  std::erase_if(rows, [](const AnnotationRow& row) { return row.value.empty(); });
   if (rows.empty()) return {};
   // Who says it matters where names differ; reading it takes longer than all else.
   const bool agree =

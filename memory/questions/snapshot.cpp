@@ -218,12 +218,11 @@ std::optional<std::string> Snapshot::annotated_name(Id object) const {
   if (!annotated_)
     annotated_ = {store_.objects_annotated_by(kProduct, as_of_), store_.objects_annotated_by(kClass, as_of_)};
   if (std::ranges::binary_search(annotated_->products, object)) {
-    std::vector<ObjectObservation> observations = store_.observations_of(object, as_of_);
-    if (observations.size() > kMaxObservations)
-      observations.erase(observations.begin(),
-                         observations.end() - static_cast<std::ptrdiff_t>(kMaxObservations));
-    for (const AnnotationSupport& name : annotation_support(store_, observations))
-      if (name.type == kProduct) return name.value;
+    std::map<std::string, size_t> products;
+    for (const AnnotationRow& row : store_.latest_annotations(object, kProduct, kMaxObservations, as_of_))
+      if (!row.value.empty()) ++products[row.value];
+    if (!products.empty())
+      return std::ranges::max_element(products, {}, &std::pair<const std::string, size_t>::second)->first;
   }
   if (!std::ranges::binary_search(annotated_->classes, object)) return std::nullopt;
   const std::optional<ClassVerdict> verdict = class_verdict(object);

@@ -159,6 +159,19 @@ std::vector<ObjectObservation> Store::observations_of(Id object, const AsOf& as_
                             "valid_from, id");
 }
 
+std::vector<AnnotationRow> Store::latest_annotations(Id object, const std::string& type, size_t count,
+                                                     const AsOf& as_of) const {
+  Where latest = observed(object);
+  latest.known(as_of).begun(as_of);
+  const std::string of_type = "type = " + latest.bind(type);
+  return select<AnnotationRow>(
+      *connection_,
+      Where(fmt::format("(scene, observation) IN (SELECT scene, observation FROM association_known WHERE {} "
+                        "ORDER BY valid_from DESC, scene DESC LIMIT {}) AND {}",
+                        latest.text(), count, of_type),
+            latest.values()));
+}
+
 std::optional<ObjectObservation> Store::last_observation_before(Id object, TimeNs time,
                                                                 const std::vector<Id>& places,
                                                                 const AsOf& as_of) const {

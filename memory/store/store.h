@@ -227,6 +227,9 @@ class Store {
   /// Objects of which an observation has an annotation of a type, e.g. "loci.annotation.ProductAnnotation";
   /// in order.
   std::vector<Id> objects_annotated_by(const std::string& type, const AsOf& as_of = {}) const;
+  /// Annotations of a type of the latest observations of an object, `count` at most.
+  std::vector<AnnotationRow> latest_annotations(Id object, const std::string& type, size_t count,
+                                                const AsOf& as_of = {}) const;
   /// Objects of which an observation is annotated with a text that contains these words in this order (FTS5).
   std::vector<Id> objects_with_text(const std::string& words, const AsOf& as_of = {}) const;
   /// All values of annotations of objects, each once.
