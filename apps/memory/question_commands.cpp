@@ -19,9 +19,19 @@
 namespace loci::apps {
 namespace {
 
+constexpr const char* kDetails = "Print all that is known, not only the answer";
+
+/// Whether the text of a command is a sentence with its evidence. Questions that inspect the memory, and the
+/// account of a period, are lists anyway.
+bool has_reply(const memory::Question& question) {
+  return question.group == memory::QuestionGroup::ask && question.name != "timeline" &&
+         question.name != "digest" && question.name != "why";
+}
+
 /// What is given on the command line for a question.
 struct QuestionArguments {
   std::string memory;
+  bool details = false;
   std::vector<std::string> words, between;
   std::map<std::string, std::string> options;  // by name of the parameter
 
@@ -42,17 +52,18 @@ void QuestionArguments::declare(const memory::Question& question, ArgumentTable&
       positional = true;
       continue;
     }
-    ArgumentDetails details{.default_text = parameter.default_text, .choices = parameter.choices};
-    if (parameter.name == "from" || parameter.name == "to") details.excludes = {"--between"};
-    for (const std::string& other : parameter.excludes) details.excludes.push_back(upper_case(other));
+    ArgumentDetails with{.default_text = parameter.default_text, .choices = parameter.choices};
+    if (parameter.name == "from" || parameter.name == "to") with.excludes = {"--between"};
+    for (const std::string& other : parameter.excludes) with.excludes.push_back(upper_case(other));
     table.option(fmt::format("--{} {}", parameter.name, upper_case(to_text(parameter.type))),
-                 &options[parameter.name], parameter.help, details);
+                 &options[parameter.name], parameter.help, with);
   }
   if (question.period) table.option("--between TIME TIME", &between, "Two times", {.values = 2});
+  if (has_reply(question)) table.flag("--details", details, kDetails);
 }
 
 memory::Query QuestionArguments::query(const memory::Question& question) const {
-  memory::Query query{.question = question.name};
+  memory::Query query{.question = question.name, .asks = question.asks};
   for (const auto& [name, value] : options)
     if (!value.empty()) query.arguments[name] = value;
   if (!between.empty()) query.arguments["from"] = between.at(0);
@@ -77,7 +88,16 @@ Command question_command(const memory::Question& question) {
                   const memory::Store store = open_memory(arguments->memory, session);
                   const memory::Query query = arguments->query(question);
                   const memory::Answer answer = question.ask(store, query);
-                  session.answer(answer.to_text(memory::TimeWriter(store)), answer.to_json());
+                  const memory::TimeWriter times(store);
+                  std::string text;
+                  if (has_reply(question)) {
+                    const auto as_of = read_as_of(store, query.argument("at"), query.argument("known-at"));
+                    memory::Reply reply = answer.reply({store, query, as_of, times});
+                    if (arguments->details) reply.evidence.clear();  // it is in what follows
+                    text = to_text(reply);
+                  }
+                  if (!has_reply(question) || arguments->details) text += answer.to_text(times);
+                  session.answer(text, answer.to_json());
                 };
               },
           .group = to_text(question.group)};
@@ -166,7 +186,7 @@ Command ask_command() {
                 arguments->memory.declare(table);
                 table.positional("QUESTION...", &arguments->sentences,
                                  "A question or a task; of several, \"it\" is what the one before was about");
-                table.flag("--details", arguments->details, "Print all that is known, not only the answer");
+                table.flag("--details", arguments->details, kDetails);
                 return [arguments](Session& session) {
                   const memory::Store store = open_memory(arguments->memory.memory, session);
                   const auto answers = ask(store, memory::NaturalLanguageQuestion{

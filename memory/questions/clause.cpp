@@ -164,7 +164,8 @@ void strip_politeness(Words& words) {
       "(can|could|would|will) you [please|kindly] (tell|give|show|list|name|bring|put|find|describe)|tell "
       "me|remind me|let me know|"
       "robot|hey|hello|hi|dear|excuse me|sorry|ok|okay|well|so|and|but|please|thanks|"
-      "[are you|i am|am i] (sure|certain|right|correct) [that|in thinking that]|is it (true|correct|right) "
+      "if|whether|[are you|i am|am i] (sure|certain|right|correct) [that|in thinking that]|is it "
+      "(true|correct|right) "
       "that|"
       "(i|we) (think|believe|guess|suppose|reckon) [that]|do you (think|believe|reckon) [that]|"
       "do you happen to|did you happen to|by any chance|by chance");
@@ -210,6 +211,8 @@ class ClauseReader {
       if (!take()) return std::nullopt;
     close();
     if (clause_.mood.empty()) clause_.mood = "bare";
+    // "Got moved" is "was moved".
+    if (clause_.concepts.size() > 1) clause_.concepts.erase("get");
     return clause_;
   }
 
@@ -346,6 +349,11 @@ class ClauseReader {
   }
 
   bool take_there() {
+    // "there on the table"
+    if (kAtRelations.contains(lemma(1)) && relation_.empty()) {
+      close();
+      return true;
+    }
     const bool existential =
         class_of(previous()) == WordClass::auxiliary || class_of(lemma(1)) == WordClass::auxiliary;
     const bool after_relation = kAtRelations.contains(relation_);
@@ -403,6 +411,7 @@ class ClauseReader {
         return true;
       }
     }
+    if (word() == "different" && (next_is_name || lemma(1) == "thing")) return true;
     if (one == "every" && (clause_.mood == "what" || clause_.mood == "howmany" || clause_.mood == "order"))
       return true;
     if (one == "room") {

@@ -376,7 +376,7 @@ std::vector<Question> co_occurrence_questions() {
        .sentences = {{"what: miss at<place> for<occasion> [thing]", Asks::objects,
                       "What is missing on the table for breakfast?"},
                      {"what: miss from<place> for<occasion> [thing]", Asks::objects},
-                     {"what: miss [thing] -did|-have", Asks::objects},
+                     {"what: miss [thing] -did -have", Asks::objects},
                      {"what: miss at<place> [thing]", Asks::objects},
                      {"what: miss from<place> [thing]", Asks::objects},
                      {"yes|bare: miss thing", Asks::exists, "Is anything missing?"},

@@ -230,7 +230,7 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
        example("How many objects are on the counter?")},
       {"howmany: <object> $p<place> [stand|leave|see|keep|find|put|get]", number,
        example("How many cups are on the table?")},
-      {"what: $p<place> [thing|stand|put|leave|see|find|know|content|else|everything]", objects,
+      {"what: $p<place> [get|thing|stand|put|leave|see|find|know|content|else|everything]", objects,
        example("What is on the table?", "What is in the first drawer?")},
       {"what: which<object> $p<place> [stand|put|leave|see|find|else]", objects,
        example("Which cup is on the counter?")},

@@ -406,7 +406,7 @@ std::vector<Question> environment_questions() {
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), OpensQuestion{given.text("part"), given.text("state"), given.as_of()});
        },
-       .sentences = {{"what: open|opened [thing|every] -was|-did|-been", Asks::summary, "What opens?"},
+       .sentences = {{"what: open|opened [thing|every] -was -did -been", Asks::summary, "What opens?"},
                      {"what: which<part> open [stand|leave]", Asks::objects, "Which drawers are open?",
                       are_open},
                      {"what: which<part> close [stand]", Asks::objects, "", are_closed},
@@ -419,6 +419,8 @@ std::vector<Question> environment_questions() {
                      {"yes|bare: not close <part>", Asks::open},
                      {"what|bare|yes|how|order: state <part> [tell|give]", Asks::open,
                       "State of the first drawer?"},
+                     {"howmany: open <part>", Asks::number, "", are_open},
+                     {"howmany: close <part>", Asks::number, "", are_closed},
                      {"howfar: open|opened <part>"}}},
   };
 }

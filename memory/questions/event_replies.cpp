@@ -287,7 +287,7 @@ void write_reply(const OpensAnswer& answer, const ReplyContext& context, Reply& 
   if (!answer.state.empty()) {
     reply.places = parts;
     reply.number = parts.size();
-    reply.text = parts.empty() ? fmt::format("None of the {} is {}.", answer.asked, answer.state)
+    reply.text = parts.empty() ? fmt::format("None of '{}' is {}.", answer.asked, answer.state)
                                : fmt::format("{} {} {}.", list_of(parts), parts.size() == 1 ? "is" : "are",
                                              answer.state);
   } else if (parts.empty()) {

@@ -40,7 +40,8 @@ const std::vector<std::pair<const char*, const char*>> kLemmas = {
     {"find", "finds found finding locate search searching seek seeking hunting"},
     {"look", "looks looked looking viewed check checked inspect inspected examine examined visited visit"},
     {"move",
-     "moves moved moving movement movements shift shifted push pushed touch touched use used handle handled "
+     "moves moved moving using touching handling movement movements shift shifted push pushed touch touched "
+     "use used handle handled "
      "relocate relocated displace displaced budge budged disturb disturbed transfer transferred rearranged"},
     {"take",
      "takes took taken taking remove removes removed removing steal stole stolen grab grabbed pinch pinched "
@@ -111,7 +112,12 @@ const std::vector<std::pair<const char*, const char*>> kLemmas = {
 /// Several words that are one.
 const std::vector<std::pair<const char*, const char*>> kCompounds = {
     {"how (many times|often|frequently)", "howoften"},
+    {"how many of (the|my|our|these|those)", "howmany"},
     {"how many", "howmany"},
+    {"how (likely|probable|certain|sure) is it [that]", "howsure"},
+    {"(would|do) you (say|think|believe|reckon) (is|are|was|were)", "is"},
+    {"(to|on) the (left|right) [side] of", "behind"},
+    {"(left|right) of", "behind"},
     {"how much", "howmuch"},
     {"(one|any|some|either|each|all) of (the|my|our|your|these|those)", "any"},
     {"(count|number) [all] (the|my)", "howmany"},

@@ -206,6 +206,7 @@ std::vector<SentenceForm> where_sentences() {
       {"howsure: about<object> [location]", probability, "How sure are you about the pot?"},
       {"why|how: vanish|go|miss <object> [think|know|sure|say]", reason,
        "Why do you think that the plate is gone?"},
+      {"why: not <object> at<any> [think|sure]", reason},
       {"why|how: know|think|sure <object> [where|location]", reason},
   };
 }

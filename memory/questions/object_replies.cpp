@@ -224,17 +224,20 @@ double between_sightings(double believed, TimeNs since, TimeNs until) {
 std::optional<double> believed_then(const WasAnswer& answer, const WasObject& object,
                                     const Snapshot& snapshot, const ReplyContext& context) {
   constexpr TimeNs kMoment = 120 * kSecond;
-  if (answer.verdict != Verdict::not_observed || answer.to - answer.from > kMoment || !object.before ||
-      !object.after)
+  if (answer.verdict != Verdict::not_observed || answer.to - answer.from > kMoment || !object.before)
     return std::nullopt;
   const auto then = context.store.belief(object.object.id, {answer.from, context.as_of.known_at});
   if (!then || !then->place || then->status == ObjectStatus::gone) return std::nullopt;
   const std::vector<PlaceRow> places = snapshot.find_places(answer.place);
   const bool there =
       std::ranges::any_of(places, [&](const PlaceRow& place) { return place.id == *then->place; });
-  const double probability = between_sightings(then->probability, answer.from - object.before->time,
-                                               object.after->time - answer.from);
-  return there && probability >= kLikely ? std::optional(probability) : std::nullopt;
+  // Without a sighting afterwards the belief has to be good.
+  constexpr double kGood = 0.7;
+  const double probability = object.after
+                                 ? between_sightings(then->probability, answer.from - object.before->time,
+                                                     object.after->time - answer.from)
+                                 : then->probability;
+  return there && probability >= (object.after ? kLikely : kGood) ? std::optional(probability) : std::nullopt;
 }
 
 }  // namespace
@@ -243,7 +246,14 @@ void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& re
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
   const auto of_verdict = std::ranges::find(answer.objects, answer.verdict, &WasObject::verdict);
-  const WasObject& object = of_verdict == answer.objects.end() ? answer.objects.front() : *of_verdict;
+  const WasObject* best = of_verdict == answer.objects.end() ? &answer.objects.front() : &*of_verdict;
+  std::optional<double> chance;  // that one was there unseen
+  for (const WasObject& one : answer.objects)
+    if (const auto believed = believed_then(answer, one, snapshot, context); believed > chance) {
+      chance = believed;
+      best = &one;
+    }
+  const WasObject& object = *best;
   const std::string name = bare_subject(object.object, names);
   const std::string where =
       answer.place.empty() ? "seen" : (answer.container ? "in " : "on ") + name_in_words(answer.place);
@@ -268,12 +278,12 @@ void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& re
               : fmt::format("At {}: {} was {} seen {} then.", context.times.text(reply.time->first), name,
                             asks == Asks::last_time ? "last" : "first", where);
     }
-  } else if (const auto chance = believed_then(answer, object, snapshot, context)) {
+  } else if (chance) {
     reply.verdict = Verdict::yes;
     reply.probability = *chance;
-    reply.text =
-        fmt::format("Yes, with {}: {} was {}, seen there at {} and {}.", percent(*chance), name, where,
-                    context.times.text(object.before->time), context.times.text(object.after->time));
+    reply.text = fmt::format("Yes, with {}: {} was {}, seen there at {}{}.", percent(*chance), name, where,
+                             context.times.text(object.before->time),
+                             object.after ? " and " + context.times.text(object.after->time) : "");
   } else {
     reply.verdict = answer.verdict;
     reply.probability = object.verdict == Verdict::yes ? 1 : object.probability;

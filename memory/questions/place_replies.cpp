@@ -103,8 +103,7 @@ void contents_verdict(const ContentsAnswer& answer, const Contents& contents, co
   std::string why;
   if (verdict == Verdict::yes) {
     const std::vector<std::string> list = names_of(contents.sure, names);
-    why = fmt::format("{} {} {}", list_in_words(list), list.size() > 1 ? "are" : is_or_was(context),
-                      contents.where);
+    why = fmt::format("{} {} {}", list_in_words(list), is_or_was(context, list.size()), contents.where);
   } else if (asks == Asks::verdict) {
     if (const auto other = elsewhere(answer, snapshot, names, reply)) {
       verdict = Verdict::no;
@@ -174,8 +173,8 @@ void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Repl
                          ? fmt::format("None {}.", contents.where)
                          : fmt::format("{} {}: {}.", list.size(), contents.where, list_in_words(list));
       else
-        reply.text = fmt::format("{} {} {}.", list_in_words(list),
-                                 list.size() > 1 ? "are" : is_or_was(context), contents.where);
+        reply.text =
+            fmt::format("{} {} {}.", list_in_words(list), is_or_was(context, list.size()), contents.where);
     }
   }
   if (contents.seen_last != nullptr)

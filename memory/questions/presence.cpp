@@ -550,6 +550,7 @@ std::vector<Question> presence_questions() {
        .period = true,
        .words_help = "OBJECT [on|in PLACE]",
        .read_words = read_was,
+       .asks = Asks::verdict,
        .examples = {"red on table_1 --between 08:00 09:00",
                     "object_1 in drawer_1 --between 08:00 18:00 --json"},
        .run = ask_was,

@@ -224,6 +224,7 @@ struct Question {
   /// arguments.
   std::string words_help = {};
   void (*read_words)(std::vector<std::string> words, Query& query) = nullptr;
+  Asks asks = Asks::summary;          ///< of the command
   std::vector<std::string> examples;  ///< as typed after the name, without -m
   Answer (*run)(const Arguments& arguments);
   SentenceTime time = SentenceTime::at;

@@ -55,6 +55,12 @@ Reply Answer::reply(const ReplyContext& context) const {
   return reply;
 }
 
+std::string to_text(const Reply& reply) {
+  std::string text = reply.text + "\n";
+  for (const std::string& line : reply.evidence) text += "  " + line + "\n";
+  return text;
+}
+
 Json to_json(const Reply& reply) {
   Json json = {{"text", reply.text}, {"evidence", reply.evidence}};
   if (reply.verdict) json["verdict"] = to_text(*reply.verdict);

@@ -27,6 +27,8 @@ struct Reply {
   std::optional<double> probability = {};
   bool not_known = false;  ///< the memory cannot tell
 };
+/// The sentence, and its evidence on indented lines.
+std::string to_text(const Reply& reply);
 Json to_json(const Reply& reply);
 
 /// What a reply is made for.

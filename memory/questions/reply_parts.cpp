@@ -17,9 +17,10 @@ std::string spot_in_words(const std::optional<PlaceRef>& place, const std::optio
   return place ? in_words(*place) : spot_text(place, position);
 }
 
-const char* is_or_was(const ReplyContext& context) {
+const char* is_or_was(const ReplyContext& context, size_t count) {
   const std::string at = context.query.argument("at");
-  return at.empty() || at == "now" ? "is" : "was";
+  const bool now = at.empty() || at == "now";
+  return count > 1 ? (now ? "are" : "were") : now ? "is" : "was";
 }
 
 namespace {

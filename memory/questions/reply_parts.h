@@ -17,7 +17,8 @@ inline constexpr double kLikely = 0.5;
 bool is_there(const ObjectBelief& object);
 /// "on table_1", or a point where no place is known.
 std::string spot_in_words(const std::optional<PlaceRef>& place, const std::optional<Vector3d>& position);
-const char* is_or_was(const ReplyContext& context);  ///< "was" of a time that was asked about
+/// "is" or "are", and "was" or "were" of a time that was asked about.
+const char* is_or_was(const ReplyContext& context, size_t count = 1);
 TimeSpan at_once(TimeNs time);
 /// A name by Names without the place that qualifies it, for sentences that name the place anyway.
 std::string without_place(std::string name);

@@ -211,7 +211,8 @@ std::vector<Words> respellings(const Words& words) {
   }();
   std::vector<Words> all;
   for (size_t i = 0; i < words.size(); ++i) {
-    if (words[i].size() < kMinLength || known.contains(words[i])) continue;
+    if (words[i].size() < kMinLength || known.contains(words[i]) || class_of(words[i]) != WordClass::name)
+      continue;
     for (const std::string& word : known)
       if (is_one_typo(words[i], word)) {
         all.push_back(words);

@@ -25,15 +25,15 @@ class MemoryCli : public testing::Test {
 
 TEST_F(MemoryCli, AnswersEveryQuestionInWordsAndAsJson) {
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {"where red", "tea cup (object_1, red"},
-      {"where tea cup --at 08:10", "on table_1"},
-      {"history red", "from 09:30 to 10:30, on counter_1"},
-      {"on table_1", "1 object is on table_1"},
-      {"in drawer_1", "in drawer_1_bottom"},
-      {"was red on table_1 --between 07:50 08:10", "Yes: tea cup (object_1"},
-      {"was red on table_1 --between 08:50 09:10", "No: tea cup (object_1"},
-      {"was red on table_1 --between 11:00 12:00", "Not observed: whether tea cup (object_1"},
-      {"changes --between 08:50 09:10", "has gone from table_1"},
+      {"where red --details", "tea cup (object_1, red"},
+      {"where tea cup --at 08:10 --details", "on table_1"},
+      {"history red --details", "from 09:30 to 10:30, on counter_1"},
+      {"on table_1 --details", "1 object is on table_1"},
+      {"in drawer_1 --details", "in drawer_1_bottom"},
+      {"was red on table_1 --between 07:50 08:10 --details", "Yes: tea cup (object_1"},
+      {"was red on table_1 --between 08:50 09:10 --details", "No: tea cup (object_1"},
+      {"was red on table_1 --between 11:00 12:00 --details", "Not observed: whether tea cup (object_1"},
+      {"changes --between 08:50 09:10 --details", "has gone from table_1"},
       {"objects", "object_4"},
       {"scenes --from 10:00", "scene 5, frame 4 of day"},
       {"timeline --to 08:00", "appeared on table_1"},
@@ -44,6 +44,22 @@ TEST_F(MemoryCli, AnswersEveryQuestionInWordsAndAsJson) {
     EXPECT_THAT(words.out, HasSubstr(expected)) << question;
     EXPECT_EQ(words.error, "") << question;
     EXPECT_TRUE(parse_json(ask(question + " --json").out, question).is_object());
+  }
+}
+
+TEST_F(MemoryCli, AnswersFirstInOneSentenceWithAtMostThreeLinesOfEvidence) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"where red", "The tea cup is on counter_1."},
+      {"history red", "The tea cup was on table_1 and on counter_1."},
+      {"on table_1", "The blue object is on table_1."},
+      {"was red on table_1 --between 07:50 08:10", "Yes: the tea cup was on table_1"},
+      {"was red on table_1 --between 08:50 09:10", "No: the tea cup was not on table_1"},
+      {"was red on table_1 --between 11:00 12:00", "Not observed"}};
+  for (const auto& [question, expected] : cases) {
+    const std::string text = ask(question).out;
+    EXPECT_THAT(text, testing::StartsWith(expected)) << question;
+    EXPECT_LE(lines_of(text), 4) << text;
+    EXPECT_THAT(ask(question + " --details").out, testing::StartsWith(expected)) << question;
   }
 }
 

@@ -10,7 +10,9 @@ namespace {
 const std::string kTables = std::string(LOCI_SOURCE_DIR) + "/tests/data/questions/";
 
 std::vector<AskedQuestion> all_questions() {
-  return read_table(kTables + "tuning.yaml");
+  std::vector<AskedQuestion> all = read_table(kTables + "tuning.yaml");
+  for (AskedQuestion& one : read_table(kTables + "held_out.yaml")) all.push_back(std::move(one));
+  return all;
 }
 
 /// The questions of the tables, asked of the memory of the synthetic day.
@@ -23,8 +25,9 @@ class QuestionTables : public memory::testing_support::DayFixture {
   }
 };
 
-TEST(QuestionTable, Has300QuestionsForTuning) {
-  EXPECT_EQ(all_questions().size(), 300U);
+TEST(QuestionTable, Has300QuestionsForTuningAnd120HeldOut) {
+  EXPECT_EQ(read_table(kTables + "tuning.yaml").size(), 300U);
+  EXPECT_EQ(read_table(kTables + "held_out.yaml").size(), 120U);
 }
 
 TEST_F(QuestionTables, EveryAnswerIsOneShortSentenceAndAtMostThreeLinesOfEvidence) {
