@@ -8,6 +8,7 @@
 
 #include "mapping/image/image_io.h"
 #include "memory/questions/answer_format.h"
+#include "memory/questions/embeddings.h"
 #include "memory/questions/question.h"
 #include "memory/questions/snapshot.h"
 
@@ -201,34 +202,83 @@ Json to_json(const SearchAnswer& answer) {
                                     })}};
 }
 
-SimilarAnswer ask(const Store& store, const SimilarQuestion& question) {
-  if (question.subject.empty() && question.image.empty())
-    throw Error("there is no object to compare with", {}, "name an object, or give --image FILE");
-  const Snapshot snapshot(store, question.as_of);
-  SimilarAnswer answer;
-  std::vector<Crop> wanted;
-  std::optional<Id> self;
-  if (question.image.empty()) {
-    self = snapshot.find_objects(question.subject).at(0);
-    answer.asked = object_name(*self);
-    wanted = crops_of(snapshot, *self);
-    if (wanted.empty())
-      throw Error(fmt::format("no crop of {} is stored", answer.asked), {}, "give an image with --image");
-  } else {
-    answer.asked = question.image.filename().string();
-    wanted.push_back({histogram_of(mapping::read_color(question.image)), 0});
-  }
+namespace {
+
+/// Adds an object as similar as its most similar view: similarities(view) of `views`, whose scenes are known.
+template <class View, class Measure>
+void add_similar(const Snapshot& snapshot, const BeliefRow& belief, const std::vector<View>& views,
+                 const Measure& measure, SimilarAnswer& answer) {
+  if (views.empty()) return;
+  SimilarObject object{.object = snapshot.object_belief(belief)};
+  for (const View& view : views)
+    if (const double similarity = measure(view); !object.scene || similarity > object.similarity) {
+      object.similarity = similarity;
+      object.scene = snapshot.scene_ref(view.scene);
+    }
+  answer.objects.push_back(std::move(object));
+}
+
+/// By the vectors of networks; nothing when there is none of the wanted.
+void compare_embeddings(const Snapshot& snapshot, const std::vector<Embedding>& wanted,
+                        std::optional<Id> self, SimilarAnswer& answer) {
+  if (wanted.empty()) return;
   for (const BeliefRow& belief : snapshot.beliefs()) {
     if (belief.object == self) continue;
-    SimilarObject object{.object = snapshot.object_belief(belief)};
-    for (const Crop& crop : crops_of(snapshot, belief.object))
-      for (const Crop& one : wanted)
-        if (const double similarity = intersection(crop.histogram, one.histogram);
-            !object.scene || similarity > object.similarity) {
-          object.similarity = similarity;
-          object.scene = snapshot.scene_ref(crop.scene);
-        }
-    if (object.scene) answer.objects.push_back(std::move(object));
+    std::vector<Embedding> views = embeddings_of(snapshot, belief.object);
+    const auto best = [&](const Embedding& view) {
+      double most = 0;
+      for (const Embedding& one : wanted)
+        if (one.name.empty() || one.name == view.name)
+          most = std::max(most, embedding_similarity(one.values, view.values));
+      return most;
+    };
+    add_similar(snapshot, belief, views, best, answer);
+  }
+}
+
+void compare_crops(const Snapshot& snapshot, const std::vector<Crop>& wanted, std::optional<Id> self,
+                   SimilarAnswer& answer) {
+  for (const BeliefRow& belief : snapshot.beliefs()) {
+    if (belief.object == self) continue;
+    const auto best = [&](const Crop& crop) {
+      double most = 0;
+      for (const Crop& one : wanted) most = std::max(most, intersection(crop.histogram, one.histogram));
+      return most;
+    };
+    add_similar(snapshot, belief, crops_of(snapshot, belief.object), best, answer);
+  }
+}
+
+}  // namespace
+
+SimilarAnswer ask(const Store& store, const SimilarQuestion& question) {
+  if (question.subject.empty() && question.image.empty() && question.text.empty())
+    throw Error("there is no object to compare with", {},
+                "name an object, or give --image FILE or --text WORDS");
+  const Snapshot snapshot(store, question.as_of);
+  SimilarAnswer answer;
+  if (!question.text.empty()) {
+    if (question.vectors.empty())
+      throw Error("there are no vectors of words", {},
+                  "give --vectors FILE, exported from the encoder of texts");
+    answer.asked = question.text;
+    compare_embeddings(snapshot, {{.values = WordVectors::read(question.vectors).of(question.text)}},
+                       std::nullopt, answer);
+    if (answer.objects.empty())
+      throw Error("no object has a vector of a network", {}, "run the annotator NetworkEmbedding");
+  } else if (!question.image.empty()) {
+    answer.asked = question.image.filename().string();
+    compare_crops(snapshot, {{histogram_of(mapping::read_color(question.image)), 0}}, std::nullopt, answer);
+  } else {
+    const Id self = snapshot.find_objects(question.subject).at(0);
+    answer.asked = object_name(self);
+    compare_embeddings(snapshot, embeddings_of(snapshot, self), self, answer);
+    if (answer.objects.empty()) {
+      const std::vector<Crop> wanted = crops_of(snapshot, self);
+      if (wanted.empty())
+        throw Error(fmt::format("no crop of {} is stored", answer.asked), {}, "give an image with --image");
+      compare_crops(snapshot, wanted, self, answer);
+    }
   }
   std::ranges::stable_sort(answer.objects, std::ranges::greater(), &SimilarObject::similarity);
   return answer;
@@ -272,15 +322,24 @@ std::vector<Question> search_questions() {
                      {"where: else <object> [find|look|stand|keep]", Asks::place,
                       "If the cereal is not on the table, where else may it be?"}}},
       {.name = "like",
-       .description = "Which objects look like an object or an image",
+       .description = "Which objects look like an object, an image or a text",
        .parameters = {object,
                       {.name = "image",
                        .type = ParameterType::file,
                        .help = "A PNG or JPEG that the object fills",
-                       .excludes = {"object"}}},
+                       .excludes = {"object"}},
+                      {.name = "text",
+                       .type = ParameterType::text,
+                       .help =
+                           "Words for what is looked for; needs --vectors and the annotator NetworkEmbedding",
+                       .excludes = {"object", "image"}},
+                      {.name = "vectors",
+                       .type = ParameterType::file,
+                       .help = "Vectors of words: a word and its values on each line"}},
        .examples = {"red", "red --json"},
        .run = [](const Arguments& given) -> Answer {
-         return ask(given.store(), SimilarQuestion{given.text("object"), given.text("image"), given.as_of()});
+         return ask(given.store(), SimilarQuestion{given.text("object"), given.text("image"),
+                                                   given.text("text"), given.text("vectors"), given.as_of()});
        },
        .sentences = {{"what: like<object> [look|thing|see]", Asks::objects, "What looks like the red cup?"},
                      {"yes: thing like<object> [look]", Asks::objects},

@@ -48,20 +48,24 @@ Json to_json(const SearchAnswer& answer);
 // ---- like: objects of similar appearance
 
 struct SimilarQuestion {
-  std::string subject = {};          ///< empty when an image is given
-  std::filesystem::path image = {};  ///< the object fills most of it
+  std::string subject = {};            ///< empty when an image or a text is given
+  std::filesystem::path image = {};    ///< the object fills most of it
+  std::string text = {};               ///< looked up in `vectors`
+  std::filesystem::path vectors = {};  ///< of words, for the vectors of a network
   AsOf as_of = {};
 };
 struct SimilarObject {
   ObjectBelief object = {};
-  double similarity = 0;               ///< 0 to 1: intersection of the colour histograms of their crops
+  double similarity = 0;  ///< 0 to 1: cosine of the vectors of a network where the memory has them, else
+                          ///< intersection of the colour histograms of their crops
   std::optional<SceneRef> scene = {};  ///< of its most similar crop
 };
 struct SimilarAnswer {
   std::string asked = {};                   ///< the object's or the image's name
   std::vector<SimilarObject> objects = {};  ///< most similar first
 };
-/// Error when the image cannot be read or no crop of the object is stored.
+/// Error when the image cannot be read, no crop of the object is stored, or, for a text, no vector of a
+/// network.
 SimilarAnswer ask(const Store& store, const SimilarQuestion& question);
 std::string to_text(const SimilarAnswer& answer, const TimeWriter& times);
 void write_reply(const SimilarAnswer& answer, const ReplyContext& context, Reply& reply);

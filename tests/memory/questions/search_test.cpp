@@ -3,6 +3,7 @@
 #include <array>
 #include <opencv2/core.hpp>
 
+#include "mapping/base/files.h"
 #include "mapping/image/image_io.h"
 #include "tests/memory/questions/day_fixture.h"
 
@@ -57,6 +58,63 @@ TEST_F(Similarity, OfAnImageIsTheSame) {
   const Store store = Store::open_read(file_);
   EXPECT_EQ(ask(store, SimilarQuestion{.image = image}).objects.at(0).object.object.id, 3);
   EXPECT_THROW(ask(store, SimilarQuestion{.image = "missing.png"}), Error);
+}
+
+/// Adds a vector of a network to the first observations of the memory.
+void add_embeddings(const std::filesystem::path& file, const std::vector<std::string>& vectors) {
+  Store store = Store::open_write(file, {.now = 1'900'000'001 * kSecond});
+  const Id run = store.begin_run("test", "{}");
+  SceneTransaction transaction(store, run);
+  const std::string type = "loci.annotation.ImageFeatureAnnotation";
+  for (size_t i = 0; i < vectors.size(); ++i) {
+    const Id observation = static_cast<Id>(i) + 1;
+    const Id types = transaction.add_type_system("<typeSystemDescription/>");
+    const Id structure = transaction.add_feature_structure(
+        {.scene = 1,
+         .observation = observation,
+         .type = type,
+         .type_system = types,
+         .json = R"({"root": "#1", "structures": [{"id": 1, "type": ")" + type +
+                 R"(", "features": {"source": "NetworkEmbedding", "name": "net", "feature": )" + vectors[i] +
+                 "}}]}"});
+    transaction.add_annotation({.scene = 1,
+                                .observation = observation,
+                                .type = type,
+                                .value = "net",
+                                .feature_structure = structure});
+  }
+  transaction.commit();
+  store.finish_run(run);
+}
+
+TEST_F(Similarity, IsOfTheVectorsOfANetworkWhereThereAreAny) {
+  remember_three(file_);
+  add_embeddings(file_, {"[1, 0]", "[0, 2]", "[3, 0.3]"});
+  const Store store = Store::open_read(file_);
+  const SimilarAnswer answer = ask(store, SimilarQuestion{.subject = "object_1"});
+  ASSERT_EQ(answer.objects.size(), 2U);
+  EXPECT_EQ(answer.objects[0].object.object.id, 3);
+  EXPECT_GT(answer.objects[0].similarity, 0.99);
+  EXPECT_NEAR(answer.objects[1].similarity, 0, 1e-6);
+}
+
+TEST_F(Similarity, TextsAreFoundByVectorsOfWords) {
+  remember_three(file_);
+  const std::filesystem::path words = file_.parent_path() / "words.txt";
+  write_file_atomically(words, "mug 0 1\ntea towel 1 0\nred 1 1\n");
+  {
+    const Store store = Store::open_read(file_);
+    EXPECT_THROW(ask(store, SimilarQuestion{.text = "mug", .vectors = words}), Error);  // no vectors yet
+  }
+  add_embeddings(file_, {"[1, 0]", "[0, 2]", "[3, 0.3]"});
+  const Store store = Store::open_read(file_);
+  EXPECT_EQ(ask(store, SimilarQuestion{.text = "Mug", .vectors = words}).objects.at(0).object.object.id, 2);
+  EXPECT_EQ(ask(store, SimilarQuestion{.text = "tea towel", .vectors = words}).objects.at(0).object.object.id,
+            1);
+  EXPECT_THROW(ask(store, SimilarQuestion{.text = "spoon", .vectors = words}), Error);
+  EXPECT_THROW(ask(store, SimilarQuestion{.text = "mug"}), Error);
+  write_file_atomically(words, "mug 0 1\ntea 1\n");
+  EXPECT_THROW(ask(store, SimilarQuestion{.text = "mug", .vectors = words}), Error);
 }
 
 TEST_F(SearchNext, StartsWhereItIsBelievedToBe) {
