@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kType = "loci.annotation.ImageFeatureAnnotation";
 constexpr const char* kSource = "NetworkEmbedding";
-constexpr size_t kMaxEmbeddings = 12;  // of an object
+constexpr size_t kMaxObservations = 12;  // the latest
 constexpr size_t kMaxLength = 16384;
 constexpr uintmax_t kMaxFileBytes = uintmax_t{512} << 20;
 
@@ -46,7 +46,7 @@ std::vector<float> array_of(const Store& store, const Json& array) {
 }
 
 std::optional<Embedding> embedding_of(const Store& store, const AnnotationRow& row) {
-  if (row.type != kType || !row.feature_structure) return std::nullopt;
+  if (!row.feature_structure) return std::nullopt;
   const Json json = parse_json(store.feature_structure(*row.feature_structure).json, "feature_structure");
   for (const Json& structure : json.value("structures", Json::array())) {
     const Json features = structure.value("features", Json::object());
@@ -65,11 +65,8 @@ std::optional<Embedding> embedding_of(const Store& store, const AnnotationRow& r
 std::vector<Embedding> embeddings_of(const Snapshot& snapshot, Id object) {
   const Store& store = snapshot.store();
   std::vector<Embedding> embeddings;
-  const std::vector<ObjectObservation> seen = store.observations_of(object, snapshot.as_of());
-  for (auto one = seen.rbegin(); one != seen.rend() && embeddings.size() < kMaxEmbeddings; ++one)
-    for (const AnnotationRow& row : store.annotations(one->association.scene))
-      if (row.observation == one->observation.id)
-        if (auto embedding = embedding_of(store, row)) embeddings.push_back(std::move(*embedding));
+  for (const AnnotationRow& row : store.latest_annotations(object, kType, kMaxObservations, snapshot.as_of()))
+    if (auto embedding = embedding_of(store, row)) embeddings.push_back(std::move(*embedding));
   return embeddings;
 }
 

@@ -16,7 +16,7 @@ struct Embedding {
   Id scene = 0;
 };
 
-/// Those of the latest observations of an object, at most twelve, latest first.
+/// Those of the latest twelve observations of an object.
 std::vector<Embedding> embeddings_of(const Snapshot& snapshot, Id object);
 
 /// Cosine of the angle between two vectors, at least 0; 0 for vectors of different length.
