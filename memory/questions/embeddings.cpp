@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kType = "loci.annotation.ImageFeatureAnnotation";
 constexpr const char* kSource = "NetworkEmbedding";
-constexpr size_t kMaxObservations = 12;  // the latest
+constexpr size_t kLatestViews = 12;  // the latest
 constexpr size_t kMaxLength = 16384;
 constexpr uintmax_t kMaxFileBytes = uintmax_t{512} << 20;
 
@@ -65,7 +65,7 @@ std::optional<Embedding> embedding_of(const Store& store, const AnnotationRow& r
 std::vector<Embedding> embeddings_of(const Snapshot& snapshot, Id object) {
   const Store& store = snapshot.store();
   std::vector<Embedding> embeddings;
-  for (const AnnotationRow& row : store.latest_annotations(object, kType, kMaxObservations, snapshot.as_of()))
+  for (const AnnotationRow& row : store.latest_annotations(object, kType, kLatestViews, snapshot.as_of()))
     if (auto embedding = embedding_of(store, row)) embeddings.push_back(std::move(*embedding));
   return embeddings;
 }
