@@ -33,7 +33,9 @@ class Questions(SampleMemoryTest):
     def test_answers_are_those_of_the_command(self):
         with loci.open(self.file) as memory:
             answer = memory.where("mug", at="08:00")
-        self.assertEqual(str(answer), command("where", "mug", "--at", "08:00", "-m", self.file))
+        headline, details = command("where", "mug", "--at", "08:00", "--details", "-m", self.file).split("\n", 1)
+        self.assertEqual(headline, "The mug was on table_1.")
+        self.assertEqual(str(answer), details)
         data = json.loads(command("where", "mug", "--at", "08:00", "-m", self.file, "--json"))
         self.assertEqual(dict(answer), data)
         self.assertEqual(answer.objects[0].place, data["objects"][0]["place"])
