@@ -1,8 +1,8 @@
 #include "apps/evaluate/changes/comparison.h"
 #include "apps/evaluate/changes/remember.h"
 #include "apps/evaluate/commands.h"
-#include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/json.h"
+#include "mapping/base/temporary_folder.h"
 
 namespace loci::apps {
 namespace {
@@ -16,7 +16,7 @@ struct Arguments {
 
 void run(const Arguments& arguments, Session& session) {
   const std::shared_ptr<mapping::Recording> recording = mapping::open_recording(arguments.folder);
-  const TemporaryFolder folder("changes");
+  const TemporaryFolder folder("loci-evaluate-changes");
   changes::RememberOptions options;
   options.memory =
       arguments.memory.empty() ? folder.path() / "memory.loci" : std::filesystem::path(arguments.memory);

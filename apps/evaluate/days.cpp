@@ -5,9 +5,9 @@
 #include "apps/evaluate/changes/random_day.h"
 #include "apps/evaluate/changes/remember.h"
 #include "apps/evaluate/commands.h"
-#include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/simulation/record.h"
 
 namespace loci::apps {
@@ -55,7 +55,7 @@ DayResult one_day(const Arguments& arguments, int run, const fs::path& folder, P
 }
 
 void run(const Arguments& arguments, Session& session) {
-  const TemporaryFolder temporary("days");
+  const TemporaryFolder temporary("loci-evaluate-days");
   const fs::path folder = arguments.keep.empty() ? temporary.path() : fs::path(arguments.keep);
   make_folder(folder);
   std::vector<changes::Comparison> all;

@@ -1,8 +1,8 @@
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/questions/judge.h"
-#include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/temporary_folder.h"
 
 namespace loci::apps {
 namespace {
@@ -14,7 +14,7 @@ struct Arguments {
 };
 
 void run(const Arguments& arguments, Session& session) {
-  const TemporaryFolder temporary("questions");
+  const TemporaryFolder temporary("loci-evaluate-questions");
   const std::filesystem::path folder =
       arguments.keep.empty() ? temporary.path() : std::filesystem::path(arguments.keep);
   make_folder(folder);

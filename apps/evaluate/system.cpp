@@ -1,8 +1,8 @@
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/system/experiment.h"
-#include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/temporary_folder.h"
 
 namespace loci::apps {
 namespace {
@@ -15,7 +15,7 @@ struct Arguments {
 void run(Arguments& arguments, Session& session) {
   table_of(arguments.options).validate();
   arguments.options.threads = session.flags().threads;
-  const TemporaryFolder scratch("system");
+  const TemporaryFolder scratch("loci-evaluate-system");
   const std::filesystem::path folder =
       arguments.output.empty() ? scratch.path() : std::filesystem::path(arguments.output);
   make_folder(folder);

@@ -1,7 +1,7 @@
 #include "apps/evaluate/commands.h"
-#include "apps/evaluate/temporary_folder.h"
 #include "apps/evaluate/update/experiment.h"
 #include "mapping/base/json.h"
+#include "mapping/base/temporary_folder.h"
 
 namespace loci::apps {
 namespace {
@@ -18,7 +18,7 @@ void run(Arguments& arguments, Session& session) {
   settings.kinect = arguments.sensor == "kinect";
   settings.package_paths.assign(arguments.package_paths.begin(), arguments.package_paths.end());
   std::optional<TemporaryFolder> temporary;
-  if (arguments.out.empty()) temporary.emplace("update");
+  if (arguments.out.empty()) temporary.emplace("loci-evaluate-update");
   settings.folder = temporary ? temporary->path() : std::filesystem::path(arguments.out);
   std::vector<update_claim::Trial> trials;
   for (const std::string& world : arguments.worlds)

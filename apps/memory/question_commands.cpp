@@ -21,11 +21,10 @@ namespace {
 
 constexpr const char* kDetails = "Print all that is known, not only the answer";
 
-/// Whether the text of a command is a sentence with its evidence. Questions that inspect the memory, and the
-/// account of a period, are lists anyway.
+/// Whether the text of a command is a sentence with its evidence. Questions that inspect the memory list what
+/// they find.
 bool has_reply(const memory::Question& question) {
-  return question.group == memory::QuestionGroup::ask && question.name != "timeline" &&
-         question.name != "digest" && question.name != "why";
+  return question.group == memory::QuestionGroup::ask && !question.account;
 }
 
 /// What is given on the command line for a question.

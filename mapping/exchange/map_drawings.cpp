@@ -9,6 +9,7 @@
 #include "mapping/base/html.h"
 #include "mapping/base/json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
+#include "mapping/world/furniture_classes.h"
 
 namespace loci::mapping {
 namespace {
@@ -81,11 +82,6 @@ std::vector<Vector2d> outline_of(const SemanticLink& link) {
   return outline;
 }
 
-bool is_support(const SemanticLink& link) {
-  return link.class_name == "counter" || link.class_name == "island" || link.class_name == "table" ||
-         link.class_name == "shelf" || link.class_name == "cabinet";
-}
-
 std::string stroke_of(double confidence) {
   return confidence < kUnsureConfidence ? "stroke=\"#b45309\" stroke-width=\"1.5\" stroke-dasharray=\"5 4\""
                                         : "stroke=\"#1f2937\" stroke-width=\"1.5\"";
@@ -103,13 +99,12 @@ void draw_opening(Drawing& drawing, const Front& front, const Vector2d& middle) 
                  kThin);
     return;
   }
-  const Vector3d off = front.joint->origin - front.centre;
-  const bool upright = std::abs(front.joint->axis.dot(front.up)) > 0.7;
-  const double side = upright ? off.dot(front.right()) : off.dot(front.up);
-  const int along = upright ? 0 : 1;
+  const HingeSide side = hinge_side(front);
+  const int along = side == HingeSide::left || side == HingeSide::right ? 0 : 1;
+  const double way = side == HingeSide::right || side == HingeSide::above ? half[along] : -half[along];
   Vector2d hinge = middle, far = Vector2d::Zero();
-  hinge[along] += std::copysign(half[along], side);
-  far[along] = -std::copysign(half[along], side);
+  hinge[along] += way;
+  far[along] = -way;
   for (const double end : {-1.0, 1.0}) {
     Vector2d corner = middle + far;
     corner[1 - along] += end * half[1 - along];
@@ -137,6 +132,13 @@ void draw_front(Drawing& drawing, const FurnitureRun& run, const Front& front) {
 }
 
 }  // namespace
+
+HingeSide hinge_side(const Front& front) {
+  const Vector3d off = front.joint->origin - front.centre;
+  if (std::abs(front.joint->axis.dot(front.up)) > std::sqrt(0.5))
+    return off.dot(front.right()) > 0 ? HingeSide::right : HingeSide::left;
+  return off.dot(front.up) > 0 ? HingeSide::above : HingeSide::below;
+}
 
 std::vector<FurnitureRun> furniture_runs(const InterpretedMap& map) {
   std::vector<FurnitureRun> runs;
@@ -180,7 +182,7 @@ std::string elevation_svg(const InterpretedMap& map, const FurnitureRun& run) {
   drawing.line({box.min().x() - 0.2, 0}, {box.max().x() + 0.2, 0}, "stroke=\"#111\" stroke-width=\"3\"");
   for (const auto& [name, link] : map.semantics.links) {
     const std::vector<Vector2d> outline = outline_of(link);
-    if (!is_support(link) || outline.empty()) continue;
+    if (!is_support_class(link.class_name) || outline.empty()) continue;
     double from = 1e9, to = -1e9, nearest = 1e9;
     for (const Vector2d& corner : outline) {
       from = std::min(from, corner.dot(right.head<2>()));
@@ -215,7 +217,7 @@ std::string plan_svg(const InterpretedMap& map) {
     if (outline.empty() || link.class_name == "drawer_bottom") continue;
     if (link.class_name == "wall") {
       drawing.line(outline[0], outline[1 % outline.size()], "stroke=\"#1f2937\" stroke-width=\"6\"");
-    } else if (is_support(link)) {
+    } else if (is_support_class(link.class_name)) {
       drawing.polygon(outline, "fill=\"#dbe7df\" " + stroke_of(link.confidence));
       Vector2d middle = Vector2d::Zero();
       for (const Vector2d& corner : outline) middle += corner / static_cast<double>(outline.size());

@@ -17,6 +17,10 @@ struct FurnitureRun {
   std::vector<Front> fronts;  ///< from left to right, top to bottom
 };
 
+/// Where a door or a flap is hinged, as someone sees it who stands before it.
+enum class HingeSide { left, right, below, above };
+HingeSide hinge_side(const Front& front);  ///< of one with a revolute joint
+
 /// The runs of a map's furniture, widest first. Fronts less than 10 cm behind each other are one run.
 std::vector<FurnitureRun> furniture_runs(const InterpretedMap& map);
 

@@ -176,10 +176,16 @@ std::string details(const std::string& title, const std::string& body) {
 std::string way_of(const Front& front) {
   if (!front.joint || front.joint->type == ArticulationType::rigid) return "does not open, as far as known";
   if (front.joint->type == ArticulationType::prismatic) return "drawer";
-  const Vector3d off = front.joint->origin - front.centre;
-  if (std::abs(front.joint->axis.dot(front.up)) > std::sqrt(0.5))
-    return off.dot(front.right()) > 0 ? "door, hinge on the right" : "door, hinge on the left";
-  return off.dot(front.up) > 0 ? "flap, hinge above" : "flap, hinge below";
+  switch (hinge_side(front)) {
+    case HingeSide::left:
+      return "door, hinge on the left";
+    case HingeSide::right:
+      return "door, hinge on the right";
+    case HingeSide::below:
+      return "flap, hinge below";
+    default:
+      return "flap, hinge above";
+  }
 }
 
 double probability_of(const JointEstimate& joint) {

@@ -4,15 +4,11 @@
 
 #include "mapping/base/json.h"
 #include "mapping/exchange/furniture_structure.h"
+#include "mapping/world/furniture_classes.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::mapping {
 namespace {
-
-bool carries(const std::string& class_name) {
-  return class_name == "counter" || class_name == "island" || class_name == "table" ||
-         class_name == "shelf" || class_name == "cabinet";
-}
 
 template <class T>
 T value_of(const Json& json, const std::string& key, const std::string& file) {
@@ -58,7 +54,7 @@ MapStructure structure_from_sidecar(const SemanticMap& sidecar, const World& wor
     const Json& geometry = link.geometry;
     try {
       if (link.class_name == "floor") structure.floor_height = geometry.at("height").get<double>();
-      if (carries(link.class_name) && geometry.contains("outline"))
+      if (is_support_class(link.class_name) && geometry.contains("outline"))
         structure.supports.push_back({name,
                                       link.class_name,
                                       "",

@@ -12,6 +12,7 @@
 #include "mapping/base/cell_index.h"
 #include "mapping/base/json.h"
 #include "mapping/update/parameters.h"
+#include "mapping/world/furniture_classes.h"
 
 namespace loci::mapping {
 namespace {
@@ -293,8 +294,7 @@ MapOutlines outlines_of(const SemanticMap& semantics) {
       map.walls.push_back(wall);
       continue;
     }
-    static const std::vector<std::string> kSupports = {"counter", "island", "table", "shelf", "cabinet"};
-    if (std::ranges::find(kSupports, link.class_name) == kSupports.end()) continue;
+    if (!is_support_class(link.class_name)) continue;
     MapOutlines::Support support;
     support.name = name;
     support.class_name = link.class_name;

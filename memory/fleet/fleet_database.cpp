@@ -149,18 +149,6 @@ std::string table_name(const TableLayout& table) {
   return "loci." + sql_name(table.name);
 }
 
-std::string key_list(const TableLayout& table) {
-  std::vector<std::string> names;
-  for (const size_t column : table.key) names.push_back(sql_name(table.columns[column].name));
-  return joined(names, ", ");
-}
-
-std::string column_list(const TableLayout& table) {
-  std::vector<std::string> names;
-  for (const TableColumn& column : table.columns) names.push_back(sql_name(column.name));
-  return joined(names, ", ");
-}
-
 std::string after_key(const TableLayout& table, const std::optional<TableKey>& key,
                       SqlParameters& parameters) {
   if (!key) return {};

@@ -34,9 +34,6 @@ std::string text_of(const std::optional<std::string_view>& value);
 
 /// The table in the database, quoted.
 std::string table_name(const TableLayout& table);
-/// Its key columns, and all columns, quoted, with commas between.
-std::string key_list(const TableLayout& table);
-std::string column_list(const TableLayout& table);
 /// " AND (key) > ($n::bigint, ...)", the parameters added; empty for an unset key.
 std::string after_key(const TableLayout& table, const std::optional<TableKey>& key,
                       SqlParameters& parameters);

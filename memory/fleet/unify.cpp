@@ -1,10 +1,9 @@
 #include "memory/fleet/unify.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/base/text.h"
 #include "memory/edits/edits.h"
 #include "memory/fleet/fleet_replica.h"
@@ -31,27 +30,6 @@ INSERT INTO loci.identity
   SELECT $1, $2, u.object, m.robot, m.object, count(*), now()
   FROM seen u JOIN seen m USING (fingerprint, frame_index, number)
   WHERE u.robot = $2 AND m.robot <> $2 GROUP BY u.object, m.robot, m.object)";
-
-/// Private to the user, and gone at the end.
-class PrivateFolder {
- public:
-  explicit PrivateFolder(const fs::path& parent) {
-    make_folder(parent);
-    std::string name = (parent / "unify-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw Error("cannot be written", {parent.string(), 0, {}});
-    path_ = name;
-  }
-  ~PrivateFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// The other robots of the home. Error when `unified` is one of them.
 std::vector<std::string> robots_beside(FleetDatabase& database, const RobotName& unified) {
@@ -87,7 +65,7 @@ UnifyResult unify(const FleetUrl& url, const RobotName& unified, const fs::path&
   FleetDatabase database(url);
   database.check_schema();
   UnifyResult result{.robots = robots_beside(database, unified)};
-  const PrivateFolder folder(cache);
+  const TemporaryFolder folder("unify", cache);
   fs::path merged;
   for (size_t i = 0; i < result.robots.size(); ++i) {
     FleetUrl robot = url;

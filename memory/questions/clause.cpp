@@ -124,21 +124,21 @@ Words joined_fragments(const std::vector<Words>& fragments, const WordSet& conce
 /// Removes what comes before an embedded question: "could you tell me", "I was wondering", "any idea".
 void strip_wrapper(Words& words) {
   static const WordSet wrapper = {
-      "someone",   "is",         "was",      "been",    "may",    "will",   "do",          "did",
-      "have",      "had",        "want",     "know",    "ask",    "asking", "wonder",      "wondering",
-      "curious",   "interested", "find",     "out",     "figure", "work",   "try",         "trying",
-      "to",        "remember",   "not",      "sure",    "like",   "love",   "forget",      "forgot",
-      "forgotten", "tell",       "help",     "think",   "idea",   "clue",   "any",         "near",
-      "chance",    "say",        "look",     "confirm", "see",    "up",     "explain",     "of",
-      "about",     "as",         "in",       "on",      "hope",   "hoping", "possible",    "able",
-      "mind",      "telling",    "question", "my",      "it",     "there",  "a",           "the",
-      "an",        "happen",     "show",     "remind",  "give",   "let",    "true",        "case",
-      "correct",   "right",      "what",     "and",     "but",    "so",     "well",        "hint",
-      "need",      "inform",     "quickly",  "clear",   "yet",    "also",   "please",      "just",
-      "really",    "possibly",   "hello",    "hi",      "hey",    "excuse", "sorry",       "ok",
-      "okay",      "kind",       "enough",   "memory",  "your",   "for",    "perhaps",     "maybe",
-      "kindly",    "actually",   "known",    "have",    "this",   "would",  "information", "report",
-      "state",     "empty",      "point"};
+      "someone",   "is",         "was",      "been",    "may",    "will",        "do",       "did",
+      "have",      "had",        "want",     "know",    "ask",    "asking",      "wonder",   "wondering",
+      "curious",   "interested", "find",     "out",     "figure", "work",        "try",      "trying",
+      "to",        "remember",   "not",      "sure",    "like",   "love",        "forget",   "forgot",
+      "forgotten", "tell",       "help",     "think",   "idea",   "clue",        "any",      "near",
+      "chance",    "say",        "look",     "confirm", "see",    "up",          "explain",  "of",
+      "about",     "as",         "in",       "on",      "hope",   "hoping",      "possible", "able",
+      "mind",      "telling",    "question", "my",      "it",     "there",       "a",        "the",
+      "an",        "happen",     "show",     "remind",  "give",   "let",         "true",     "case",
+      "correct",   "right",      "what",     "and",     "but",    "so",          "well",     "hint",
+      "need",      "inform",     "quickly",  "clear",   "yet",    "also",        "please",   "just",
+      "really",    "possibly",   "hello",    "hi",      "hey",    "excuse",      "sorry",    "ok",
+      "okay",      "kind",       "enough",   "memory",  "your",   "for",         "perhaps",  "maybe",
+      "kindly",    "actually",   "known",    "this",    "would",  "information", "report",   "state",
+      "empty",     "point"};
   static const WordSet claims = {"think", "true",    "case", "correct", "right",
                                  "say",   "confirm", "know", "tell",    "sure"};
   const Tokens tokens = tokens_of(words);
@@ -266,7 +266,7 @@ class ClauseReader {
     const std::string& one = lemma();
     const bool after_person = after_person_;
     if (class_of(one) != WordClass::empty) after_person_ = false;
-    // "A can" is one; "can" alone is no name.
+    // "A can" is one; "can" alone is not a name.
     const bool can_of = class_of(previous()) == WordClass::article ||
                         (!name_.empty() && class_of(lemma(1)) != WordClass::person && lemma(1) != "is");
     if (word() == "can" && can_of) return take_name();
@@ -484,10 +484,6 @@ std::optional<Clause> with_attached_places(const Clause& clause) {
   }
   return attached.phrases.size() < clause.phrases.size() ? std::optional(attached) : std::nullopt;
 }
-
-}  // namespace
-
-namespace {
 
 std::optional<Clause> read_clause(Words words, const WordSet& concepts, const TimeReader& times) {
   const auto period = cut_time(words, times);

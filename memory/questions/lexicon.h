@@ -19,7 +19,7 @@ enum class WordClass {
   article,    ///< "the", "my", "any": begins a phrase
   empty,      ///< "please", "still": changes nothing
   relation,   ///< "on", "into", "of": begins a phrase
-  ordinary,   ///< a word that is no name and that no rule knows: "tomorrow", "nice"
+  ordinary,   ///< a word that is neither a name nor known to a rule: "tomorrow", "nice"
 };
 
 /// Lemmas by the words that stand for them: "saw" → "see".

@@ -202,10 +202,6 @@ NoAnswer why_not(const Store& store, const Query& query, const AsOf& as_of, cons
   return {"never_seen", sentence(error.message()), error.hint()};
 }
 
-}  // namespace
-
-namespace {
-
 /// Where an unknown word is one typo away from a known one, the query with that one.
 std::optional<Query> respelt(const Snapshot& snapshot, Query query, std::vector<std::string>& notes) {
   constexpr size_t kMinLength = 4;  // of words that are corrected

@@ -9,7 +9,7 @@
 namespace loci::memory {
 namespace {
 
-constexpr TimeNs kLongSpan = 3600 * kSecond;  ///< of what is no moment
+constexpr TimeNs kLongSpan = 3600 * kSecond;  ///< from which on it is not a moment
 constexpr size_t kMaxWordsOfTime = 12;
 
 using WordSet = std::set<std::string>;
@@ -168,10 +168,6 @@ void normalize_times(Words& words) {
         word.find_first_not_of("0123456789.") == std::string::npos)
       word[word.size() - 3] = ':';
 }
-
-}  // namespace
-
-namespace {
 
 std::optional<SentencePeriod> cut_longest(Words& words, const TimeReader& times) {
   for (size_t length = std::min(words.size(), kMaxWordsOfTime); length > 0; --length)

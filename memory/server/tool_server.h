@@ -20,7 +20,7 @@ namespace loci::memory {
 class ToolServer {
  public:
   /// `memory` finds the file, for each message anew; `version` is what clients are told. Error when the file
-  /// is no memory.
+  /// is not a memory.
   ToolServer(std::function<std::filesystem::path()> memory, std::string version, bool allow_edits = false);
   ToolServer(std::filesystem::path memory, std::string version, bool allow_edits = false);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "mapping/base/text.h"
 #include "memory/store/derived_rows.h"
 #include "memory/store/digest.h"
 #include "memory/store/schema_check.h"
@@ -47,19 +48,9 @@ std::vector<TableLayout> read_layouts() {
   return tables;
 }
 
-std::string key_columns(const TableLayout& table) {
-  std::string names;
-  for (const size_t column : table.key)
-    names += (names.empty() ? "" : ", ") + sql_name(table.columns[column].name);
-  return names;
-}
-
-/// "a, b, c" of all columns, or as many "?, ?, ?".
-std::string column_list(const TableLayout& table, bool marks = false) {
-  std::string text;
-  for (const TableColumn& column : table.columns)
-    text += (text.empty() ? "" : ", ") + (marks ? "?" : sql_name(column.name));
-  return text;
+/// "?, ?, ?"
+std::string marks(size_t count) {
+  return joined(std::vector<std::string>(count, "?"), ", ");
 }
 
 std::string_view bytes_of(const SQLite::Column& value) {
@@ -84,6 +75,18 @@ auto guarded(const std::filesystem::path& memory, Body body) -> decltype(body())
 }
 
 }  // namespace
+
+std::string column_list(const TableLayout& table) {
+  std::vector<std::string> names;
+  for (const TableColumn& column : table.columns) names.push_back(sql_name(column.name));
+  return joined(names, ", ");
+}
+
+std::string key_list(const TableLayout& table) {
+  std::vector<std::string> names;
+  for (const size_t column : table.key) names.push_back(sql_name(table.columns[column].name));
+  return joined(names, ", ");
+}
 
 const std::vector<TableLayout>& table_layouts() {
   static const std::vector<TableLayout> tables = read_layouts();
@@ -155,10 +158,9 @@ uint64_t TableReader::digest(const TableLayout& table) const {
 void TableReader::read(const TableLayout& table, const std::optional<TableKey>& after,
                        const std::function<bool(const TableRow&)>& visitor) const {
   guarded(state_->path, [&] {
-    const std::string key = key_columns(table);
-    std::string condition;
-    for (size_t i = 0; after && i < table.key.size(); ++i) condition += i == 0 ? "?" : ", ?";
-    if (after) condition = fmt::format(" WHERE ({}) > ({})", key, condition);
+    const std::string key = key_list(table);
+    const std::string condition =
+        after ? fmt::format(" WHERE ({}) > ({})", key, marks(table.key.size())) : std::string();
     SQLite::Statement rows(*state_->database,
                            fmt::format("SELECT {} FROM {}{} ORDER BY {}", column_list(table),
                                        sql_name(table.name), condition, key));
@@ -241,7 +243,7 @@ std::optional<TableKey> TableWriter::last_key(const TableLayout& table) const {
     for (const size_t column : table.key)
       order += (order.empty() ? "" : ", ") + sql_name(table.columns[column].name) + " DESC";
     SQLite::Statement row(*state_->database, fmt::format("SELECT {} FROM {} ORDER BY {} LIMIT 1",
-                                                         key_columns(table), sql_name(table.name), order));
+                                                         key_list(table), sql_name(table.name), order));
     if (!row.executeStep()) return {};
     TableKey key;
     for (int i = 0; i < row.getColumnCount(); ++i) key.emplace_back(int64_t{row.getColumn(i).getInt64()});
@@ -260,7 +262,7 @@ void TableWriter::add(const TableLayout& table, const TableRow& row) {
     if (!insert)
       insert = std::make_unique<SQLite::Statement>(
           *state_->database, fmt::format("INSERT INTO {} ({}) VALUES ({})", sql_name(table.name),
-                                         column_list(table), column_list(table, true)));
+                                         column_list(table), marks(table.columns.size())));
     SqlColumns columns;
     SqlValues values;
     for (size_t i = 0; i < row.values.size(); ++i) {

@@ -35,6 +35,10 @@ struct TableLayout {
   bool appended = true;
 };
 
+/// The names of the columns of a table, or of its key, as SQL has them: "a", "b".
+std::string column_list(const TableLayout& table);
+std::string key_list(const TableLayout& table);
+
 /// The tables of this program's schema.
 const std::vector<TableLayout>& table_layouts();
 
@@ -51,7 +55,7 @@ TableKey key_of(const TableLayout& table, const TableRow& row);
 /// Reads a memory in one state, that of the first access, whatever a writer adds meanwhile.
 class TableReader {
  public:
-  /// Error when the file is no memory, or one of another version than this program writes.
+  /// Error when the file is not a memory, or one of another version than this program writes.
   explicit TableReader(std::filesystem::path memory);
   ~TableReader();
   TableReader(const TableReader&) = delete;

@@ -56,9 +56,9 @@ cv::Mat ImageEncoder::vectors(const std::vector<cv::Mat>& images) const {
   const cv::Mat& values = wanted->values;
   const size_t length = values.total() / images.size();
   if (values.size[0] != static_cast<int>(images.size()) || length < 1 || length > kMaxLength)
-    throw Error(
-        fmt::format("the output '{}' is no vector of at most {} values per image", wanted->name, kMaxLength),
-        {network_.file(), 0, {}}, "take the output after pooling");
+    throw Error(fmt::format("the output '{}' is not a vector of at most {} values per image", wanted->name,
+                            kMaxLength),
+                {network_.file(), 0, {}}, "take the output after pooling");
   return values.reshape(1, static_cast<int>(images.size())).clone();
 }
 

@@ -36,8 +36,8 @@ struct InputFit {
 /// A network that OpenCV runs: one input, an image (batch, 3, height, width).
 class Network {
  public:
-  /// Error, one line, for what is no model, for one that OpenCV cannot read (which operator) and for one that
-  /// needs more than `max_memory_mb`.
+  /// Error, one line, for what is not a model, for one that OpenCV cannot read (which operator) and for one
+  /// that needs more than `max_memory_mb`.
   Network(const std::filesystem::path& model, NetworkInput input, double max_memory_mb);
 
   const NetworkInput& input() const { return input_; }

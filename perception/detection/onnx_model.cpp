@@ -95,7 +95,7 @@ OnnxModel read_onnx_model(const fs::path& path) {
   OnnxModel model{read_file(path), 0, {}, {}};
   onnx::Model message;
   if (!message.ParseFromString(model.bytes) || message.graph().node().empty())
-    check.refuse("this is no ONNX model", "export one from the program that trained it");
+    check.refuse("the file holds no ONNX model", "export one from the program that trained it");
   for (const onnx::OperatorSet& set : message.opset_import())
     if (set.domain().empty() || set.domain() == "ai.onnx") model.opset = set.version();
   const onnx::Graph& graph = message.graph();

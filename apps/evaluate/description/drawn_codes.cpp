@@ -7,11 +7,11 @@
 #include <functional>
 #include <opencv2/imgproc.hpp>
 
-#include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/base/random.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/barcode_reader.h"
 
@@ -162,7 +162,7 @@ bool can_draw_codes() {
 DrawnCodesResult evaluate_drawn_codes(Progress& progress, const std::set<std::string>& names) {
   if (!can_draw_codes())
     throw Error("zint is not installed", {}, "apt install zint (and zbar-tools for the peer)");
-  const TemporaryFolder folder("codes");
+  const TemporaryFolder folder("loci-evaluate-codes");
   DrawnCodesResult result;
   result.has_peer = std::system("command -v zbarimg >/dev/null 2>&1") == 0;
   double done = 0;

@@ -10,11 +10,11 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/csv.h"
 #include "mapping/base/json.h"
 #include "mapping/base/random.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/product_catalogue.h"
 
@@ -196,7 +196,7 @@ ProductsResult evaluate_products(const fs::path& folder, const ProductsOptions& 
                                  Progress& progress, Warnings& warnings) {
   ProductsResult result;
   std::vector<perception::Product> catalogue = perception::read_catalogue(folder);
-  const TemporaryFolder scratch("products");
+  const TemporaryFolder scratch("loci-evaluate-products");
   std::ranges::move(invent_products(options.distractors, scratch.path()), std::back_inserter(catalogue));
   const Stopwatch watch;
   PartialProgress building(progress, 0, 0.2);

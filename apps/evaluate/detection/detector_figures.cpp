@@ -45,7 +45,6 @@ void judge(const std::vector<perception::Detection2D>& detections, const std::ve
     ++figures.on_objects;
     for (ClassFigures* counts : {&figures.all, &figures.by_class[objects[best].name]}) {
       ++counts->found;
-      counts->named += right;
       counts->right += right;
     }
   }
@@ -76,11 +75,11 @@ std::string DetectorFigures::text() const {
       "  objects {}, found {:.1f} %, detections {}, on an object {:.1f} %, right class {:.1f} % of those\n"
       "  {:<14}{:>9}{:>10}{:>10}{:>12}\n",
       tables, milliseconds, all.objects, percent_of(all.found, all.objects), all.detected,
-      percent_of(on_objects, all.detected), percent_of(all.named, all.found), "class", "objects", "found",
+      percent_of(on_objects, all.detected), percent_of(all.right, all.found), "class", "objects", "found",
       "recall", "precision");
   for (const auto& [name, counts] : by_class)
     text += fmt::format("  {:<14}{:>9}{:>8.1f} %{:>8.1f} %{:>10.1f} %\n", name, counts.objects,
-                        percent_of(counts.found, counts.objects), percent_of(counts.named, counts.objects),
+                        percent_of(counts.found, counts.objects), percent_of(counts.right, counts.objects),
                         percent_of(counts.right, counts.detected));
   return text;
 }
@@ -89,9 +88,8 @@ Json DetectorFigures::to_json() const {
   const auto counts_to_json = [](const ClassFigures& counts) {
     return Json{{"objects", counts.objects},
                 {"found", counts.found},
-                {"named", counts.named},
-                {"detected", counts.detected},
-                {"right", counts.right}};
+                {"right", counts.right},
+                {"detected", counts.detected}};
   };
   Json json = counts_to_json(all);
   json.update({{"tables", tables}, {"milliseconds", milliseconds}, {"on_objects", on_objects}});

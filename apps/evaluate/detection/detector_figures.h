@@ -14,9 +14,8 @@ namespace loci::apps::detection_evaluation {
 struct ClassFigures {
   int objects = 0;
   int found = 0;     ///< by a box that overlaps by half, of any class
-  int named = 0;     ///< of those found, with the right class
+  int right = 0;     ///< of those found, with the right class
   int detected = 0;  ///< detections of this class
-  int right = 0;     ///< of these, with an object of this class
 };
 
 struct DetectorFigures {

@@ -11,11 +11,11 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "apps/evaluate/temporary_folder.h"
 #include "mapping/base/files.h"
 #include "mapping/base/math.h"
 #include "mapping/base/random.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/render/render.h"
 #include "mapping/sensor/camera.h"
 #include "mapping/world/mesh.h"
@@ -345,7 +345,7 @@ Speed measure_speed(const SpeedOptions& options, Progress& progress) {
                    fmt::format("{} meshes", counts[i]));
     speed.crowds.push_back(time_crowd(counts[i], meshes, poses, options));
   }
-  const TemporaryFolder folder("robot");
+  const TemporaryFolder folder("loci-evaluate-robot");
   const mapping::World robot = random_robot(folder.path(), random);
   for (const int count : steps_to(options.robots, options.steps)) {
     progress.check(0.7 + 0.3 * count / options.robots, fmt::format("{} robots", count));

@@ -9,6 +9,7 @@
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/parameters.h"
 #include "mapping/world/contacts.h"
+#include "mapping/world/furniture_classes.h"
 #include "mapping/world/kinematics.h"
 
 namespace loci::mapping {
@@ -18,9 +19,7 @@ using Bounds = Eigen::AlignedBox3d;
 
 bool is_support(const SemanticMap& semantics, const std::string& link) {
   const auto found = semantics.links.find(link);
-  if (found == semantics.links.end()) return false;
-  const std::string& name = found->second.class_name;
-  return name == "counter" || name == "island" || name == "table" || name == "shelf" || name == "cabinet";
+  return found != semantics.links.end() && is_support_class(found->second.class_name);
 }
 
 bool is_drawer(const Front& front) {

@@ -14,6 +14,7 @@
 #include "mapping/base/convex.h"
 #include "mapping/base/json.h"
 #include "mapping/interpretation/furniture/parameters.h"
+#include "mapping/world/furniture_classes.h"
 
 namespace loci::mapping {
 namespace {
@@ -152,8 +153,7 @@ enum class Family { none, wall, level, support, front };
 Family family_of(const std::string& class_name) {
   if (class_name == "wall") return Family::wall;
   if (class_name == "floor" || class_name == "ceiling") return Family::level;
-  for (const char* name : {"counter", "island", "table", "shelf", "cabinet"})
-    if (class_name == name) return Family::support;
+  if (is_support_class(class_name)) return Family::support;
   for (const char* name : {"front", "drawer", "door", "flap"})
     if (class_name == name) return Family::front;
   return Family::none;
