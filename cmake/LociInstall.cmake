@@ -83,6 +83,9 @@ install(FILES ${CMAKE_BINARY_DIR}/lociConfig.cmake ${CMAKE_BINARY_DIR}/lociConfi
   ${CMAKE_SOURCE_DIR}/cmake/LociPlugin.cmake DESTINATION ${package})
 
 install(TARGETS loci_rosbag loci_video loci_postgres LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/loci)
+if(TARGET loci_open3d)
+  install(TARGETS loci_open3d LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/loci)
+endif()
 
 # What was not built is not installed.
 foreach(program loci loci-map loci-perceive loci-memory loci-simulate loci-evaluate loci-browse)

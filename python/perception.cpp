@@ -243,7 +243,8 @@ memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recordi
           : perception::Pipeline::parse(options.pipeline, "pipeline", registry);
   for (const Held& type : options.annotators) pipeline.add(PythonAnnotator(type).descriptor().name, registry);
   if (!options.fixed_camera)
-    recording = with_known_poses(std::move(recording), options.threads, progress, warnings);
+    recording = with_known_poses(std::move(recording), mapping::PosesFor::perception, options.threads,
+                                 progress, warnings);
   perception::Resources resources;
   resources.put(std::shared_ptr<mapping::Recording>(std::move(recording)));
   if (!options.map.empty()) {

@@ -15,7 +15,8 @@ struct Arguments {
     table.integer("last", last, "", "Frame before which to stop.", 1, 1 << 30);
     table.integer("every", every, "frames", "Takes every n-th frame, as if the camera moved faster.", 1,
                   1000);
-    table.flag("peers", peers, "Runs OpenCV's RGB-D odometry beside ours.");
+    table.flag("peers", peers,
+               "Runs OpenCV's RGB-D odometry beside ours, and Open3D's where it is installed.");
   }
 };
 

@@ -9,6 +9,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/exchange/gltf.h"
 #include "mapping/exchange/map_report.h"
 #include "mapping/exchange/ply.h"
@@ -19,7 +20,7 @@
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/orthophoto/photo_interpretation.h"
 #include "mapping/registration/registration.h"
-#include "mapping/tracking/tracking.h"
+#include "mapping/tracking/known_poses.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::apps {
@@ -27,16 +28,15 @@ namespace loci::apps {
 namespace {
 
 /// The recording, with tracked poses when it has none of its own.
-std::unique_ptr<mapping::Recording> with_known_poses(std::unique_ptr<mapping::Recording> recording,
-                                                     Session& session) {
-  if (recording->info().frames_with_pose > 0) return recording;
-  mapping::TrackingOptions options;
-  options.threads = session.flags().threads;
-  const mapping::TrackingResult result = track(*recording, options, session.progress());
-  session.timing("track", result.seconds);
-  require_usable(result, recording->info().path);
-  session.warnings().add("the recording has no poses: " + result.summary());
-  return with_tracked_poses(std::move(recording), result, false, session.warnings());
+std::unique_ptr<mapping::Recording> open_posed(const std::string& path,
+                                               const mapping::RecordingOptions& reading, Session& session) {
+  const Stopwatch watch;
+  auto recording =
+      mapping::with_known_poses(mapping::open_recording(path, reading), mapping::PosesFor::mapping,
+                                session.flags().threads, session.progress(), session.warnings());
+  session.timing("track", watch.seconds());
+  for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
+  return recording;
 }
 
 void check_scan_files(const mapping::ScanSet& scans, const std::string& folder, const Session& session) {
@@ -70,9 +70,7 @@ Json write_mesh(const mapping::Recording& recording, const FuseArguments& argume
 
 void run(FuseArguments& arguments, Session& session) {
   arguments.options.threads = session.flags().threads;
-  const auto recording =
-      with_known_poses(mapping::open_recording(arguments.recording, arguments.reading), session);
-  for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
+  const auto recording = open_posed(arguments.recording, arguments.reading, session);
   session.check_outputs(arguments.out, {"scans.yaml", "room.ply", "room.glb"});
   const mapping::FusionResult result = fuse(*recording, arguments.options, session.progress());
   check_scan_files(result.scans, arguments.out, session);
@@ -278,9 +276,7 @@ struct InterpretArguments {
 
 /// Fronts and handles from the colour frames of the recording that the scans were fused from.
 void add_photos(const InterpretArguments& arguments, mapping::InterpretedMap& map, Session& session) {
-  const auto recording =
-      with_known_poses(mapping::open_recording(arguments.recording, arguments.reading), session);
-  for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
+  const auto recording = open_posed(arguments.recording, arguments.reading, session);
   const std::vector<mapping::PhotographedFace> faces =
       interpret_photos(*recording, arguments.options.threads, session.progress(), map);
   if (arguments.orthophotos.empty()) return;

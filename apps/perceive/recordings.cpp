@@ -293,8 +293,8 @@ perception::Resources make_resources(const RunArguments& arguments, Session& ses
   std::unique_ptr<mapping::Recording> recording = arguments.recording.open();
   if (!arguments.fixed_camera) {
     const Stopwatch watch;
-    recording = with_known_poses(std::move(recording), session.flags().threads, session.progress(),
-                                 session.warnings());
+    recording = with_known_poses(std::move(recording), mapping::PosesFor::perception, session.flags().threads,
+                                 session.progress(), session.warnings());
     session.timing("track", watch.seconds());
   }
   resources.put(std::shared_ptr<mapping::Recording>(std::move(recording)));

@@ -196,6 +196,7 @@ float bias_of(const Pass& pass, float fallback) {
 Alignment result_of(const Pass& pass, const Isometry3d& pose) {
   Alignment result;
   result.map_from_camera = pose;
+  result.hessian = pass.equations.hessian();
   result.information = (pass.equations.hessian() - pass.noise.information()) / kAlignment.correlation;
   result.compared = pass.compared;
   result.inliers = pass.inliers;
@@ -216,6 +217,13 @@ Isometry3d small_motion(const Vector6d& v) {
   return motion;
 }
 
+Vector6d vector_of(const Isometry3d& motion) {
+  const Eigen::AngleAxisd turn(motion.linear());
+  Vector6d v;
+  v << motion.translation(), turn.angle() * turn.axis();
+  return v;
+}
+
 std::optional<Matrix6d> Alignment::covariance() const {
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
   if (!(solver.eigenvalues()[0] > 1e-6 * solver.eigenvalues()[5])) return std::nullopt;
@@ -224,7 +232,7 @@ std::optional<Matrix6d> Alignment::covariance() const {
 }
 
 Alignment align(const FrameImages& frame, std::span<const Reference> references, const Isometry3d& guess,
-                const LevelRange& levels) {
+                const LevelRange& levels, const PosePrior* prior) {
   Isometry3d pose = guess;
   float bias = 0;
   Pass pass;
@@ -236,7 +244,13 @@ Alignment align(const FrameImages& frame, std::span<const Reference> references,
       Matrix6d hessian = pass.equations.hessian();
       hessian.diagonal() *= 1 + 1e-6;
       hessian.diagonal().array() += 1e-3;  // Where nothing determines the pose it stays.
-      const Vector6d motion = -hessian.ldlt().solve(pass.equations.gradient());
+      Vector6d gradient = pass.equations.gradient();
+      if (prior != nullptr) {
+        const Vector6d information = kAlignment.correlation * prior->sigma.cwiseAbs2().cwiseInverse();
+        hessian.diagonal() += information;
+        gradient += information.cwiseProduct(vector_of(prior->map_from_camera.inverse() * pose));
+      }
+      const Vector6d motion = -hessian.ldlt().solve(gradient);
       pose = pose * small_motion(motion);
       if (motion.head<3>().norm() < kAlignment.stop_translation &&
           motion.tail<3>().norm() < kAlignment.stop_rotation)
@@ -272,19 +286,21 @@ double overlap(const FrameImages& frame, const Reference& reference, const Isome
   return points.empty() ? 0 : static_cast<double>(seen) / static_cast<double>(points.size());
 }
 
-std::string objection_to(const Alignment& alignment, double min_inliers) {
+std::string misfit_of(const Alignment& alignment, double min_inliers) {
   if (alignment.compared < kVerdict.min_compared) return "too little of the model is in view";
   if (alignment.inlier_share() < min_inliers) return "the depth does not fit the model";
   if (alignment.intensity_error > kVerdict.max_intensity_error) return "the colours do not fit the model";
+  return {};
+}
+
+bool is_determined(const Alignment& alignment) {
   const std::optional<Matrix6d> covariance = alignment.covariance();
-  if (!covariance) return "the surfaces in view do not determine the pose";
+  if (!covariance) return false;
   const auto largest = [&](Eigen::Index at) {
     return std::sqrt(
         Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance->block<3, 3>(at, at)).eigenvalues()[2]);
   };
-  if (largest(0) > kVerdict.max_position_sigma || largest(3) > kVerdict.max_rotation_sigma)
-    return "the surfaces in view do not determine the pose";
-  return {};
+  return largest(0) <= kVerdict.max_position_sigma && largest(3) <= kVerdict.max_rotation_sigma;
 }
 
 }  // namespace loci::mapping::tracking

@@ -143,13 +143,16 @@ cv::Mat normals_of(const cv::Mat& inverse_depth, const PinholeCamera& camera, in
   return normals;
 }
 
-FrameImages frame_images(const RgbdFrame& frame) {
+FrameImages frame_images(const RgbdFrame& frame, const cv::Mat& offsets) {
   FrameImages images;
   images.depth_from_color = frame.camera.depth_from_color;
   const int depth_factor = factor_to(kImages.width, frame.depth.cols);
   ImageLevel level;
   level.depth_camera = coarser(frame.camera.depth, depth_factor);
-  level.inverse_depth = smoothed(shrunk(inverse_of(frame.depth), depth_factor), kImages.smoothing_radius);
+  level.inverse_depth = shrunk(inverse_of(frame.depth), depth_factor);
+  if (!offsets.empty())
+    cv::subtract(level.inverse_depth, offsets, level.inverse_depth, level.inverse_depth > 0);
+  level.inverse_depth = smoothed(level.inverse_depth, kImages.smoothing_radius);
   images.measured = static_cast<double>(cv::countNonZero(level.inverse_depth)) /
                     static_cast<double>(level.inverse_depth.total());
   if (!frame.color.empty()) {

@@ -25,7 +25,8 @@ struct FrameImages {
   double measured = 0;  ///< part of the finest level with depth
 };
 
-FrameImages frame_images(const RgbdFrame& frame);
+/// `offsets`: CV_32F of the finest level, 1/m, subtracted from its inverse depth; may be empty.
+FrameImages frame_images(const RgbdFrame& frame, const cv::Mat& offsets = {});
 
 /// Normals of surfaces in an image of inverse depth (CV_32F, 0 = none), from differences over 2 · `step`
 /// pixels: on a plane inverse depth is a linear function of the pixel, and its coefficients are the normal.

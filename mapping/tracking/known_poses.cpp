@@ -13,20 +13,21 @@ bool is_no_video(const TrackingResult& result) {
 
 }  // namespace
 
-std::unique_ptr<Recording> with_known_poses(std::unique_ptr<Recording> recording, int threads,
-                                            Progress& progress, Warnings& warnings) {
-  if (recording->info().frames_with_pose > 0 || recording->size() < 2) return recording;
+std::unique_ptr<Recording> with_known_poses(std::unique_ptr<Recording> recording, PosesFor purpose,
+                                            int threads, Progress& progress, Warnings& warnings) {
+  const bool perceives = purpose == PosesFor::perception;
+  if (recording->info().frames_with_pose > 0 || (perceives && recording->size() < 2)) return recording;
   TrackingOptions options;
   options.threads = threads;
   const TrackingResult result = track(*recording, options, progress);
-  if (result.still || is_no_video(result)) return recording;
+  if (perceives && (result.still || is_no_video(result))) return recording;
   const FileLocation location{recording->info().path, 0, {}};
   require_usable(result, location.file);
   recording = with_tracked_poses(std::move(recording), result, false, warnings);
   warnings.add("the recording has no poses: " + result.summary() +
-                   "; if the camera stood still, say so with --fixed-camera",
+                   (perceives ? "; if the camera stood still, say so with --fixed-camera" : ""),
                location);
-  if (!recording->info().levelled)
+  if (perceives && !recording->info().levelled)
     throw Error("which way is up is not known", location,
                 "give the direction of the first frame's camera that is up with --up, e.g. --up -y");
   return recording;

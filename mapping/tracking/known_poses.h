@@ -7,10 +7,16 @@
 
 namespace loci::mapping {
 
-/// The recording, with tracked poses when it has none of its own and its camera moves. A camera that stands
-/// still, and a few images of different scenes, stay without. Warns that it tracked. Error when the camera is
-/// lost too often, or which way is up is not known.
-std::unique_ptr<Recording> with_known_poses(std::unique_ptr<Recording> recording, int threads,
-                                            Progress& progress, Warnings& warnings);
+/// What a recording without poses is tracked for.
+enum class PosesFor {
+  perception,  ///< a camera that stands still, and a few images of different scenes, stay without; z must be
+               ///< up
+  mapping      ///< poses are needed in any case; what is up may be found later
+};
+
+/// The recording, with tracked poses when it has none of its own. Warns that it tracked. Error when the
+/// camera is lost too often, or, for perception, which way is up is not known.
+std::unique_ptr<Recording> with_known_poses(std::unique_ptr<Recording> recording, PosesFor purpose,
+                                            int threads, Progress& progress, Warnings& warnings);
 
 }  // namespace loci::mapping

@@ -50,6 +50,15 @@ struct VerdictParameters {
 };
 inline constexpr VerdictParameters kVerdict;
 
+/// How steadily a hand-held camera moves: decides where the images do not.
+struct MotionParameters {
+  double acceleration = 6;           ///< m/s²
+  double angular_acceleration = 30;  ///< rad/s²
+  double speed = 1;                  ///< m/s, where it is not known
+  double turn_rate = 2;              ///< rad/s, likewise
+};
+inline constexpr MotionParameters kMotion;
+
 /// Keyframes and the constraints between them.
 struct KeyframeParameters {
   size_t references = 3;       ///< that a frame is aligned with at once
@@ -60,6 +69,8 @@ struct KeyframeParameters {
   float max_weight = 30;           ///< of fused depth, in frames
   size_t loop_candidates = 4;      ///< by appearance
   size_t loop_gap = 4;             ///< keyframes between the ends of a loop, at least
+  double loop_overlap = 0.4;       ///< of keyframes that may close a loop by their poses
+  size_t patience = 5;             ///< frames that are lost before tracking starts anew
   double min_loop_inliers = 0.75;  ///< a wrong loop is worse than none
 };
 inline constexpr KeyframeParameters kKeyframes;

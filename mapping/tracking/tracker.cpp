@@ -1,13 +1,18 @@
 #include "mapping/tracking/tracker.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace loci::mapping::tracking {
 namespace {
 
 constexpr double kMinMeasured = 0.05;  ///< part of an image with depth: with less nothing is tracked
 constexpr double kMaxGap = 1.0;        ///< s; after a longer one the velocity is not known
+constexpr double kGivenShift = 0.05, kGivenTurn = 2 * kDegree;  // σ of poses that are given
+constexpr const char* kUndetermined = "the surfaces in view do not determine the pose";
 
 double seconds_between(TimeNs from, TimeNs to) {
   return static_cast<double>(to - from) / static_cast<double>(kSecond);
@@ -17,20 +22,24 @@ double angle_of(const Isometry3d& motion) {
   return Eigen::AngleAxisd(motion.linear()).angle();
 }
 
-Vector6d vector_of(const Isometry3d& motion) {
-  const Eigen::AngleAxisd turn(motion.linear());
-  Vector6d v;
-  v << motion.translation(), turn.angle() * turn.axis();
-  return v;
+Matrix6d information_of(double shift, double turn) {
+  Matrix6d information = Matrix6d::Zero();
+  information.diagonal() << Vector3d::Constant(1 / (shift * shift)), Vector3d::Constant(1 / (turn * turn));
+  return information;
 }
 
 /// Given poses hold the whole where they are, but not against what is measured.
 PoseConstraint given_pose(size_t keyframe, const Isometry3d& pose) {
-  constexpr double kShift = 0.05, kTurn = 2 * kDegree;
-  PoseConstraint constraint{PoseConstraint::kMap, keyframe, pose, Matrix6d::Zero()};
-  constraint.information.diagonal() << Vector3d::Constant(1 / (kShift * kShift)),
-      Vector3d::Constant(1 / (kTurn * kTurn));
-  return constraint;
+  return {PoseConstraint::kMap, keyframe, pose, information_of(kGivenShift, kGivenTurn)};
+}
+
+/// The information of an alignment that is not determined, without directions of less than none, and with
+/// that of the prediction.
+Matrix6d with_prediction(const Matrix6d& information) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).asDiagonal() *
+             solver.eigenvectors().transpose() +
+         information_of(0.1, 5 * kDegree);
 }
 
 }  // namespace
@@ -41,48 +50,61 @@ FrameResult Tracker::add(PreparedFrame frame) {
     result.objection = "there is hardly any depth in range";
     return result;
   }
-  if (keyframes_.empty()) {
-    result.keyframe = 0;
-    remember(frame, frame.given.value_or(Isometry3d::Identity()));
-    add_keyframe(std::move(frame), nullptr);
-    return result;
-  }
+  if (keyframes_.empty()) return begin_region(std::move(frame));
   const std::optional<Located> located = locate(frame);
   if (!located) {
+    if (++lost_ >= kKeyframes.patience) result = begin_region(std::move(frame));
     result.objection = objection_;
-    if (undetermined_) remember(frame, *undetermined_);  // The start of the next frame, no more.
     return result;
   }
+  lost_ = 0;
   const Isometry3d pose = located->alignment.map_from_camera;
-  remember(frame, pose);
-  result.covariance = located->alignment.covariance().value();
   result.keyframe = located->references.front();
   result.keyframe_from_camera = map_from_keyframes_[*result.keyframe].inverse() * pose;
+  remember(frame, pose, region_[*result.keyframe]);
+  if (located->determined)
+    result.covariance = located->alignment.covariance().value();
+  else
+    result.objection = kUndetermined;
   if (wants_keyframe(*located)) {
+    index(*result.keyframe);
     result.keyframe = keyframes_.size();
     result.keyframe_from_camera = Isometry3d::Identity();
-    add_keyframe(std::move(frame), &*located);
-    last_->pose = map_from_keyframes_.back();  // Loops may have moved it.
-  } else {
+    extend(std::move(frame), *located);
+    last_->pose = map_from_keyframes_.back();  // Loops may have moved it, and its region.
+    last_->region = region_.back();
+  } else if (located->determined) {
+    index(*result.keyframe);
     keyframes_[*result.keyframe]->fuse(frame.images, result.keyframe_from_camera.inverse());
   }
+  if (located->determined) ++attached_[*result.keyframe];
   return result;
 }
 
-void Tracker::remember(const PreparedFrame& frame, const Isometry3d& pose) {
-  Last now{frame.time_ns, frame.number, pose, frame.features, frame.given, Vector6d::Zero()};
-  if (last_) {
+void Tracker::remember(const PreparedFrame& frame, const Isometry3d& pose, size_t region) {
+  Last now{frame.time_ns, frame.number, pose, region, frame.features, frame.given, {}};
+  if (last_ && last_->region == region) {
     const double seconds = seconds_between(last_->time_ns, frame.time_ns);
     if (seconds > 1e-4 && seconds < kMaxGap) now.velocity = vector_of(last_->pose.inverse() * pose) / seconds;
   }
   last_ = std::move(now);
 }
 
-Isometry3d Tracker::predicted(const PreparedFrame& frame) const {
-  if (frame.given && last_->given) return last_->pose * (last_->given->inverse() * *frame.given);
-  const double seconds = seconds_between(last_->time_ns, frame.time_ns);
-  if (seconds > kMaxGap) return last_->pose;
-  return last_->pose * small_motion(last_->velocity * seconds);
+PosePrior Tracker::predicted(const PreparedFrame& frame) const {
+  const double seconds = std::max(seconds_between(last_->time_ns, frame.time_ns), 1e-3);
+  PosePrior prior{last_->pose, Vector6d::Zero()};
+  double shift = kMotion.speed * seconds, turn = kMotion.turn_rate * seconds;
+  if (frame.given && last_->given) {
+    prior.map_from_camera = last_->pose * (last_->given->inverse() * *frame.given);
+    shift = kGivenShift;
+    turn = kGivenTurn;
+  } else if (seconds < kMaxGap && last_->velocity) {
+    prior.map_from_camera = last_->pose * small_motion(*last_->velocity * seconds);
+    shift = std::min(shift, 0.5 * kMotion.acceleration * seconds * seconds);
+    turn = std::min(turn, 0.5 * kMotion.angular_acceleration * seconds * seconds);
+  }
+  prior.sigma << Vector3d::Constant(shift), Vector3d::Constant(turn);
+  return prior;
 }
 
 bool Tracker::too_fast(const PreparedFrame& frame, const Isometry3d& pose) const {
@@ -92,10 +114,11 @@ bool Tracker::too_fast(const PreparedFrame& frame, const Isometry3d& pose) const
          angle_of(motion) > kVerdict.max_turn_rate * seconds;
 }
 
-std::vector<size_t> Tracker::references_at(const FrameImages& images, const Isometry3d& pose,
+std::vector<size_t> Tracker::references_at(const FrameImages& images, const Isometry3d& pose, size_t region,
                                            double* best_overlap) const {
   std::vector<std::pair<double, size_t>> found;
   for (size_t k = 0; k < keyframes_.size(); ++k) {
+    if (region_[k] != region) continue;
     const Isometry3d motion = map_from_keyframes_[k].inverse() * pose;
     if (motion.translation().norm() > 3 || angle_of(motion) > 75 * kDegree) continue;
     const double share = overlap(images, {keyframes_[k].get(), map_from_keyframes_[k]}, pose);
@@ -103,10 +126,13 @@ std::vector<size_t> Tracker::references_at(const FrameImages& images, const Isom
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
-  if (found.size() > kKeyframes.references) found.resize(kKeyframes.references);
   if (best_overlap != nullptr) *best_overlap = found.empty() ? 0 : found.front().first;
   std::vector<size_t> keyframes;
-  for (const auto& [share, k] : found) keyframes.push_back(k);
+  for (const auto& [share, k] : found) {
+    if (keyframes.size() == kKeyframes.references) break;
+    // Poses of another part are not known well enough to be aligned with at once.
+    if (keyframes.empty() || part_of(k) == part_of(keyframes.front())) keyframes.push_back(k);
+  }
   return keyframes;
 }
 
@@ -117,34 +143,31 @@ std::vector<Reference> Tracker::with_poses(const std::vector<size_t>& keyframes)
 }
 
 std::optional<Tracker::Located> Tracker::try_pose(const PreparedFrame& frame, const Isometry3d& guess,
-                                                  double min_inliers) {
+                                                  size_t region, double min_inliers, const PosePrior* prior) {
   Located located;
-  located.references = references_at(frame.images, guess, nullptr);
+  located.references = references_at(frame.images, guess, region, nullptr);
+  if (!located.references.empty()) {
+    located.alignment = align(frame.images, with_poses(located.references), guess, {}, prior);
+    objection_ = misfit_of(located.alignment, min_inliers);
+    if (!objection_.empty()) return std::nullopt;
+    located.references =
+        references_at(frame.images, located.alignment.map_from_camera, region, &located.best_overlap);
+  }
   if (located.references.empty()) {
     objection_ = "no keyframe shows the same";
     return std::nullopt;
   }
-  located.alignment = align(frame.images, with_poses(located.references), guess);
-  objection_ = objection_to(located.alignment, min_inliers);
-  if (!objection_.empty()) {
-    if (!undetermined_ && located.alignment.inlier_share() >= min_inliers &&
-        !too_fast(frame, located.alignment.map_from_camera))
-      undetermined_ = located.alignment.map_from_camera;
-    return std::nullopt;
-  }
-  const std::vector<size_t> now =
-      references_at(frame.images, located.alignment.map_from_camera, &located.best_overlap);
-  if (now.empty()) {
-    objection_ = "no keyframe shows the same";
-    return std::nullopt;
-  }
-  located.references = now;
-  return located;
+  located.determined = is_determined(located.alignment);
+  if (located.determined) return located;
+  objection_ = kUndetermined;
+  if (prior != nullptr && !sliding_ && !too_fast(frame, located.alignment.map_from_camera))
+    sliding_ = located;
+  return std::nullopt;
 }
 
 std::vector<Isometry3d> Tracker::guesses_for(const PreparedFrame& frame) const {
   constexpr double kNear = 0.03, kNearAngle = 2 * kDegree;
-  std::vector<Isometry3d> guesses = {predicted(frame)};
+  std::vector<Isometry3d> guesses = {predicted(frame).map_from_camera};
   if (const auto motion = match(last_->features, frame.features, Random(frame.number))) {
     const Isometry3d pose = last_->pose * motion->a_from_b;
     const Isometry3d difference = guesses.front().inverse() * pose;
@@ -153,7 +176,7 @@ std::vector<Isometry3d> Tracker::guesses_for(const PreparedFrame& frame) const {
   if (guesses.size() == 1) return guesses;
   // The start that fits better comes first.
   const auto fit = [&](const Isometry3d& pose) {
-    const auto references = references_at(frame.images, pose, nullptr);
+    const auto references = references_at(frame.images, pose, last_->region, nullptr);
     return references.empty() ? 0.0 : compare(frame.images, with_poses(references), pose, 1).inlier_share();
   };
   if (fit(guesses[1]) > fit(guesses[0])) std::swap(guesses[0], guesses[1]);
@@ -162,9 +185,10 @@ std::vector<Isometry3d> Tracker::guesses_for(const PreparedFrame& frame) const {
 
 std::optional<Tracker::Located> Tracker::locate(const PreparedFrame& frame) {
   std::string first_objection;
-  undetermined_.reset();
+  sliding_.reset();
+  const PosePrior prior = predicted(frame);
   for (const Isometry3d& guess : guesses_for(frame)) {
-    auto located = try_pose(frame, guess, kVerdict.min_inliers);
+    auto located = try_pose(frame, guess, last_->region, kVerdict.min_inliers, &prior);
     if (located && too_fast(frame, located->alignment.map_from_camera)) {
       objection_ = "the camera would have moved too fast";
       located.reset();
@@ -173,15 +197,18 @@ std::optional<Tracker::Located> Tracker::locate(const PreparedFrame& frame) {
     if (first_objection.empty()) first_objection = objection_;
   }
   auto located = relocalise(frame);
-  if (!located) objection_ = first_objection;
-  return located;
+  if (located) return located;
+  objection_ = first_objection;
+  return sliding_;
 }
 
 std::optional<Tracker::Located> Tracker::relocalise(const PreparedFrame& frame) {
-  for (const size_t k : appearance_.similar(frame.features, kKeyframes.loop_candidates)) {
+  for (const size_t entry : appearance_.similar(frame.features, kKeyframes.loop_candidates)) {
+    const size_t k = indexed_[entry];
     const auto motion = match(keyframes_[k]->features(), frame.features, Random(frame.number));
     if (!motion) continue;
-    auto located = try_pose(frame, map_from_keyframes_[k] * motion->a_from_b, kKeyframes.min_loop_inliers);
+    auto located = try_pose(frame, map_from_keyframes_[k] * motion->a_from_b, region_[k],
+                            kKeyframes.min_loop_inliers, nullptr);
     if (located) return located;
   }
   return std::nullopt;
@@ -199,47 +226,143 @@ bool Tracker::constrain(const FrameImages& images, size_t keyframe, const Isomet
                         double min_inliers, const LevelRange& levels) {
   const std::vector<Reference> reference = {{keyframes_[keyframe].get(), Isometry3d::Identity()}};
   const Alignment alignment = align(images, reference, guess, levels);
-  if (!objection_to(alignment, min_inliers).empty()) return false;
+  if (!misfit_of(alignment, min_inliers).empty() || !is_determined(alignment)) return false;
   constraints_.push_back({keyframe, keyframes_.size(), alignment.map_from_camera, alignment.information});
   return true;
 }
 
-void Tracker::close_loops(const FrameImages& images, const Features& features) {
+void Tracker::close_loops(const FrameImages& images, const Features& features, const Isometry3d& pose,
+                          size_t region) {
   const size_t number = keyframes_.size();
-  const auto constrained = [&](size_t keyframe) {
-    return std::any_of(constraints_.begin(), constraints_.end(),
-                       [&](const PoseConstraint& c) { return c.to == number && c.from == keyframe; });
+  const auto is_far = [&](size_t keyframe) {
+    return keyframe + kKeyframes.loop_gap <= number &&
+           std::none_of(constraints_.begin(), constraints_.end(),
+                        [&](const PoseConstraint& c) { return c.to == number && c.from == keyframe; });
   };
-  for (const size_t k : appearance_.similar(features, kKeyframes.loop_candidates)) {
-    if (k + kKeyframes.loop_gap > number || constrained(k)) continue;
+  for (const size_t entry : appearance_.similar(features, kKeyframes.loop_candidates)) {
+    const size_t k = indexed_[entry];
+    if (!is_far(k)) continue;
     const auto motion = match(keyframes_[k]->features(), features, Random(number));
     if (motion && constrain(images, k, motion->a_from_b, kKeyframes.min_loop_inliers, {})) ++loops_;
   }
+  // What looks like nothing in particular is found by where it is.
+  std::vector<std::pair<double, size_t>> near;
+  for (size_t k = 0; k < number; ++k) {
+    const Isometry3d motion = map_from_keyframes_[k].inverse() * pose;
+    if (region_[k] != region || !is_far(k) || angle_of(motion) > 60 * kDegree) continue;
+    const double share = overlap(images, {keyframes_[k].get(), map_from_keyframes_[k]}, pose);
+    if (share > kKeyframes.loop_overlap) near.emplace_back(-share, k);
+  }
+  std::sort(near.begin(), near.end());
+  if (near.size() > 2) near.resize(2);
+  for (const auto& [share, k] : near)
+    constrain(images, k, map_from_keyframes_[k].inverse() * pose, kKeyframes.min_loop_inliers, {});
 }
 
-void Tracker::add_keyframe(PreparedFrame frame, const Located* located) {
-  const size_t number = keyframes_.size();
-  Isometry3d pose = frame.given.value_or(Isometry3d::Identity());
-  if (located != nullptr) {
-    pose = located->alignment.map_from_camera;
-    bool linked = false;
-    for (const size_t k : located->references)
-      linked =
-          constrain(frame.images, k, map_from_keyframes_[k].inverse() * pose, kVerdict.min_inliers, {1, 0}) ||
-          linked;
-    if (!linked) {  // Together they determine the pose, alone they do not.
-      const size_t k = located->references.front();
-      constraints_.push_back(
-          {k, number, map_from_keyframes_[k].inverse() * pose, located->alignment.information});
+/// The last keyframe may have been found in regions other than its own: they become one.
+void Tracker::join_regions() {
+  const size_t number = keyframes_.size() - 1;
+  for (const PoseConstraint& constraint : constraints_) {
+    if (constraint.to != number || constraint.from == PoseConstraint::kMap) continue;
+    const size_t from = region_[constraint.from], own = region_[number];
+    if (from == own) continue;
+    // The older one stays.
+    Isometry3d motion = map_from_keyframes_[constraint.from] * constraint.from_from_to *
+                        map_from_keyframes_[number].inverse();
+    if (own < from) motion = motion.inverse();
+    for (size_t k = 0; k <= number; ++k) {
+      if (region_[k] != std::max(from, own)) continue;
+      region_[k] = std::min(from, own);
+      map_from_keyframes_[k] = motion * map_from_keyframes_[k];
     }
-    close_loops(frame.images, frame.features);
   }
+}
+
+size_t Tracker::part_of(size_t keyframe) const {
+  while (part_[keyframe] != keyframe) keyframe = part_[keyframe];
+  return keyframe;
+}
+
+void Tracker::join_parts(size_t a, size_t b) {
+  a = part_of(a);
+  b = part_of(b);
+  part_[std::max(a, b)] = std::min(a, b);
+}
+
+std::vector<bool> Tracker::in_main_part() const {
+  std::map<size_t, size_t> frames;
+  for (size_t k = 0; k < keyframes_.size(); ++k) frames[part_of(k)] += attached_[k];
+  const auto largest = std::max_element(frames.begin(), frames.end(),
+                                        [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::vector<bool> main(keyframes_.size());
+  for (size_t k = 0; k < keyframes_.size(); ++k) main[k] = part_of(k) == largest->first;
+  return main;
+}
+
+void Tracker::index(size_t keyframe) {
+  if (std::find(indexed_.begin(), indexed_.end(), keyframe) != indexed_.end()) return;
+  appearance_.add(keyframes_[keyframe]->features());
+  indexed_.push_back(keyframe);
+}
+
+FrameResult Tracker::begin_region(PreparedFrame frame) {
+  FrameResult result;
+  const bool first = keyframes_.empty();
+  const Isometry3d pose = frame.given.value_or(first ? Isometry3d::Identity() : last_->pose);
+  const size_t number = keyframes_.size();
+  lost_ = 0;
+  if (!first && region_.back() == regions_ - 1 && attached_.back() == 0 &&
+      std::count(region_.begin(), region_.end(), region_.back()) == 1) {
+    // Nothing was tracked from the last beginning.
+    remember(frame, pose, region_.back());
+    keyframes_.back() =
+        std::make_unique<Keyframe>(frame.number, std::move(frame.images), std::move(frame.features));
+    return result;
+  }
+  remember(frame, pose, regions_);
+  add_keyframe(std::move(frame), pose, regions_++);
+  if (first) {
+    result.keyframe = 0;
+    ++attached_[0];
+    index(0);
+  } else {
+    constraints_.push_back(
+        {number - 1, number, map_from_keyframes_[number - 1].inverse() * pose, information_of(1, 1)});
+  }
+  return result;
+}
+
+void Tracker::add_keyframe(PreparedFrame frame, const Isometry3d& pose, size_t region) {
+  const size_t number = keyframes_.size();
   if (frame.given) constraints_.push_back(given_pose(number, *frame.given));
-  appearance_.add(frame.features);
   keyframes_.push_back(
       std::make_unique<Keyframe>(frame.number, std::move(frame.images), std::move(frame.features)));
   map_from_keyframes_.push_back(pose);
-  if (number > 0) optimise(map_from_keyframes_, constraints_);
+  region_.push_back(region);
+  part_.push_back(number);
+  attached_.push_back(0);
+}
+
+void Tracker::extend(PreparedFrame frame, const Located& located) {
+  const size_t number = keyframes_.size(), first = constraints_.size();
+  const Isometry3d pose = located.alignment.map_from_camera;
+  const size_t nearest = located.references.front(), region = region_[nearest];
+  for (const size_t k : located.references)
+    constrain(frame.images, k, map_from_keyframes_[k].inverse() * pose, kVerdict.min_inliers, {1, 0});
+  bool linked = constraints_.size() > first;
+  close_loops(frame.images, frame.features, pose, region);
+  add_keyframe(std::move(frame), pose, region);
+  for (size_t i = first; i < constraints_.size(); ++i)
+    if (constraints_[i].from != PoseConstraint::kMap) join_parts(constraints_[i].from, number);
+  if (!linked) {  // Together they determine the pose, alone they do not; or nothing does.
+    constraints_.push_back({nearest, number, map_from_keyframes_[nearest].inverse() * pose,
+                            located.determined ? located.alignment.information
+                                               : with_prediction(located.alignment.information)});
+    if (located.determined) join_parts(nearest, number);
+  }
+  index(number);
+  join_regions();
+  optimise(map_from_keyframes_, constraints_);
 }
 
 }  // namespace loci::mapping::tracking

@@ -22,7 +22,7 @@ struct PreparedFrame {
 
 /// Where a frame is relative to a keyframe, or why that is not known.
 struct FrameResult {
-  std::optional<size_t> keyframe;
+  std::optional<size_t> keyframe;  ///< may be set although there is an objection: then the pose is a guess
   Isometry3d keyframe_from_camera = Isometry3d::Identity();
   Matrix6d covariance = Matrix6d::Zero();  ///< of a small motion (translation, rotation) in the camera frame
   std::string objection;                   ///< empty when the pose is good
@@ -30,57 +30,78 @@ struct FrameResult {
 
 /// Follows the camera frame by frame against keyframes, and keeps these consistent in a pose graph. The first
 /// frame with enough depth has the identity, or its given pose.
+///
+/// Keyframes that alignments connect in all directions are a *part*. Where the surfaces in view do not
+/// determine the pose, tracking goes on by the motion of the camera, and another part begins; when the camera
+/// is lost, it begins anew in another *region*, whose pose in the map is not known. Loops join them.
 class Tracker {
  public:
   FrameResult add(PreparedFrame frame);
 
   /// Final poses of the keyframes.
   const std::vector<Isometry3d>& map_from_keyframes() const { return map_from_keyframes_; }
+  /// Whether each keyframe belongs to the part with the most frames.
+  std::vector<bool> in_main_part() const;
   size_t loops() const { return loops_; }
 
  private:
-  /// A pose that passed all tests, and what it was aligned with.
+  /// A pose that fits, and what it was aligned with.
   struct Located {
     Alignment alignment;
     std::vector<size_t> references;  ///< best overlap first
     double best_overlap = 0;
+    bool determined = true;
   };
 
-  std::vector<size_t> references_at(const FrameImages& images, const Isometry3d& pose,
+  std::vector<size_t> references_at(const FrameImages& images, const Isometry3d& pose, size_t region,
                                     double* best_overlap) const;
   std::vector<Reference> with_poses(const std::vector<size_t>& keyframes) const;
-  std::optional<Located> try_pose(const PreparedFrame& frame, const Isometry3d& guess, double min_inliers);
+  std::optional<Located> try_pose(const PreparedFrame& frame, const Isometry3d& guess, size_t region,
+                                  double min_inliers, const PosePrior* prior);
   std::optional<Located> locate(const PreparedFrame& frame);
   std::optional<Located> relocalise(const PreparedFrame& frame);
   std::vector<Isometry3d> guesses_for(const PreparedFrame& frame) const;
-  Isometry3d predicted(const PreparedFrame& frame) const;
+  PosePrior predicted(const PreparedFrame& frame) const;
   bool too_fast(const PreparedFrame& frame, const Isometry3d& pose) const;
   bool wants_keyframe(const Located& located) const;
-  void add_keyframe(PreparedFrame frame, const Located* located);
+  FrameResult begin_region(PreparedFrame frame);
+  void add_keyframe(PreparedFrame frame, const Isometry3d& pose, size_t region);
+  void extend(PreparedFrame frame, const Located& located);
   bool constrain(const FrameImages& images, size_t keyframe, const Isometry3d& guess, double min_inliers,
                  const LevelRange& levels);
-  void close_loops(const FrameImages& images, const Features& features);
-  void remember(const PreparedFrame& frame, const Isometry3d& pose);
+  void close_loops(const FrameImages& images, const Features& features, const Isometry3d& pose,
+                   size_t region);
+  void join_regions();
+  void join_parts(size_t a, size_t b);
+  size_t part_of(size_t keyframe) const;
+  void index(size_t keyframe);
+  void remember(const PreparedFrame& frame, const Isometry3d& pose, size_t region);
 
   std::vector<std::unique_ptr<Keyframe>> keyframes_;
   std::vector<Isometry3d> map_from_keyframes_;
+  std::vector<size_t> region_;    ///< of each keyframe
+  std::vector<size_t> part_;      ///< of each keyframe: another keyframe of its part, in the end itself
+  std::vector<size_t> attached_;  ///< good frames that refer to each keyframe
   std::vector<PoseConstraint> constraints_;
   AppearanceIndex appearance_;
+  std::vector<size_t> indexed_;  ///< keyframes in the order of the index
+  size_t regions_ = 0;
   size_t loops_ = 0;
+  size_t lost_ = 0;  ///< frames in a row
 
   /// The last frame with a pose.
   struct Last {
     TimeNs time_ns = 0;
     size_t number = 0;
     Isometry3d pose = Isometry3d::Identity();
+    size_t region = 0;
     Features features;
     std::optional<Isometry3d> given;
-    Vector6d velocity = Vector6d::Zero();  ///< per second, in the camera frame
+    std::optional<Vector6d> velocity;  ///< per second, in the camera frame
   };
   std::optional<Last> last_;
-  std::string objection_;  ///< to the last attempt
-  std::optional<Isometry3d>
-      undetermined_;  ///< pose of a lost frame that fits, but may slide along the surfaces
+  std::string objection_;           ///< to the last attempt
+  std::optional<Located> sliding_;  ///< a pose of the frame that fits, but may slide along the surfaces
 };
 
 }  // namespace loci::mapping::tracking

@@ -11,6 +11,7 @@
 #include "mapping/base/stopwatch.h"
 #include "mapping/recording/gravity.h"
 #include "mapping/recording/posed_recording.h"
+#include "mapping/tracking/depth_calibration.h"
 #include "mapping/tracking/tracker.h"
 
 namespace loci::mapping {
@@ -18,9 +19,9 @@ namespace {
 
 using namespace tracking;
 
-PreparedFrame prepared(const Recording& recording, size_t number, bool refine) {
+PreparedFrame prepared(const Recording& recording, size_t number, bool refine, const cv::Mat& offsets) {
   const RgbdFrame frame = recording.frame(number);
-  PreparedFrame result{number, frame.time_ns, frame_images(frame), {}, {}};
+  PreparedFrame result{number, frame.time_ns, frame_images(frame, offsets), {}, {}};
   result.features = features_of(result.images);
   if (refine) result.given = frame.map_from_camera;
   return result;
@@ -28,7 +29,8 @@ PreparedFrame prepared(const Recording& recording, size_t number, bool refine) {
 
 /// Frames are prepared ahead on the other threads while one tracks those before.
 std::vector<FrameResult> follow(const Recording& recording, const std::vector<size_t>& numbers,
-                                const TrackingOptions& options, Tracker& tracker, Progress& progress) {
+                                const TrackingOptions& options, const cv::Mat& offsets, Tracker& tracker,
+                                Progress& progress) {
   const auto batch = static_cast<size_t>(2 * thread_count(options.threads));
   std::vector<FrameResult> results(numbers.size());
   std::vector<PreparedFrame> ready;
@@ -38,7 +40,7 @@ std::vector<FrameResult> follow(const Recording& recording, const std::vector<si
                    fmt::format("tracking frame {} of {}", std::min(begin, numbers.size()), numbers.size()));
     parallel_each(next.size() + 1, options.threads, [&](size_t task) {
       if (task > 0) {
-        next[task - 1] = prepared(recording, numbers[begin + task - 1], options.refine);
+        next[task - 1] = prepared(recording, numbers[begin + task - 1], options.refine, offsets);
         return;
       }
       for (size_t i = 0; i < ready.size(); ++i) results[begin - batch + i] = tracker.add(std::move(ready[i]));
@@ -46,6 +48,26 @@ std::vector<FrameResult> follow(const Recording& recording, const std::vector<si
     ready = std::move(next);
   }
   return results;
+}
+
+/// A first pass over the beginning, to learn what is wrong with the depth.
+DepthCalibration calibrated(const Recording& recording, const std::vector<size_t>& all,
+                            const TrackingOptions& options, Progress& progress) {
+  constexpr size_t kMaxFrames = 300;
+  constexpr TimeNs kInterval = kSecond / 16;
+  std::vector<size_t> numbers;
+  for (const size_t number : all)
+    if (numbers.size() < kMaxFrames &&
+        (numbers.empty() || recording.time_of(number) - recording.time_of(numbers.back()) >= kInterval))
+      numbers.push_back(number);
+  Tracker tracker;
+  const std::vector<FrameResult> followed = follow(recording, numbers, options, {}, tracker, progress);
+  std::vector<CalibrationView> views;
+  for (size_t i = 0; i < numbers.size(); ++i)
+    if (followed[i].keyframe && followed[i].objection.empty())
+      views.push_back({numbers[i], tracker.map_from_keyframes()[*followed[i].keyframe] *
+                                       followed[i].keyframe_from_camera});
+  return calibrate_depth(recording, views, options.threads);
 }
 
 bool stands_still(const std::vector<TrackedFrame>& frames) {
@@ -76,18 +98,23 @@ TrackingResult track(const Recording& recording, const TrackingOptions& options,
     throw Error("the recording has no poses to refine", {info.path, 0, ""}, "track it without --refine");
   std::vector<size_t> numbers;
   for (size_t i = 0; i < recording.size(); i += static_cast<size_t>(options.every)) numbers.push_back(i);
+  const DepthCalibration calibration = calibrated(recording, numbers, options, progress);
   Tracker tracker;
-  const std::vector<FrameResult> followed = follow(recording, numbers, options, tracker, progress);
+  const std::vector<FrameResult> followed =
+      follow(recording, numbers, options, calibration.offsets, tracker, progress);
   if (tracker.map_from_keyframes().empty())
     throw Error("no frame has enough depth to be tracked", {info.path, 0, ""},
                 "check depth_scale and the range");
 
   TrackingResult result;
+  const std::vector<bool> in_main_part = tracker.in_main_part();
   for (size_t i = 0; i < numbers.size(); ++i) {
     TrackedFrame frame{numbers[i], recording.index_of(numbers[i]), recording.time_of(numbers[i]), {}, {}, {}};
     frame.covariance = followed[i].covariance;
     frame.objection = followed[i].objection;
-    if (followed[i].keyframe)
+    if (frame.objection.empty() && !in_main_part[*followed[i].keyframe])
+      frame.objection = "nothing connects it well enough with the largest part of the path";
+    if (frame.objection.empty())
       frame.map_from_camera =
           tracker.map_from_keyframes()[*followed[i].keyframe] * followed[i].keyframe_from_camera;
     result.frames.push_back(std::move(frame));
@@ -95,6 +122,7 @@ TrackingResult track(const Recording& recording, const TrackingOptions& options,
   result.map_frame = options.refine ? info.map_frame : "first_camera";
   result.keyframes = tracker.map_from_keyframes().size();
   result.loops = tracker.loops();
+  result.depth_offset = calibration.rms;
   result.still = stands_still(result.frames);
   if (result.still)
     for (TrackedFrame& frame : result.frames)
@@ -113,7 +141,12 @@ void require_usable(const TrackingResult& result, const std::string& path) {
 std::unique_ptr<Recording> with_tracked_poses(std::unique_ptr<Recording> recording,
                                               const TrackingResult& result, bool refined,
                                               Warnings& warnings) {
+  // An IMU says what is up in the first frame.
   std::optional<Vector3d> up = recording->info().up_in_camera;
+  if (up && result.frames.front().map_from_camera)
+    up = result.frames.front().map_from_camera->linear() * *up;
+  else
+    up.reset();
   const bool is_levelled = refined && recording->info().levelled;
   auto poses = result.poses(recording->size());
   recording = with_poses(std::move(recording), std::move(poses), result.map_frame, is_levelled);
@@ -143,6 +176,9 @@ std::string TrackingResult::summary() const {
   std::string text = fmt::format("{} of {} frames tracked", good(), frames.size());
   text += still ? "; the camera stands still"
                 : fmt::format(", {} keyframes, {} loop{}", keyframes, loops, loops == 1 ? "" : "s");
+  if (depth_offset > 0)
+    text += fmt::format("; the depth camera's own error of {:.0f} mm at 2 m was found and left out",
+                        4e3 * depth_offset);
   std::map<std::string, size_t> objections;
   for (const TrackedFrame& frame : frames)
     if (!frame.map_from_camera) ++objections[frame.objection];
@@ -162,8 +198,14 @@ Json TrackingResult::report() const {
     }
     list.push_back(std::move(entry));
   }
-  return {{"frames", frames.size()}, {"good", good()},     {"keyframes", keyframes}, {"loops", loops},
-          {"still", still},          {"seconds", seconds}, {"tracked", list}};
+  return {{"frames", frames.size()},
+          {"good", good()},
+          {"keyframes", keyframes},
+          {"loops", loops},
+          {"depth_offset_per_m", depth_offset},
+          {"still", still},
+          {"seconds", seconds},
+          {"tracked", list}};
 }
 
 }  // namespace loci::mapping

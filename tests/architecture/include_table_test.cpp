@@ -64,6 +64,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"EGL/", "VTK"},
                                                                      {"GL/", "VTK"},
                                                                      {"embree3/", "Embree"},
+                                                                     {"open3d/", "Open3D"},
                                                                      {"tiny_gltf.h", "tinygltf"},
                                                                      {"simde/", "simde"},
                                                                      {"octomap/", "OctoMap"},

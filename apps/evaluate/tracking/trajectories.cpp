@@ -5,9 +5,8 @@
 #include <Eigen/SVD>
 #include <cmath>
 #include <filesystem>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/rgbd/depth.hpp>
 
+#include "apps/evaluate/tracking/frame_odometry.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/base/stopwatch.h"
@@ -165,34 +164,21 @@ Row our_row(const Part& part, const Trajectory& reference, int threads, Progress
   return row;
 }
 
-/// Frame to frame, in OpenCV's default configuration; a frame that it refuses is lost, and the next goes on
-/// from it.
-Row opencv_row(const Part& part, const Trajectory& reference, Progress& progress) {
-  const mapping::PinholeCamera& camera = part.info().camera.depth;
-  const cv::Mat matrix = (cv::Mat_<float>(3, 3) << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
-  const auto odometry = cv::rgbd::RgbdICPOdometry::create(matrix);
+/// Motions from frame to frame, chained; a frame that is refused is lost, and the next goes on from it.
+Row peer_row(const std::string& method, FrameOdometry& odometry, const Part& part,
+             const Trajectory& reference, Progress& progress) {
   const Stopwatch watch;
   Trajectory estimate;
   Isometry3d pose = Isometry3d::Identity();
-  cv::Ptr<cv::rgbd::OdometryFrame> before;
   for (size_t i = 0; i < part.size(); ++i) {
-    progress.check(static_cast<double>(i) / static_cast<double>(part.size()), "OpenCV's odometry");
-    const mapping::RgbdFrame frame = part.frame(i);
-    cv::Mat gray, motion;
-    cv::cvtColor(color_in_depth(frame), gray, cv::COLOR_BGR2GRAY);
-    auto now = cv::makePtr<cv::rgbd::OdometryFrame>(gray, frame.depth);
-    const bool found = before.empty() || odometry->compute(before, now, motion);
-    if (found && !before.empty()) {
-      Isometry3d now_from_before = Isometry3d::Identity();
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 4; ++c) now_from_before(r, c) = motion.at<double>(r, c);
-      pose = pose * now_from_before.inverse();
-    }
-    if (found) estimate[i] = pose;
-    before = now;
+    progress.check(static_cast<double>(i) / static_cast<double>(part.size()), method);
+    const auto motion = odometry.add(part.frame(i));
+    if (!motion) continue;
+    pose = pose * *motion;
+    estimate[i] = pose;
   }
   Row row;
-  row.method = "OpenCV RgbdICPOdometry";
+  row.method = method;
   row.cpu_ms = 1e3 * watch.cpu_seconds() / static_cast<double>(part.size());
   row.frames_per_second = static_cast<double>(part.size()) / watch.seconds();
   finish(row, estimate, reference, part);
@@ -212,7 +198,12 @@ std::vector<Row> compare_trackers(const std::string& recording, const FrameRange
     if (const auto pose = part.frame(i).map_from_camera) reference[i] = *pose;
   if (reference.empty()) throw Error("the recording has no reference poses", {recording, 0, {}});
   std::vector<Row> rows = {our_row(part, reference, threads, progress)};
-  if (peers) rows.push_back(opencv_row(part, reference, progress));
+  if (peers) {
+    const mapping::PinholeCamera& camera = part.info().camera.depth;
+    rows.push_back(peer_row("OpenCV RgbdICPOdometry", *opencv_odometry(camera), part, reference, progress));
+    if (const auto open3d = open3d_odometry(camera))
+      rows.push_back(peer_row("Open3D RGB-D odometry", *open3d, part, reference, progress));
+  }
   Row own;
   own.method = "reference";
   finish(own, reference, reference, part);

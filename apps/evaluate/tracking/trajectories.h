@@ -31,9 +31,9 @@ struct Row {
   double frames_per_second = 0;
 };
 
-/// Tracks a recording with our tracker and, with `peers`, OpenCV's RgbdICPOdometry, and compares both with
-/// its poses, which are not used otherwise. The last row is of the reference itself: how well it fits the
-/// depth images.
+/// Tracks a recording with our tracker and, with `peers`, OpenCV's RgbdICPOdometry and Open3D's RGB-D
+/// odometry (if installed), and compares all with its poses, which are not used otherwise. The last row is of
+/// the reference itself: how well it fits the depth images.
 std::vector<Row> compare_trackers(const std::string& recording, const FrameRange& range, bool peers,
                                   int threads, Progress& progress);
 

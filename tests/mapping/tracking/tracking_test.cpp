@@ -66,7 +66,9 @@ class Room : public Recording {
     for (int v = 0; v < camera.height; ++v)
       for (int u = 0; u < camera.width; ++u) {
         const double z = depth_along(poses_[i], camera.unproject(u, v, 1));
-        if (z < 5) frame.depth.at<float>(v, u) = static_cast<float>(z + random.normal(0.001 * z * z));
+        const double measured =
+            z + (random.normal(0.001) + distortion_ * std::sin(0.05 * u + 0.02 * v)) * z * z;
+        if (z < 5) frame.depth.at<float>(v, u) = static_cast<float>(measured);
         if (!textured_) continue;
         const Isometry3d eye = poses_[i] * info_.camera.depth_from_color;
         const Vector3d ray = camera.unproject(u, v, 1);
@@ -84,6 +86,7 @@ class Room : public Recording {
                              {{1.7, -0.4, 0.2}, {2.0, 0.4, 0.7}}};
   bool textured_ = true;
   bool only_wall_ = false;
+  double distortion_ = 0;  // of depth, times z².
   std::set<size_t> blind_;
   std::function<std::optional<Isometry3d>(const Isometry3d&, size_t)> given_;
 
@@ -215,6 +218,28 @@ TEST(Tracking, AnotherPlaceIsLostAndTheKnownOneFoundAgain) {
   for (size_t i = 41; i < 50; ++i)
     EXPECT_TRUE(result.frames[i].map_from_camera) << i << result.frames[i].objection;
   EXPECT_LT(max_error(room, result), 0.05);
+}
+
+TEST(Tracking, WhatIsTrackedLongestCounts) {
+  std::vector<Isometry3d> poses;
+  for (int i = 0; i < 10; ++i) poses.push_back(camera_at(0, 0, kPi, 0.02 * i));
+  for (const Isometry3d& pose : walk(40)) poses.push_back(pose);
+  const Room room(poses);
+  const TrackingResult result = tracked(room);
+  for (size_t i = 0; i < 10; ++i) EXPECT_FALSE(result.frames[i].map_from_camera) << i;
+  EXPECT_THAT(result.frames[3].objection, HasSubstr("nothing connects it"));
+  EXPECT_GT(result.good(), 33U);
+  EXPECT_LT(max_error(room, result), 0.015);
+}
+
+TEST(Tracking, TheFixedErrorOfTheDepthCameraIsFoundAndUndone) {
+  Room room(walk(80));
+  room.distortion_ = 0.004;
+  const TrackingResult result = tracked(room);
+  EXPECT_EQ(result.good(), 80U);
+  EXPECT_NEAR(result.depth_offset, 0.003, 0.001);
+  EXPECT_LT(max_error(room, result), 0.02);
+  EXPECT_EQ(tracked(Room(walk(20))).depth_offset, 0);
 }
 
 TEST(Tracking, SameResultOnAnyNumberOfThreads) {
