@@ -58,7 +58,11 @@ struct Parameters {
   double newview_color_weight = 0.25;  ///< another side may have other colours, though seldom altogether
 
   // Existence
-  double cut_off_log_odds = 0.5;   ///< a cut-off cluster is less certainly an object
+  double cut_off_log_odds = 0.5;  ///< a cut-off cluster is less certainly an object
+  double min_sighting = 0.5;  ///< frames in quick succession repeat each other's errors: being found again …
+  double max_sighting = 2;    ///< … counts by the seconds in between, within these bounds
+  double repeat_clutter_in_video = 0.4;  ///< at least: frames in a row make the same mistakes
+  double patience = 12;  ///< in a video, what was found repeatedly waits this many times longer for a view
   double max_log_odds = 20;        ///< of existing: evidence against must still count
   double min_observed = 0.3;       ///< a spot must be observed this much before absence counts
   double seen_empty = 0.7;         ///< from this share on an empty spot counts …

@@ -16,6 +16,15 @@ double probability_of(double log_odds) {
 
 }  // namespace
 
+double SceneUpdate::detection_rate() const {
+  return timing_.snapshot ? state_.detection.value(options_) : options_.detection;
+}
+
+double SceneUpdate::repeat_clutter() const {
+  return timing_.snapshot ? options_.repeat_clutter
+                          : std::max(options_.repeat_clutter, kParameters.repeat_clutter_in_video);
+}
+
 void SceneUpdate::update_observed(size_t o, size_t k) {
   ProtoObject& object = state_.objects[o];
   Observation observation = scene_.observations[k];
@@ -40,10 +49,9 @@ void SceneUpdate::update_observed(size_t o, size_t k) {
   object.hidden_scenes = 0;
   object.hidden_reported = false;
   mark_observed(object, observation);
-  // Frames in quick succession repeat each other's errors.
-  const double independence = 1 + std::clamp(seconds_unobserved, 0.0, 1.0);
-  object.exists_log_odds += (observation.partial ? 0.5 : 1.0) * independence *
-                            std::log(state_.detection.value(options_) / options_.repeat_clutter);
+  const double weight = std::clamp(seconds_unobserved, kParameters.min_sighting, kParameters.max_sighting);
+  object.exists_log_odds +=
+      (observation.partial ? 0.5 : 1.0) * weight * std::log(detection_rate() / repeat_clutter());
   object.exists_log_odds = std::min(object.exists_log_odds, kParameters.max_log_odds);
 
   if (object.status == Status::tentative) {
@@ -186,9 +194,8 @@ void SceneUpdate::update_unobserved(size_t o) {
   if (object.status == Status::tentative) {
     const double empty = posterior_empty_share(o);
     const double factor = empty > kParameters.seen_empty ? kParameters.seen_empty_factor : 1.0;
-    const double missed_if_object = 1 - state_.detection.value(options_) * in_view * factor;
-    object.exists_log_odds +=
-        std::log(std::max(0.01, missed_if_object) / (1 - options_.repeat_clutter * in_view));
+    const double missed_if_object = 1 - detection_rate() * in_view * factor;
+    object.exists_log_odds += std::log(std::max(0.01, missed_if_object) / (1 - repeat_clutter() * in_view));
     return;
   }
   if (object.status != Status::present) return;
@@ -250,13 +257,16 @@ void SceneUpdate::note_hidden(ProtoObject& object, const Prediction& predicted) 
 
 void SceneUpdate::delete_clutter() {
   const double min_log_odds = -log_odds(options_.confirm);
+  const double unrefuted = log_odds(options_.first_sight);
   std::erase_if(state_.objects, [&](const ProtoObject& object) {
     if (object.status != Status::tentative) return false;
     if (object.alternative_of != 0)
       return probability_here(object, state_, options_) < kParameters.min_alternative_hypothesis;
     const double unobserved = double(scene_.time - object.last_seen) / double(kSecond);
+    const double patience =
+        options_.snapshot_gap_s * (object.exists_log_odds > unrefuted ? kParameters.patience : 1.0);
     return object.exists_log_odds <= min_log_odds || 1 - object.probability_here >= options_.gone ||
-           (!timing_.snapshot && unobserved > options_.snapshot_gap_s);
+           (!timing_.snapshot && unobserved > patience);
   });
 }
 

@@ -66,6 +66,11 @@ class SceneUpdate {
   PresenceEvidence presence_evidence(size_t o) const;
   /// empty_share() given the partners of all observations (merged clusters do not count).
   double posterior_empty_share(size_t o) const;
+  /// Probability that an object in full view is found. False objects of a video must not lower it for the
+  /// others before they are confirmed.
+  double detection_rate() const;
+  /// Probability that a false cluster is found again: in a video mostly by the same mistake.
+  double repeat_clutter() const;
   void note_hidden(ProtoObject& object, const Prediction& predicted);
   void delete_clutter();
   /// Bounds the number of gone objects that observations are compared with: the longest gone are dropped.

@@ -200,6 +200,28 @@ TEST_F(Belief, ClutterInOneFrameOfAVideoIsNeverReported) {
   EXPECT_EQ(state.objects.size(), 1U) << "forgotten";
 }
 
+TEST_F(Belief, ClutterInHalfOfTheFramesOfAVideoIsNeverReported) {
+  const std::vector<SyntheticObject> always{{"mug", at(0, 0)}};
+  std::vector<SyntheticObject> sometimes = always;
+  sometimes.push_back({"clutter", at(0.3, 0.1), {0.06, 0.06, 0.06}, kBlue});
+  std::vector<std::string> all;
+  for (int i = 0; i < 120; ++i) {
+    kitchen.objects = i / 3 % 2 == 0 ? sometimes : always;
+    for (const std::string& text : observe_video(0.2 * i, 1)) all.push_back(text);
+  }
+  EXPECT_THAT(all, ElementsAre("appeared 1"));
+}
+
+TEST_F(Belief, ObjectThatLeavesTheViewOfAVideoEarlyIsReportedWhenItIsBack) {
+  kitchen.objects = {{"mug", at(0, 0)}};
+  const Isometry3d here = kitchen.map_from_camera;
+  EXPECT_THAT(observe_video(0, 4), IsEmpty());
+  kitchen.map_from_camera = SyntheticKitchen::look_from({0, -1, 1.4}, {3, 0, 0.72});
+  for (int i = 0; i < 100; ++i) EXPECT_THAT(observe_video(0.2 + 0.2 * i, 1), IsEmpty());
+  kitchen.map_from_camera = here;
+  EXPECT_THAT(observe_video(21, 4), ElementsAre("appeared 1"));
+}
+
 TEST_F(Belief, ConfirmationReportsEarlierObservations) {
   kitchen.objects = {{"mug", at(0, 0)}};
   std::vector<int64_t> earlier;
@@ -207,7 +229,7 @@ TEST_F(Belief, ConfirmationReportsEarlierObservations) {
     for (const Confirmed& confirmed : observe(i / 30.0, 1 / 30.0).confirmed)
       for (const PendingObservation& observation : confirmed.earlier)
         earlier.push_back(observation.observation);
-  EXPECT_THAT(earlier, ElementsAre(1, 2));
+  EXPECT_THAT(earlier, ElementsAre(1, 2, 3, 4, 5, 6));
 }
 
 TEST_F(Belief, ObjectTakenAwayDuringAVideoIsGoneAfterASecondOrTwo) {
