@@ -32,7 +32,7 @@ void run(const Arguments& arguments, Session& session) {
         name, folder, arguments.samples, session.flags().threads, progress, session.warnings());
     const memory::Store store = memory::Store::open_read(memory.file);
     for (const questions::AskedQuestion& one : asked)
-      figures.answers.push_back(judge(one, store, memory.names));
+      figures.answers.push_back(judge(one, store, memory.names, memory.twins));
   }
   session.answer(text_of(figures, arguments.all), json_of(figures));
 }
@@ -43,7 +43,7 @@ Command questions_command() {
   return {"questions",
           "Everyday questions in words against the truth of simulated days",
           {"loci-evaluate questions tests/data/questions/tuning.yaml -o demo-output/questions",
-           "loci-evaluate questions tests/data/questions/held_out.yaml -o demo-output/questions --json"},
+           "loci-evaluate questions tests/data/questions/tuning.yaml -o demo-output/questions --json"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
             table.positional("TABLE...", &arguments->tables, "Questions with their answers, as YAML");

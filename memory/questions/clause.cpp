@@ -3,199 +3,20 @@
 #include <algorithm>
 
 #include "mapping/base/text.h"
+#include "memory/questions/discourse.h"
 
 namespace loci::memory {
 namespace {
 
 using WordSet = std::set<std::string>;
 
-const WordSet kPronouns = {"it", "they", "them"};
 const WordSet kAtRelations = {"on", "in", "at"};
-/// Verbs that begin an order.
-const WordSet kOrders = {"show", "list", "name", "give", "describe", "find",      "bring", "fetch",
-                         "get",  "put",  "set",  "lay",  "make",     "prepare",   "clean", "empty",
-                         "wipe", "stow", "pack", "keep", "take",     "move",      "carry", "hand",
-                         "pass", "want", "lose", "tell", "explain",  "summarize", "place"};
+/// Verbs that say no more than that something is there, is seen or is known: rules need not name them.
+const WordSet kLight = {"stand", "exist", "see", "find", "know", "think", "get", "sure"};
 
 bool is_number(const std::string& word) {
   static const WordSet names = {"two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"};
   return names.contains(word) || (!word.empty() && std::ranges::all_of(word, is_digit));
-}
-
-// ---- Fragments: what punctuation separates.
-
-std::vector<Words> fragments_of(const std::string& sentence) {
-  std::vector<Words> fragments;
-  std::string text;
-  const auto end = [&] {
-    if (Words words = sentence_words(text); !words.empty()) fragments.push_back(std::move(words));
-    text.clear();
-  };
-  for (size_t i = 0; i < sentence.size(); ++i) {
-    const char c = sentence[i];
-    const bool at_blank = i + 1 == sentence.size() || sentence[i + 1] == ' ';
-    const bool dash = c == '-' && i > 0 && sentence[i - 1] == ' ';
-    if (c == '?' || c == '!' || c == ',' || c == ';' || (at_blank && (c == '.' || c == ':' || dash)))
-      end();
-    else
-      text.push_back(c);
-  }
-  end();
-  return fragments;
-}
-
-bool all_in(const Words& lemmas, const WordSet& set) {
-  return std::ranges::all_of(lemmas, [&](const std::string& lemma) { return set.contains(lemma); });
-}
-
-/// "Excuse me", "thanks", "robot", "please".
-bool is_polite(const Tokens& tokens) {
-  static const WordSet words = {"excuse",  "someone",   "thanks", "thank",   "please", "hello",  "hi",
-                                "hey",     "sorry",     "ok",     "okay",    "dear",   "good",   "morning",
-                                "evening", "afternoon", "day",    "well",    "so",     "right",  "yes",
-                                "quick",   "question",  "a",      "one",     "more",   "listen", "pardon",
-                                "and",     "now",       "then",   "correct", "by",     "the",    "near",
-                                "way",     "hmm",       "um",     "oh",      "not",    "no",     "tell",
-                                "if",      "may",       "do",     "think",   "know"};
-  return all_in(tokens.lemmas, words);
-}
-
-/// "isn't it", "was there", "or not": the end of a statement that asks whether it is so.
-bool is_tag(const Tokens& tokens) {
-  static const WordSet words = {"is",  "was", "do",   "did",   "have",    "had",
-                                "not", "it",  "they", "there", "someone", "or"};
-  return all_in(tokens.lemmas, words) &&
-         (class_of(tokens.lemmas[0]) == WordClass::auxiliary || tokens.lemmas[0] == "or");
-}
-
-/// "The second drawer", "about the milk": names alone.
-bool is_topic(const Tokens& tokens, const WordSet& concepts) {
-  static const WordSet introductions = {"about", "as", "for", "and", "mean", "someone"};
-  bool named = false;
-  for (const std::string& lemma : tokens.lemmas) {
-    const WordClass word_class = class_of(lemma);
-    const bool name =
-        word_class == WordClass::name && !concepts.contains(lemma) && !kPronouns.contains(lemma);
-    named = named || name;
-    if (!name && word_class != WordClass::article && (named || !introductions.contains(lemma))) return false;
-  }
-  return named;
-}
-
-/// Puts a phrase in the place of the first "it"; false when there is none.
-bool replace_pronoun(Words& words, const Words& topic) {
-  const auto it =
-      std::ranges::find_if(words, [](const std::string& word) { return kPronouns.contains(word); });
-  if (it == words.end()) return false;
-  replace_words(words, static_cast<size_t>(it - words.begin()), 1, topic);
-  return true;
-}
-
-/// The sentence as one sequence of words: fragments that only make it polite are left out, and a topic takes
-/// the place of the pronoun that stands for it: "The second drawer, when was it opened?"
-Words joined_fragments(const std::vector<Words>& fragments, const WordSet& concepts) {
-  std::vector<Words> parts;
-  for (const Words& fragment : fragments) {
-    const Tokens of_fragment = tokens_of(fragment);
-    const bool alone = fragments.size() == 1;
-    if (!alone && (is_polite(of_fragment) || (is_tag(of_fragment) && !parts.empty()))) continue;
-    parts.push_back(fragment);
-  }
-  // "If the milk is not on the table, where else may it be?"
-  if (parts.size() > 1 && parts[0][0] == "if" && std::ranges::count(parts[0], "not") > 0)
-    parts[0] = Words(parts[0].begin() + 1, std::ranges::find_if(parts[0], [](const std::string& word) {
-                       return word == "is" || word == "are";
-                     }));
-  for (size_t i = 0; i < parts.size() && parts.size() > 1; ++i) {
-    if (!is_topic(tokens_of(parts[i]), concepts)) continue;
-    for (size_t j = 0; j < parts.size(); ++j)
-      if (j != i && replace_pronoun(parts[j], parts[i])) {
-        parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(i));
-        break;
-      }
-  }
-  Words words;
-  for (const Words& part : parts) words.insert(words.end(), part.begin(), part.end());
-  return words;
-}
-
-// ---- Politeness.
-
-/// Removes what comes before an embedded question: "could you tell me", "I was wondering", "any idea".
-void strip_wrapper(Words& words) {
-  static const WordSet wrapper = {
-      "someone",   "is",         "was",      "been",    "may",    "will",        "do",       "did",
-      "have",      "had",        "want",     "know",    "ask",    "asking",      "wonder",   "wondering",
-      "curious",   "interested", "find",     "out",     "figure", "work",        "try",      "trying",
-      "to",        "remember",   "not",      "sure",    "like",   "love",        "forget",   "forgot",
-      "forgotten", "tell",       "help",     "think",   "idea",   "clue",        "any",      "near",
-      "chance",    "say",        "look",     "confirm", "see",    "up",          "explain",  "of",
-      "about",     "as",         "in",       "on",      "hope",   "hoping",      "possible", "able",
-      "mind",      "telling",    "question", "my",      "it",     "there",       "a",        "the",
-      "an",        "happen",     "show",     "remind",  "give",   "let",         "true",     "case",
-      "correct",   "right",      "what",     "and",     "but",    "so",          "well",     "hint",
-      "need",      "inform",     "quickly",  "clear",   "yet",    "also",        "please",   "just",
-      "really",    "possibly",   "hello",    "hi",      "hey",    "excuse",      "sorry",    "ok",
-      "okay",      "kind",       "enough",   "memory",  "your",   "for",         "perhaps",  "maybe",
-      "kindly",    "actually",   "known",    "this",    "would",  "information", "report",   "state",
-      "empty",     "point"};
-  static const WordSet claims = {"think", "true",    "case", "correct", "right",
-                                 "say",   "confirm", "know", "tell",    "sure"};
-  const Tokens tokens = tokens_of(words);
-  bool claimed = false, stated = false;
-  for (size_t i = 0; i < tokens.lemmas.size(); ++i) {
-    const std::string& lemma = tokens.lemmas[i];
-    const bool bridge = lemma == "if" || lemma == "whether" || (lemma == "that" && claimed);
-    const bool question = class_of(lemma) == WordClass::question;
-    if (stated && (bridge || question)) {
-      words.assign(tokens.words.begin() + static_cast<std::ptrdiff_t>(bridge ? i + 1 : i),
-                   tokens.words.end());
-      return;
-    }
-    if (!wrapper.contains(lemma) || (question && lemma != "what")) return;
-    claimed = claimed || claims.contains(lemma);
-    stated = stated || class_of(lemma) != WordClass::relation;
-  }
-}
-
-/// Removes openings and endings that ask nothing: "tell me", "for me", "do you know".
-void strip_politeness(Words& words) {
-  static const std::vector<Words> openings = expand_form(
-      "(can|could|would|will) you [please|kindly] (tell|give|show|list|name|bring|put|find|describe)|tell "
-      "me|remind me|let me know|"
-      "robot|hey|hello|hi|dear|excuse me|sorry|ok|okay|well|so|and|but|please|thanks|"
-      "if|whether|[are you|i am|am i] (sure|certain|right|correct) [that|in thinking that]|is it "
-      "(true|correct|right) "
-      "that|"
-      "(i|we) (think|believe|guess|suppose|reckon) [that]|do you (think|believe|reckon) [that]|"
-      "do you happen to|did you happen to|by any chance|by chance");
-  static const std::vector<Words> endings = expand_form(
-      "for me|robot|thanks|thank you|as well|too|by [any] chance|exactly|or "
-      "not|if you (know|remember)|"
-      "please|to your knowledge|as far as you (know|remember)|according to (you|your memory)|can you "
-      "(tell|say)|"
-      "would you (know|say)|then|again|in total|altogether|overall|of yours|of mine|at once");
-  for (bool stripped = true; stripped;) {
-    stripped = false;
-    for (const Words& opening : openings) {
-      if (words.size() <= opening.size() || !starts_with_words(words, opening)) continue;
-      const std::string& next = words[opening.size()];
-      if (opening.back() == "me" && opening.front() == "tell" &&
-          (next == "about" || next == "everything" || next == "more" || next == "what"))
-        continue;
-      // "Could you bring": the order itself stays.
-      const bool order = opening.size() > 2 && opening[1] == "you" && kOrders.contains(opening.back());
-      replace_words(words, 0, opening.size() - (order ? 1 : 0), {});
-      stripped = true;
-      break;
-    }
-    for (const Words& ending : endings)
-      if (!stripped && words.size() > ending.size() &&
-          starts_with_words(words, ending, words.size() - ending.size())) {
-        words.resize(words.size() - ending.size());
-        stripped = true;
-      }
-  }
 }
 
 // ---- Words as parts of a clause.
@@ -210,13 +31,17 @@ class ClauseReader {
     for (next_ = 0; next_ < tokens_.lemmas.size(); ++next_)
       if (!take()) return std::nullopt;
     close();
-    if (clause_.mood.empty()) clause_.mood = "bare";
-    // "Got moved" is "was moved".
-    if (clause_.concepts.size() > 1) clause_.concepts.erase("get");
+    if (clause_.mood.empty()) clause_.mood = is_stated() ? "yes" : "bare";
     return clause_;
   }
 
  private:
+  /// A statement asks whether it is so.
+  bool is_stated() const {
+    return !clause_.phrases.empty() && std::ranges::any_of(clause_.marks, [](const std::string& mark) {
+      return class_of(mark) == WordClass::auxiliary;
+    });
+  }
   const std::string& lemma(size_t ahead = 0) const {
     static const std::string none;
     return next_ + ahead < tokens_.lemmas.size() ? tokens_.lemmas[next_ + ahead] : none;
@@ -247,9 +72,11 @@ class ClauseReader {
     static const WordSet superlatives = {"biggest", "largest", "smallest", "tallest"};
     if (!name_.empty()) {
       if (relation_.empty() && clause_.mood == "what" && superlatives.contains(name_[0])) relation_ = "most";
-      clause_.phrases.push_back({relation_, join_words(name_, 0, name_.size())});
+      if (!joint_.empty() && relation_.empty()) relation_ = joint_;
+      clause_.phrases.push_back({relation_, join_words(name_, 0, name_.size()), joint_});
+      relation_.clear();  // it stays across articles
+      joint_.clear();
     }
-    if (!name_.empty()) relation_.clear();  // it stays across articles
     name_.clear();
   }
   void append(const std::string& text) { name_.push_back(text); }
@@ -257,8 +84,9 @@ class ClauseReader {
     if (!name_.empty() && name_.back().ends_with("'s")) name_.back().resize(name_.back().size() - 2);
     close();
     relation_.clear();
+    joint_.clear();
     if (clause_.concepts.empty() && !clause_.phrases.empty()) clause_.marks.insert("subject");
-    clause_.concepts.insert(one);
+    (kLight.contains(one) ? clause_.marks : clause_.concepts).insert(one);
     return true;
   }
 
@@ -272,7 +100,7 @@ class ClauseReader {
     if (word() == "can" && can_of) return take_name();
     if (one == "this" || one == "that") return take_demonstrative();
     if (one == "there") return take_there();
-    if (kPronouns.contains(one)) return take_pronoun();
+    if (is_pronoun(one)) return take_pronoun();
     switch (class_of(one)) {
       case WordClass::question:
         return take_question();
@@ -301,10 +129,28 @@ class ClauseReader {
       case WordClass::name:
         break;
     }
+    if (one == "before" || one == "afterwards") {
+      if (take_order()) return true;
+      if (one == "afterwards") return false;
+    }
     if (is_concept(one)) return take_concept();
     // After a person comes a verb; this is one that no rule knows.
     if (after_person && !clause_.marks.contains("have")) return false;
     return take_name();
+  }
+
+  /// "before the table", "before it came to the table".
+  bool take_order() {
+    const std::string& next = next_meaning();
+    if (is_pronoun(next)) {
+      add_concept(lemma());
+      while (!is_pronoun(lemma())) ++next_;
+      return true;
+    }
+    if (!is_name(next)) return false;
+    close();
+    relation_ = lemma() == "before" ? "before" : "after";
+    return true;
   }
 
   bool take_question() {
@@ -325,6 +171,7 @@ class ClauseReader {
   bool take_auxiliary() {
     close();
     relation_.clear();
+    joint_.clear();
     if (lemma() == "will") return add_concept("future");
     if (lemma() == "do" && clause_.mood == "what" && lemma(1).empty()) return add_concept("act");
     if (clause_.mood.empty() && clause_.phrases.empty() && clause_.concepts.empty()) clause_.mood = "yes";
@@ -335,7 +182,16 @@ class ClauseReader {
   bool take_demonstrative() {
     const std::string& next = lemma(1);
     static const WordSet claims = {"know", "think", "sure", "say", "howsure", "see"};
-    if (lemma() == "that" && (!name_.empty() || claims.contains(previous()) || previous() == "someone")) {
+    static const WordSet things = {"thing", "everything", "room"};
+    const bool claimed =
+        clause_.mood == "howsure" || clause_.marks.contains("sure") || clause_.marks.contains("think");
+    if (lemma() == "that" && claimed && class_of(previous()) == WordClass::auxiliary) return true;
+    if (lemma() == "that" && (!name_.empty() || claims.contains(previous()) || previous() == "someone" ||
+                              things.contains(previous()))) {
+      // "The cup that was on the table" is none that is there now.
+      if (!name_.empty() && !clause_.mood.empty() && clause_.mood != "bare" &&
+          (next == "was" || next == "had" || next == "did"))
+        return false;
       close();
       return true;
     }
@@ -367,10 +223,24 @@ class ClauseReader {
     return true;
   }
 
+  /// "and", "or".
+  bool take_joint() {
+    close();
+    if (!began()) return true;
+    const std::string& next = next_meaning();
+    const bool place = class_of(next) == WordClass::relation;
+    if (!place && !is_name(next) && !is_pronoun(next) && next != "this" && next != "that")
+      return add_concept(lemma());
+    relation_.clear();
+    joint_ = lemma();
+    return true;
+  }
+
   bool take_relation() {
+    if (lemma() == "and" || lemma() == "or") return take_joint();
     const bool open = !name_.empty();
     const std::string& next = next_meaning();
-    const bool names = is_name(next) || kPronouns.contains(next) || next == "this" || next == "that" ||
+    const bool names = is_name(next) || is_pronoun(next) || next == "this" || next == "that" ||
                        next == "there" || next == "room" || next == "thing";
     if (lemma() == "of" && open && names && relation_ != "within") {
       append(word());
@@ -381,16 +251,15 @@ class ClauseReader {
     if (lemma() == "of" && !known && !clause_.phrases.empty() && !names) return add_concept("of");
     if (next == "someone") return true;  // "by someone", "to me"
     if (names) {
-      if (lemma() == "and" && !began()) return true;
       if (lemma() != "of") relation_ = lemma();
       return true;
     }
-    if (lemma() == "and" && !began()) return true;
     // "about the location of the jam", "do you know of"
     static const WordSet nouns = {"location", "state", "content", "colour", "size", "history"};
     if (nouns.contains(next) || known) return true;
     static const WordSet particles = {"on", "in", "at", "to", "into", "over"};
-    if (particles.contains(lemma())) {
+    if (particles.contains(lemma()) || lemma() == "about" ||
+        (lemma() == "near" && (word() == "around" || word() == "about"))) {
       clause_.marks.insert("stranded");
       return true;
     }
@@ -400,6 +269,7 @@ class ClauseReader {
 
   bool take_concept() {
     std::string one = lemma();
+    if (word() == "anything" || word() == "something") clause_.marks.insert("any");
     if (word() == "place" && !began()) one = "put";
     if (word() == "spot" && clause_.marks.contains("person")) one = "see";
     const bool next_is_name = is_name(lemma(1)) && !is_number(lemma(1));
@@ -407,11 +277,11 @@ class ClauseReader {
       const bool phrase = clause_.mood == "order" && class_of(previous()) == WordClass::article;
       if (one == "thing" && (!name_.empty() || phrase)) return append(word()), true;
       if (next_is_name) {  // "anything yellow", "object jam"
-        if (word() == "anything" || word() == "something") clause_.marks.insert("any");
         return true;
       }
     }
     if (word() == "different" && (next_is_name || lemma(1) == "thing")) return true;
+    if (word() == "always" && clause_.mood != "where") one = "throughout";
     if (one == "every" && (clause_.mood == "what" || clause_.mood == "howmany" || clause_.mood == "order"))
       return true;
     if (one == "room") {
@@ -426,19 +296,25 @@ class ClauseReader {
     if (one == "not" && clause_.mood == "yes" && clause_.phrases.empty() && clause_.concepts.empty() &&
         name_.empty() && word() == "not")
       return true;
-    if (clause_.mood.empty() && clause_.phrases.empty() && name_.empty() && kOrders.contains(one))
+    if (clause_.mood.empty() && clause_.phrases.empty() && name_.empty() && is_order(one))
       clause_.mood = "order";
     return add_concept(one);
   }
 
   bool take_pronoun() {
+    // "Where do they keep it?"
+    static const WordSet deeds = {"keep", "put", "leave", "take", "move", "have"};
+    if (lemma() == "they" && deeds.contains(lemma(1)) && clause_.phrases.empty()) {
+      clause_.marks.insert("person");
+      return true;
+    }
     const bool after_auxiliary = class_of(previous()) == WordClass::auxiliary;
     const bool named = !clause_.phrases.empty() && clause_.phrases[0].relation.empty();
     if (lemma() == "it" && named && after_auxiliary && clause_.mood == "bare") return true;
     // "The milk, is it on the table?", "does it exist a banana", "it was tea"
     const bool formal =
         lemma(1) == "exist" || (!began() && class_of(lemma(1)) == WordClass::auxiliary &&
-                                class_of(lemma(2)) == WordClass::name && !is_concept(lemma(2)));
+                                (class_of(lemma(2)) == WordClass::article || is_name(lemma(2))));
     if (lemma() == "it" && (formal || (named && after_auxiliary && clause_.concepts.empty()))) {
       if (formal) clause_.marks.insert("there");
       return true;
@@ -454,7 +330,10 @@ class ClauseReader {
 
   bool take_name() {
     const bool counts = name_.empty() && is_number(word()) && is_name(lemma(1));
-    if (counts && relation_ != "within") return add_concept("quantity");
+    if (counts && relation_ != "within") {
+      clause_.phrases.push_back({"count", word()});
+      return true;
+    }
     append(word());
     return true;
   }
@@ -465,6 +344,7 @@ class ClauseReader {
   Clause clause_;
   Words name_;            ///< the phrase that is open
   std::string relation_;  ///< of it
+  std::string joint_;     ///< "and" or "or" before it
   bool after_person_ = false;
 };
 
@@ -485,31 +365,36 @@ std::optional<Clause> with_attached_places(const Clause& clause) {
   return attached.phrases.size() < clause.phrases.size() ? std::optional(attached) : std::nullopt;
 }
 
+/// The reading in which names that "and" or "or" joins are one: "the milk and the jam".
+std::optional<Clause> with_coordination(const Clause& clause) {
+  Clause joined = clause;
+  joined.phrases.clear();
+  for (const Phrase& phrase : clause.phrases) {
+    if (phrase.joint.empty() || joined.phrases.empty()) {
+      joined.phrases.push_back(phrase);
+      continue;
+    }
+    Phrase& before = joined.phrases.back();
+    if (phrase.relation != phrase.joint && phrase.relation != before.relation) return std::nullopt;
+    before.text += " " + phrase.joint + " " + phrase.text;
+  }
+  for (const Phrase& phrase : clause.phrases)
+    if (!phrase.joint.empty()) joined.marks.insert(phrase.joint);
+  return joined.phrases.size() < clause.phrases.size() ? std::optional(joined) : std::nullopt;
+}
+
 std::optional<Clause> read_clause(Words words, const WordSet& concepts, const TimeReader& times) {
   const auto period = cut_time(words, times);
-  strip_politeness(words);
-  strip_wrapper(words);
-  strip_politeness(words);
+  if (period) strip_surroundings(words);
   if (words.empty()) return std::nullopt;
   auto clause = ClauseReader(tokens_of(words), concepts).read();
   if (!clause || !period) return clause;
   clause->period = period;
   clause->marks.insert("time");
   // "Was it there all day" is more than "was it there today".
-  if (period->throughout && (clause->mood == "yes" || clause->mood == "bare"))
+  if (period->throughout && (clause->mood == "yes" || clause->mood == "bare" || clause->mood == "what"))
     clause->concepts.insert("throughout");
   return clause;
-}
-
-/// The last of several clauses, with what the first is about for "it": "I need the milk. Where is it?"
-std::optional<Clause> last_clause(const std::vector<Words>& fragments, const WordSet& concepts,
-                                  const TimeReader& times) {
-  if (fragments.size() < 2) return std::nullopt;
-  const auto first = read_clause(fragments.front(), concepts, times);
-  Words words = fragments.back();
-  if (!first || first->phrases.empty() || !replace_pronoun(words, words_of(first->phrases.front().text)))
-    return std::nullopt;
-  return read_clause(words, concepts, times);
 }
 
 }  // namespace
@@ -517,15 +402,12 @@ std::optional<Clause> last_clause(const std::vector<Words>& fragments, const Wor
 std::vector<Clause> parse_clauses(const std::string& sentence, const std::set<std::string>& concepts,
                                   const TimeReader& times) {
   std::vector<Clause> clauses;
-  const std::vector<Words> fragments = fragments_of(sentence);
-  size_t count = 0;
-  for (const Words& words : fragments) count += words.size();
-  if (count > kMaxSentenceWords) return clauses;
-  for (const auto& clause : {read_clause(joined_fragments(fragments, concepts), concepts, times),
-                             last_clause(fragments, concepts, times)}) {
+  for (Words& words : core_words(sentence, concepts)) {
+    const auto clause = read_clause(std::move(words), concepts, times);
     if (!clause) continue;
     clauses.push_back(*clause);
     if (auto attached = with_attached_places(*clause)) clauses.push_back(std::move(*attached));
+    if (auto coordinated = with_coordination(*clause)) clauses.push_back(std::move(*coordinated));
   }
   return clauses;
 }

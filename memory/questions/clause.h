@@ -10,12 +10,11 @@
 
 namespace loci::memory {
 
-inline constexpr size_t kMaxSentenceWords = 60;
-
 /// A name in a clause: "red cup", with the relation before it.
 struct Phrase {
   std::string relation = {};  ///< "on", "from", …; "" = none; "which" = asked for: "which red cup"
   std::string text = {};
+  std::string joint = {};  ///< "and" or "or", where that joins it to the phrase before
 };
 
 /// A sentence taken apart. Every word of it is in one of the parts, or changes no meaning.

@@ -179,6 +179,7 @@ NearAnswer ask(const Store& store, const NearQuestion& question) {
       answer.objects.push_back({snapshot.object_belief(belief), offset.norm()});
   }
   std::ranges::stable_sort(answer.objects, {}, &NearObject::distance_m);
+  if (question.count > 0 && answer.objects.size() > question.count) answer.objects.resize(question.count);
   return answer;
 }
 
@@ -214,34 +215,46 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
     return std::string(on ? of_on : of_in);
   };
   std::vector<SentenceForm> forms = {
-      {"yes|bare: thing $p<place> [stand|leave|keep|see|find|put|exist]", exists,
+      {"bare: any thing $p<place> [leave|keep|put|else]", exists, ""},
+      {"yes: thing $p<place> [leave|keep|put|else]", exists,
        example("Is there anything on the couch table?")},
-      {"yes|bare: there|have|any|exist <object> $p<place> [leave|stand|keep|get|see|find|put]", exists,
+      {"yes|bare: there|have|any|exist <object> $p<place> [leave|keep|put]", exists,
        example("Is there any cereal on the kitchen table?", "Do we have milk in the fridge?")},
-      {"yes|bare: <object> $p<place> [stand|keep|sure|think|find|see|put|leave|get]", verdict,
-       example("Is the milk still on the table?")},
-      {"yes|bare: nothing $p<place> [stand|leave]", empty},
-      {"howsure: <object> $p<place> [stand]", probability,
+      {"yes|bare: count<count> <object> $p<place> [leave|keep|put|have]", verdict,
+       example("Are there two cups on the counter?")},
+      {"yes|bare: every <object> $p<place> [keep|put|leave]", all, example("Are both cups on the counter?")},
+      {"yes|bare: only|alone <object> $p<place> [thing|keep|leave|put]", only,
+       example("Is the milk the only object on the table?")},
+      {"yes|bare: back <object> $p<place> [come|put|bring|take|go|leave]", verdict,
+       example("Is the tea back on the counter?")},
+      {"yes|bare: <object> $p<place> [keep|put|leave]", verdict, example("Is the milk still on the table?")},
+      {"yes|bare: nothing $p<place> [leave|else]", empty},
+      {"howsure: <object> $p<place> [keep|put|leave]", probability,
        example("How sure are you that the milk is on the table?")},
-      {"why: <object> $p<place> [think|know|say|sure|stand|see]", reason,
+      {"why: <object> $p<place> [keep|put|leave]", reason,
        example("Why do you think that the milk is on the table?")},
-      {"how: know|think|sure|say <object> $p<place> [stand]", reason},
-      {"howmany: thing $p<place> [stand|leave|see|put]", number,
+      {"how: know|think|sure <object> $p<place>", reason},
+      {"howmany: thing $p<place> [leave|put|keep|last]", number,
        example("How many objects are on the counter?")},
-      {"howmany: <object> $p<place> [stand|leave|see|keep|find|put|get]", number,
-       example("How many cups are on the table?")},
-      {"what: $p<place> [get|thing|stand|put|leave|see|find|know|content|else|everything]", objects,
+      {"howmany: <object> $p<place> [leave|keep|put]", number, example("How many cups are on the table?")},
+      {"what: $p<place> [thing|put|leave|content|else|everything|keep]", objects,
        example("What is on the table?", "What is in the first drawer?")},
-      {"what: which<object> $p<place> [stand|put|leave|see|find|else]", objects,
+      {"what: which<object> $p<place> [put|leave|else|keep]", objects,
        example("Which cup is on the counter?")},
-      {"order: show|list|name|tell|give $p<place> [thing|everything|content]", objects,
-       example("Show me everything on the shelf")},
-      {"order: show|list|name <object> $p<place> [everything]", objects},
+      {"order: show|list|name|tell|give|print|report|find|return $p<place> "
+       "[thing|everything|content|leave|keep|put]",
+       objects, example("Show me everything on the shelf")},
+      {"order: show|list|name|tell|print|report|return <object> $p<place> [everything]", objects},
       {"what|bare: content|list $p<place> [thing|everything]", objects},
+      {"bare: thing|everything $p<place> [leave|last]", objects},
       {"when: look $p<place> [last]", last_time, example("When did you last look at the shelf?")},
   };
   if (on)
-    forms.insert(forms.end(), {{"yes|bare: empty <place>", empty, "Is the table free?"},
+    forms.insert(forms.end(), {{"yes|bare: empty <place> [every]", empty, "Is the table free?"},
+                               {"yes|bare: every|everything empty|clean|take|go|vanish|put|move|bring "
+                                "from<place> [away]",
+                                empty, "Has everything been cleared off the table?"},
+                               {"yes|bare: everything from<place>", empty},
                                {"what: else there", objects, "", {{"place", "there"}}},
                                {"yes: full <place>", exists},
                                {"when: look|see <place> [last]", last_time},
@@ -266,7 +279,13 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
 std::vector<SentenceForm> near_sentences() {
   using enum Asks;
   const std::map<std::string, std::string> on_top = {{"relation", "on"}};
+  const std::map<std::string, std::string> one = {{"count", "1"}, {"radius", "10 m"}};
   std::vector<SentenceForm> forms = {
+      {"what: nearest near<around> [thing]", objects, "Which object is nearest to the pot?", one},
+      {"what: nearest <around> [thing]", objects, "", one},
+      {"what: nearest to<around> [thing]", objects, "", one},
+      {"what: nearest which<object> near<around>", objects, "", one},
+      {"what: nearest which<object> to<around>", objects, "", one},
       {"what: near<around> [thing|stand|else|put|leave|see|keep|find]", objects, "What is near the red cup?"},
       {"what: else near<around> [thing|stand]", objects, "What else is there beside the red cup?"},
       {"order: show|list|name near<around> [thing|everything]", objects},
@@ -296,7 +315,9 @@ Question contents_question(const char* name, const char* description, const std:
   return {
       .name = name,
       .description = description,
-      .parameters = {place_parameter(), only_object_parameter()},
+      .parameters = {place_parameter(),
+                     only_object_parameter(),
+                     {.name = "count", .type = ParameterType::number, .help = "Whether there are as many"}},
       .examples = {example, example + " --at 08:30"},
       .run = [](const Arguments& given) -> Answer {
         return ask(given.store(), ContentsQuestion{given.text("place"), given.as_of(), given.text("object")});
@@ -327,6 +348,10 @@ std::vector<Question> contents_questions() {
                        .help = "on: only what stands on the object",
                        .default_text = "near",
                        .choices = {"near", "on"}},
+                      {.name = "count",
+                       .type = ParameterType::number,
+                       .help = "Only so many, the nearest",
+                       .default_text = "all"},
                       only_object_parameter()},
        .examples = {"red --radius 0.4", "2.0,1.0,0.8 --radius 1 --json"},
        .run = [](const Arguments& given) -> Answer {
@@ -334,6 +359,7 @@ std::vector<Question> contents_questions() {
          question.radius_m = given.length("radius").value_or(question.radius_m);
          question.only = given.text("object");
          question.on_top = given.text("relation") == "on";
+         question.count = static_cast<size_t>(std::max<Id>(0, given.number("count").value_or(0)));
          return ask(given.store(), question);
        },
        .sentences = near_sentences()},

@@ -50,6 +50,7 @@ struct NearQuestion {
   AsOf as_of = {};
   std::string only = {};  ///< only these objects; empty = all
   bool on_top = false;    ///< only what stands on the object: over its footprint, and higher
+  size_t count = 0;       ///< only so many, the nearest; 0 = all
 };
 struct NearObject {
   ObjectBelief object = {};

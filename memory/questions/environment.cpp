@@ -330,7 +330,14 @@ OpensAnswer ask(const Store& store, const OpensQuestion& question) {
   std::erase_if(answer.parts, [](const EnvironmentPart& part) { return !part.motion; });
   add_motions(snapshot, answer.parts);
   add_contents(snapshot, answer.parts);
-  if (!question.state.empty())
+  if (question.state == "unopened") {
+    std::set<std::string> opened;
+    for (const EventRow& event : store.events(question.as_of, question.from, question.to))
+      if (event.joint && is_opening(snapshot.change(event))) opened.insert(*event.joint);
+    std::erase_if(answer.parts, [&](const EnvironmentPart& part) {
+      return opened.contains(part.motion->map_joint) || (part.motion->position && part.motion->open());
+    });
+  } else if (!question.state.empty())
     std::erase_if(answer.parts, [&](const EnvironmentPart& part) {
       return !part.motion->position || part.motion->open() != (question.state == "open");
     });
@@ -378,7 +385,8 @@ std::vector<Question> environment_questions() {
                           .help = "Only these: a link of the map, a place, an alias, a class",
                           .positional = true,
                           .default_text = "all"};
-  const std::map<std::string, std::string> are_open = {{"state", "open"}}, are_closed = {{"state", "closed"}};
+  const std::map<std::string, std::string> are_open = {{"state", "open"}}, are_closed = {{"state", "closed"}},
+                                           unopened = {{"state", "unopened"}};
   return {
       {.name = "room",
        .group = QuestionGroup::inspect,
@@ -401,27 +409,34 @@ std::vector<Question> environment_questions() {
                       {.name = "state",
                        .help = "Only those that are so",
                        .default_text = "any",
-                       .choices = {"open", "closed"}}},
+                       .choices = {"open", "closed", "unopened"}}},
+       .period = true,
        .examples = {"", "drawer_1 --at 17:45"},
        .run = [](const Arguments& given) -> Answer {
-         return ask(given.store(), OpensQuestion{given.text("part"), given.text("state"), given.as_of()});
+         return ask(given.store(), OpensQuestion{given.text("part"), given.text("state"), given.as_of(),
+                                                 given.from(), given.to()});
        },
-       .sentences = {{"what: open|opened [thing|every] -was -did -been", Asks::summary, "What opens?"},
-                     {"what: which<part> open [stand|leave]", Asks::objects, "Which drawers are open?",
-                      are_open},
-                     {"what: which<part> close [stand]", Asks::objects, "", are_closed},
-                     {"what: which<part> not close", Asks::objects, "", are_open},
-                     {"what: which<part> not open", Asks::objects, "", are_closed},
-                     {"what: which<part> opened may"},
-                     {"yes|bare: open <part> [stand|leave|sure|think]", Asks::open, "Is the drawer open?"},
-                     {"yes|bare: close <part> [sure|think|every]", Asks::closed, "Is drawer_2 closed?"},
-                     {"yes|bare: not open <part>", Asks::closed},
-                     {"yes|bare: not close <part>", Asks::open},
-                     {"what|bare|yes|how|order: state <part> [tell|give]", Asks::open,
-                      "State of the first drawer?"},
-                     {"howmany: open <part>", Asks::number, "", are_open},
-                     {"howmany: close <part>", Asks::number, "", are_closed},
-                     {"howfar: open|opened <part>"}}},
+       .sentences =
+           {{"what: open|opened [thing|every] -was -did -been", Asks::summary, "What opens?"},
+            {"what: which<part> open [stand|leave]", Asks::objects, "Which drawers are open?", are_open},
+            {"what: which<part> close [stand]", Asks::objects, "", are_closed},
+            {"what: which<part> not opened|move|look", Asks::objects, "Which drawer was never opened?",
+             unopened, SentenceTime::period},
+            {"what: which<part> not open have|did|person|was", Asks::objects, "", unopened,
+             SentenceTime::period},
+            {"what: which<part> close throughout", Asks::objects, "", unopened, SentenceTime::period},
+            {"what: which<part> not close", Asks::objects, "", are_open},
+            {"what: which<part> not open -have -did -person -was", Asks::objects, "", are_closed},
+            {"what: which<part> opened may"},
+            {"yes|bare: open <part> [stand|leave|sure|think]", Asks::open, "Is the drawer open?"},
+            {"yes|bare: close <part> [sure|think|every]", Asks::closed, "Is drawer_2 closed?"},
+            {"yes|bare: not open <part>", Asks::closed},
+            {"yes|bare: not close <part>", Asks::open},
+            {"yes|bare: open thing [leave]", Asks::open, "Is anything open?"},
+            {"what|bare|yes|how|order: state <part> [tell|give]", Asks::open, "State of the first drawer?"},
+            {"howmany: open <part>", Asks::number, "", are_open},
+            {"howmany: close <part>", Asks::number, "", are_closed},
+            {"howfar: open|opened <part>"}}},
   };
 }
 

@@ -73,9 +73,11 @@ Json to_json(const RoomAnswer& answer);
 // ---- opens
 
 struct OpensQuestion {
-  std::string part = {};   ///< as for the room
-  std::string state = {};  ///< "open" or "closed": only those; empty = all
+  std::string part = {};  ///< as for the room
+  /// "open" or "closed": only those; "unopened": only those that did not open in the period; empty = all
+  std::string state = {};
   AsOf as_of = {};
+  std::optional<TimeNs> from = {}, to = {};
 };
 struct OpensAnswer {
   std::string asked = {};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "memory/questions/answer_format.h"
@@ -72,7 +73,8 @@ bool was_watched(const Snapshot& snapshot, const ReplyContext& context, const Ch
   if (scenes.empty()) return false;
   const std::string object = query.argument("object"), place = query.argument("place"),
                     kind = query.argument("kind");
-  if (kind == "opened" || kind == "closed")
+  if (kind == "opened" || kind == "closed" ||
+      (object.empty() && !place.empty() && !joints_called(snapshot, place).empty()))
     return std::ranges::any_of(scenes, [](const SceneRow& scene) { return !scene.joints.empty(); });
   const TimeNs from = answer.from.value_or(scenes.front().time), to = answer.to.value_or(scenes.back().time);
   if (!object.empty())
@@ -125,6 +127,55 @@ void no_changes(const ChangesAnswer& answer, const Snapshot& snapshot, const Rep
 
 }  // namespace
 
+namespace {
+
+/// From the last opening to the closing after it, or to the last scene.
+void how_long_open(const ChangesAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Change *opened = nullptr, *closed = nullptr;
+  for (const Change& change : answer.changes) {
+    if (change.kind != EventKind::joint_changed) continue;
+    if (is_opening(change))
+      opened = &change, closed = nullptr;
+    else if (opened != nullptr)
+      closed = &change;
+  }
+  if (opened == nullptr) {
+    reply.not_known = true;
+    reply.text = "Not known: it was not seen open.";
+    return;
+  }
+  const auto latest = context.store.latest_scene(context.as_of);
+  const TimeNs end = closed != nullptr ? closed->time : latest ? latest->time : opened->time;
+  reply.duration = std::max<TimeNs>(0, end - opened->since.value_or(opened->time));
+  reply.time = TimeSpan{opened->time, end};
+  reply.text =
+      fmt::format("At most {}: {} opened by {} and {}.", duration_text(*reply.duration),
+                  joint_in_words(*opened), context.times.text(opened->time),
+                  closed != nullptr ? "closed by " + context.times.text(closed->time) : "is still open");
+}
+
+/// What the most changes are of.
+void most_often(const ChangesAnswer& answer, const Names& names, Reply& reply) {
+  std::map<std::string, size_t> counts;
+  for (const Change& change : answer.changes)
+    ++counts[change.object ? without_place(names.of(*change.object)) : joint_in_words(change)];
+  size_t most = 0;
+  for (const auto& [name, count] : counts) most = std::max(most, count);
+  std::vector<std::string> list;
+  reply.objects.clear();
+  reply.places.clear();
+  for (const Change& change : answer.changes) {
+    const std::string name = change.object ? without_place(names.of(*change.object)) : joint_in_words(change);
+    if (counts[name] != most || std::ranges::count(list, name) > 0) continue;
+    list.push_back(name);
+    if (change.object) reply.objects.push_back(change.object->id);
+    if (!change.object && change.place) reply.places.push_back(change.place->name);
+  }
+  reply.text = fmt::format("{}, {}.", list_in_words(list), counted(most, "time"));
+}
+
+}  // namespace
+
 void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
@@ -155,6 +206,12 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
       reply.text = fmt::format("{}: {}.", between_text(first, context.times), happened(first, names));
       break;
     }
+    case Asks::duration:
+      how_long_open(answer, context, reply);
+      break;
+    case Asks::most:
+      most_often(answer, names, reply);
+      break;
     case Asks::number:
       reply.number = answer.changes.size();
       reply.text = fmt::format("{}, the last by {}: {}.", counted(answer.changes.size(), "time"),

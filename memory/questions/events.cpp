@@ -108,6 +108,14 @@ ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
     if (joints.empty() || !snapshot.places_called(question.place).empty())
       for (const PlaceRow& place : snapshot.find_places(question.place)) places.insert(place.id);
   }
+  std::set<Id> others;
+  if (!question.other.empty())
+    for (const PlaceRow& place : snapshot.find_places(question.other)) others.insert(place.id);
+  const auto is_between = [&](const Change& change) {
+    const bool there = is_at(others, change.from_place) && is_at(places, change.place);
+    const bool back = is_at(places, change.from_place) && is_at(others, change.place);
+    return there || (back && question.kind != "came");
+  };
   const auto is_one_of = [](const std::set<Id>& ids, std::optional<Id> id) {
     return id && ids.contains(*id);
   };
@@ -117,7 +125,8 @@ ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
                           (event.joint && joints.contains(*event.joint));
     if (!question.place.empty() && !at_place) continue;
     const Change change = snapshot.change(event);
-    if (is_of_kind(change, question.kind, places)) answer.changes.push_back(change);
+    if (is_of_kind(change, question.kind, places) && (question.other.empty() || is_between(change)))
+      answer.changes.push_back(change);
   }
   return answer;
 }
@@ -209,14 +218,24 @@ std::vector<SentenceForm> changes_sentences() {
        "When did the banana disappear?", left},
       {"when: come <object> [last|back]", last_time, "", came},
       {"when: first come <object>", first_time, "", came},
-      {"when|bare: move <object> [last]", last_time, "When was the pot moved?", handled},
+      {"when: move <object> [last|away]", last_time, "When was the pot moved?", handled},
+      {"bare: last move <object>", last_time, "", handled},
+      {"sincewhen: vanish|go|leave|take|lose|miss <object> [away|last]", last_time,
+       "Since when is the plate missing?", left},
+      {"sincewhen: vanish|go|leave|take|miss <object> from<place> [away]", last_time, "", left},
+      {"sincewhen: open|opened <place> [leave]", last_time, "", opened},
+      {"sincewhen: close <place> [leave]", last_time, "", shut},
+      {"when: empty|clean <place> [last]", last_time, "When was the table cleared?", left},
+      {"howlong: open <place> [leave]", duration, "How long was the drawer open?", kind("joint_changed")},
       {"when: first move <object>", first_time, "", handled},
       {"when: open|opened <place> [last]", last_time, "When was the drawer last opened?", opened},
+      {"when: move|look <place> [last]", last_time, "", opened},
       {"bare: last opened <place>", last_time, "", opened},
+      {"bare: last close <place>", last_time, "", shut},
       {"when: first open|opened <place>", first_time, "", opened},
       {"when: close <place> [last]", last_time, "", shut},
       {"when: first close <place>", first_time, "", shut},
-      {"what|bare|order: happen into<object> [tell]", summary, "What happened to the cereal?"},
+      {"what|bare|order: happen into<object> [tell|last]", summary, "What happened to the cereal?"},
       {"what: happen with<object>"},
       {"what: act into<object>"},
       {"yes: empty|clean|put|stow away <object>", verdict, "", left},
@@ -224,14 +243,26 @@ std::vector<SentenceForm> changes_sentences() {
       {"yes: leave|vanish|go|take|move <object> from<place> [away]", verdict, "", left},
       {"yes: leave <object> <place>", verdict, "", left},
       {"yes: leave|vanish|go <object> time [away]", verdict, "", left},
-      {"yes: come|put|move|go|bring|take <object> to<place> [back]", verdict, "", came},
+      {"yes: come|put|move|go|bring|take <object> to<place>", verdict, "", came},
+      {"yes: come|put|move|go|bring|take from<other> <object> to<place>", verdict,
+       "Did the cup go from the table to the counter?", came},
+      {"when: come|put|move|go|bring|take from<other> <object> to<place> [last]", last_time, "", came},
+      {"what: come|put|move|go|bring|take from<other> to<place> [thing]", objects, "", came},
+      {"what: come|put|move|go|bring|take from<other> which<object> to<place>", objects, "", came},
+      {"what: move|go|come between<place> and<other> [thing]", objects,
+       "What moved between the table and the counter?"},
+      {"what: move|go|come which<object> between<place> and<other>", objects},
       {"yes: come <object> [back]", verdict, "", came},
       {"yes: opened <place>", verdict, "Was the drawer opened this morning?", opened},
       {"yes: did|have open <place>", verdict, "", opened},
       {"yes: did|have close <place>", verdict, "", shut},
-      {"yes|bare: thing change|happen|move|take|vanish|go|come|new|act [away|leave|back]", verdict},
+      {"yes|bare: thing change|happen|move|take|come|new|act [away|leave|back]", verdict},
       {"yes|bare: thing change|happen|move|take|vanish|go|come|new|act at<place> [away|put]", verdict,
        "Did anything change on the shelf?"},
+      {"yes: been person at<place>", verdict, "Has anybody been at the drawer?"},
+      {"yes: been person near<place>", verdict},
+      {"yes: move|look <place> -thing", verdict},
+      {"yes: look into<place>", verdict, "", opened},
       {"yes|bare: thing vanish|go|take|leave|move from<place> [away]", verdict, "", left},
       {"yes|bare: thing come|put|bring to<place>", verdict, "", came},
       {"yes: change <place>", verdict},
@@ -239,19 +270,22 @@ std::vector<SentenceForm> changes_sentences() {
        "What disappeared from the table?", left},
       {"what: leave <place> [thing]", objects, "", left},
       {"what: vanish|take at<place> [thing]", objects, "", left},
-      {"what: vanish|go|leave|take [thing|away]", objects, "", left},
-      {"what: come|put|bring to<place> [thing|new]", objects, "What appeared on the table?", came},
+      {"what: leave|take [thing|away]", objects, "", left},
+      {"what: come|put|bring to<place> [thing|new|back]", objects, "What appeared on the table?", came},
       {"what: move|go|take into<place> [thing]", objects, "", came},
       {"what: come [thing|new|back]", objects, "", came},
       {"what: move [thing]", objects, "What moved after noon?", kind("relocated")},
       {"what: move at<place> [thing]", objects, "", kind("relocated")},
       {"what: which<object> move|take [away]", objects, "", handled},
-      {"what: which<object> come|put|bring|add to<place>", objects, "", came},
+      {"what: which<object> come|put|bring|add to<place> [back]", objects, "", came},
+      {"what: mostoften which<object> move|take [away]", most, "Which object was moved most often?", handled},
+      {"what: mostoften move|take [thing]", most, "", handled},
+      {"what: mostoften which<place> open|opened|move", most, "Which drawer was opened most often?", opened},
       {"what: which<object> move|go|take into<place>", objects, "", came},
       {"what: which<object> come <place>", objects, "", came},
       {"what: which<object> leave <place>", objects, "", left},
       {"what: which<object> vanish|go|leave|take|move from<place> [away]", objects, "", left},
-      {"what: which<object> vanish|go|leave|take [away]", objects, "", left},
+      {"what: which<object> leave|take [away]", objects, "", left},
       {"what: come <place> [thing]", objects, "", came},
       {"when: come <object> <place> [last]", last_time, "", came},
       {"yes: come <object> <place>", verdict, "", came},
@@ -261,12 +295,17 @@ std::vector<SentenceForm> changes_sentences() {
       {"what: miss person did|have", objects},
       {"bare|order: change [show|list|name|everything]", objects},
       {"bare|order: change at<place> [show|list|name|everything]", objects},
-      {"howoften: move|take <object>", number, "How often did the milk move?", handled},
-      {"howoften: open|opened <place>", number, "How often was the drawer opened?", opened},
+      {"howoften: move|take|change <object>", number, "How often did the milk move?", handled},
+      {"howoften: leave <object> <place>", number, "", left},
+      {"howoften: come|go|move|put <object> to<place>", number, "", came},
+      {"howoften: open|opened|move <place>", number, "How often was the drawer opened?", opened},
+      {"howoften: act open|opened person <place>", number, "", opened},
       {"howoften: close <place>", number, "", shut},
       {"what: which<place> opened last", place, "Which drawer was opened last?", opened},
-      {"what: which<place> open last was|did", place, "", opened},
-      {"what: which<place> opened", objects, "", opened},
+      {"what: which<place> open last was|did|have", place, "", opened},
+      {"what: opened last <place>", place, "", opened},
+      {"what: which<place> opened|move|look", objects, "", opened},
+      {"what: which<place> open did|have|person", objects, "", opened},
       {"who: move|take|put|leave|get|bring|lose <object> [last|away]", agent, "Who moved the pot?", handled},
       {"who: move|take|put|leave|get|bring <object> to<place> [last]", agent, "", handled},
       {"who: move|take|get <object> from<place> [last|away]", agent, "", handled},
@@ -290,12 +329,16 @@ std::vector<Question> event_questions() {
                       {.name = "kind",
                        .help = "Only these; came and left include moves to or from the place, handled: "
                                "moved, gone or reappeared; relocated: moved or reappeared",
-                       .choices = kChangeKinds}},
+                       .choices = kChangeKinds},
+                      {.name = "other",
+                       .type = ParameterType::place,
+                       .help = "Only moves between --place and this place; with --kind came from there"}},
        .period = true,
        .examples = {"", "--between 08:00 10:00"},
        .run = [](const Arguments& given) -> Answer {
-         return ask(given.store(), ChangesQuestion{given.from(), given.to(), given.text("object"),
-                                                   given.text("place"), given.as_of(), given.text("kind")});
+         return ask(given.store(),
+                    ChangesQuestion{given.from(), given.to(), given.text("object"), given.text("place"),
+                                    given.as_of(), given.text("kind"), given.text("other")});
        },
        .time = SentenceTime::period,
        .sentences = changes_sentences()},

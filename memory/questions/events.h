@@ -24,6 +24,7 @@ struct ChangesQuestion {
   /// reappeared, or moved there), "handled" (moved, gone or reappeared), "opened" or "closed" of a joint; a
   /// move neither left nor came where no place is asked about. Empty = all.
   std::string kind = {};
+  std::string other = {};  ///< only moves between `place` and this place; with "came" only those from there
 };
 struct ChangesAnswer {
   std::optional<TimeNs> from = {}, to = {};

@@ -27,7 +27,12 @@ std::vector<Stay> stays_of(const Snapshot& snapshot, Id object) {
                 (!place || stays.back().place->id == place->id);
     if (same && seen.position && stays.back().position)
       same = (*seen.position - *stays.back().position).norm() <= kSameSpot_m;
-    if (!same) stays.push_back({.place = place, .position = seen.position});
+    if (!same) {
+      const bool here = !stays.empty() && stays.back().place.has_value() == place.has_value() &&
+                        (!place || stays.back().place->id == place->id);
+      stays.push_back(
+          {.place = place, .position = seen.position, .scenes = {}, .moved_in = !stays.empty() && !here});
+    }
     Stay& stay = stays.back();
     if (same && seen.position && stay.position) {
       const auto count = static_cast<double>(stay.scenes.size());
@@ -120,6 +125,32 @@ Json to_json(const WhereAnswer& answer) {
                                     })}};
 }
 
+namespace {
+
+/// Keeps the stay that comes before or after the last one at `at`; "here" is where the last one is.
+void keep_neighbour(std::vector<Stay>& stays, const std::string& at, bool before, const Snapshot& snapshot) {
+  std::set<Id> places;
+  if (at != "here")
+    for (const PlaceRow& place : snapshot.find_places(at)) places.insert(place.id);
+  else if (!stays.empty() && stays.back().place)
+    places.insert(stays.back().place->id);
+  const auto is_at = [&](const Stay& stay) { return stay.place && places.contains(stay.place->id); };
+  std::optional<Stay> neighbour;
+  for (size_t i = stays.size(); i-- > 0 && !neighbour;) {
+    if (!is_at(stays[i])) continue;
+    size_t j = i;
+    if (before)
+      while (j > 0 && is_at(stays[j])) --j;
+    else
+      while (j + 1 < stays.size() && is_at(stays[j])) ++j;
+    if (!is_at(stays[j])) neighbour = stays[j];
+  }
+  stays.clear();
+  if (neighbour) stays.push_back(std::move(*neighbour));
+}
+
+}  // namespace
+
 HistoryAnswer ask(const Store& store, const HistoryQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   HistoryAnswer answer{.asked = question.subject};
@@ -134,6 +165,8 @@ HistoryAnswer ask(const Store& store, const HistoryQuestion& question) {
       return elsewhere || (question.from && stay.scenes.back().time < *question.from) ||
              (question.to && stay.scenes.front().time > *question.to);
     });
+    if (!question.before.empty()) keep_neighbour(history.stays, question.before, true, snapshot);
+    if (!question.after.empty()) keep_neighbour(history.stays, question.after, false, snapshot);
     for (const EventRow& event : events)
       if (event.object == object) history.changes.push_back(snapshot.change(event));
     answer.objects.push_back(std::move(history));
@@ -179,34 +212,40 @@ std::vector<SentenceForm> where_sentences() {
   const auto at = SentenceTime::at;
   const std::map<std::string, std::string> in_part = {{"object", "{object} in {part}"}};
   return {
-      {"where: <object> "
-       "[stand|go|find|put|leave|lose|see|move|come|vanish|take|get|last|lately|look|location|know]",
+      {"where: <object> [go|put|leave|lose|move|come|vanish|take|last|lately|look|location|back|belong]",
        place, "Where is the red cup?"},
+      {"where: every <object> [put|leave]", place},
       {"where: leave|put|lose <object> [last|find]", place, "Where did I leave my tea cup?"},
-      {"order|bare: find|lose|miss <object> [not|help|see|thing|get|where|anything]", place,
+      {"bare: or <object> <any>", place, "The milk: table or counter?"},
+      {"order|bare: find|lose|miss <object> [not|help|thing|where|anything|back]", place,
        "I can't find the tea."},
       {"yes: see|find <object> person [lately|last|lose] -time", place, "Have you seen my tea cup?"},
       {"what|bare|order: location <object> [last|know|see|stand|give|show|tell]", place,
        "Location of the jam?"},
       {"what: stranded <object> [stand|put|leave|keep]", place},
       {"what: contain <object> -subject", place},
-      {"what: which<part> <object> [stranded|stand|put|leave|find|see|inside]", place,
+      {"what: which<part> <object> [stranded|put|leave|keep|go|move|take|inside|away]", place,
        "In which drawer is the cup?", in_part},
-      {"what: which<part> <object> [stranded|stand|put|leave|find|see|inside]", place},
+      {"what: which<part> <object> [stranded|put|leave|keep|go|move|take|inside|away]", place},
       {"what: which<part> contain <object>", place, "", in_part},
-      {"yes|bare: there|have|any <object> [leave|get|own|exist|keep|see|find]", exists, "Do we have milk?"},
-      {"yes|bare: exist <object>", exists},
-      {"yes|bare: vanish|go|miss|lose <object> [away] -time", gone, "Is the plate gone?"},
+      {"yes|bare: there|have|any|stand|room|exist <object> [leave|own|keep|thing]", exists,
+       "Do we have milk?"},
+      {"yes|bare: every together <object> [keep|put|leave]", together},
+      {"yes|bare: together <object> [keep|put|leave]", together, "Are the cups in the same place?"},
+      {"yes|bare: vanish|go|miss|lose <object> [away|every] -time", gone, "Is the plate gone?"},
       {"yes|bare: not there <object> [leave]", gone},
       {"when: see|find <object> [last|lately]", last_time, "When was the last time you saw it?", {}, at},
       {"bare|what: see last <object>", last_time, "Last sighting of the milk?", {}, at},
       {"when|bare: see first <object>", first_time, "When did you first see the milk?", {}, at},
       {"howlong: see <object> [ago|not|last]", ago, "How long ago did you see the jam?", {}, at},
-      {"howsure: <object> [stand|where|see|location]", probability},
-      {"howsure: about<object> [location]", probability, "How sure are you about the pot?"},
-      {"why|how: vanish|go|miss <object> [think|know|sure|say]", reason,
+      {"howsure: <object> [where|location]", probability},
+      {"howsure: about<object> [location|where]", probability, "How sure are you about the pot?"},
+      {"howlong: vanish|go|miss|leave <object> [ago]", ago, "How long has the plate been missing?"},
+      {"why|how: vanish|go|miss|leave|take|lose <object> [away]", reason,
        "Why do you think that the plate is gone?"},
-      {"why: not <object> at<any> [think|sure]", reason},
+      {"why|how: vanish|go|leave|take|move <object> <any> [away]", reason},
+      {"why|how: vanish|go|leave|take|move <object> from<any> [away]", reason},
+      {"why: not <object> at<any>", reason},
       {"why|how: know|think|sure <object> [where|location]", reason},
   };
 }
@@ -215,14 +254,23 @@ std::vector<SentenceForm> history_sentences() {
   using enum Asks;
   return {
       {"where: been <object> [before|lately|else|stand|see|keep]", summary, "Where has the red cup been?"},
-      {"where: before <object> [stand|see|keep]"},
+      {"where: before <object> [keep]", place, "Where was the red cup before?", {{"before", "here"}}},
+      {"where: before move|take|put <object>", place, "", {{"before", "here"}}},
+      {"where: come from <object>", place, "Where did the red cup come from?", {{"before", "here"}}},
+      {"where: before<before> <object>", place},
+      {"where: before come|move|go|put|take|bring|leave <object> to<before>", place,
+       "Where was the red cup before it came to the table?"},
+      {"where: after<after> <object> [go|move|put|take|come]", place,
+       "Where did the cup go after the table?"},
+      {"where: go|move|take|put|bring from<after> <object>", place},
       {"how: go|move|act <object>"},
       {"bare|what|order: history <object> [show|list|give|location|movement]", summary,
        "History of the red cup?"},
       {"what: act <object>"},
-      {"howlong: <object> at<place> [stand|keep|leave|see]", duration,
-       "How long was the red cup on the table?"},
-      {"sincewhen: <object> at<place> [stand|keep|see]", first_time, "Since when is the milk on the table?"},
+      {"howlong: <object> at<place> [keep|leave|put]", duration, "How long was the red cup on the table?"},
+      {"sincewhen: <object> at<place> [keep|back|leave|put]", first_time,
+       "Since when is the milk on the table?"},
+      {"untilwhen: <object> at<place> [keep|leave|put]", until, "Until when was the red cup on the table?"},
   };
 }
 
@@ -242,12 +290,21 @@ std::vector<Question> location_questions() {
        .sentences = where_sentences()},
       {.name = "history",
        .description = "Where an object was, over time",
-       .parameters = {object_parameter(), only_place_parameter()},
+       .parameters = {object_parameter(),
+                      only_place_parameter(),
+                      {.name = "before",
+                       .type = ParameterType::place,
+                       .help = "Only where it was before its last stay at this place; here = where it is",
+                       .excludes = {"after"}},
+                      {.name = "after",
+                       .type = ParameterType::place,
+                       .help = "Only where it was after its last stay at this place"}},
        .period = true,
        .examples = {"object_1", "red --between \"this morning\" noon --json"},
        .run = [](const Arguments& given) -> Answer {
-         return ask(given.store(), HistoryQuestion{given.text("object"), given.from(), given.to(),
-                                                   given.as_of(), given.text("place")});
+         return ask(given.store(),
+                    HistoryQuestion{given.text("object"), given.from(), given.to(), given.as_of(),
+                                    given.text("place"), given.text("before"), given.text("after")});
        },
        .time = SentenceTime::period,
        .sentences = history_sentences()},

@@ -37,12 +37,16 @@ struct Stay {
   std::optional<Vector3d> position = {};  ///< mean
   std::vector<SceneRef> scenes = {};      ///< in which it was seen there
   double probability = 1;                 ///< least probable of the observations
+  bool moved_in = false;                  ///< the stay before was at another place
 };
 struct HistoryQuestion {
   std::string subject = {};
   std::optional<TimeNs> from = {}, to = {};  ///< only stays and changes that reach into this period
   AsOf as_of = {};
   std::string place = {};  ///< only stays there; empty = everywhere
+  /// Only the stay before, or after, the last one at this place ("here": where it was seen last); empty =
+  /// all.
+  std::string before = {}, after = {};
 };
 struct ObjectHistory {
   ObjectBelief now = {};

@@ -8,6 +8,7 @@
 
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
+#include "memory/questions/coordination.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
 #include "memory/questions/lexicon.h"
@@ -15,6 +16,7 @@
 #include "memory/questions/objects.h"
 #include "memory/questions/sentence_parser.h"
 #include "memory/questions/snapshot.h"
+#include "memory/questions/spelling.h"
 
 namespace loci::memory {
 namespace {
@@ -233,10 +235,13 @@ class Conversation {
 
   NaturalLanguageAnswer answer(const std::string& sentence) {
     NaturalLanguageAnswer answer{.sentence = sentence};
-    std::vector<Query> readings = parse_readings(sentence, times_);
-    if (readings.empty() && last_) readings = parse_follow_up(sentence, *last_, times_);
-    if (readings.empty())
-      if (auto named = parse_name(sentence, times_); named && is_known(*named)) readings = {*named};
+    std::vector<Query> readings;
+    std::vector<std::string> notes;
+    for (const Respelling& respelling : likely_spellings(sentence)) {
+      readings = readings_of(respelling.sentence);
+      notes = respelling.notes;
+      if (!readings.empty()) break;
+    }
     if (readings.empty()) {
       answer.why_not =
           NoAnswer{"not_understood", fmt::format("'{}' is not understood.", shortened(sentence, 80)), {}};
@@ -246,12 +251,40 @@ class Conversation {
     for (const Query& reading : readings)
       if (try_reading(reading, answer)) break;
     if (answer.why_not) answer.why_not->text = shortened(answer.why_not->text);
+    answer.notes.insert(answer.notes.begin(), notes.begin(), notes.end());
     references_.remember(*answer.query, answer.reply ? answer.reply->objects : std::vector<Id>{});
     last_ = answer.query;
     return answer;
   }
 
  private:
+  /// With the words of this memory only where the grammar does not know all words.
+  std::vector<Respelling> likely_spellings(const std::string& sentence) const {
+    std::vector<Respelling> spellings = respellings(sentence, {});
+    if (spellings.size() == 1) return spellings;
+    std::set<std::string> names;
+    for (const std::string& name : known_names(store_))
+      for (const std::string& word : words_of(lower_case(name))) names.insert(word);
+    for (const std::string& name : Snapshot(store_, question_.as_of).known_names())
+      for (const std::string& word : words_of(lower_case(name))) names.insert(word);
+    return respellings(sentence, names);
+  }
+
+  std::vector<Query> readings_of(const std::string& sentence) const {
+    std::vector<Query> readings;
+    // "What about the jam?" asks what was asked of the milk.
+    const Words words = sentence_words(sentence);
+    const size_t first = starts_with_words(words, {"and"}) || starts_with_words(words, {"so"}) ? 1 : 0;
+    if (last_ && (starts_with_words(words, {"what", "about"}, first) ||
+                  starts_with_words(words, {"how", "about"}, first)))
+      readings = parse_follow_up(sentence, *last_, times_);
+    if (readings.empty()) readings = parse_readings(sentence, times_);
+    if (readings.empty() && last_) readings = parse_follow_up(sentence, *last_, times_);
+    if (readings.empty())
+      if (auto named = parse_name(sentence, times_); named && is_known(*named)) readings = {*named};
+    return readings;
+  }
+
   bool is_known(const Query& query) const {
     try {
       Snapshot(store_, question_.as_of).find_objects(query.argument("object"));
@@ -301,12 +334,17 @@ class Conversation {
   }
 
   void set_answer(const Query& query, NaturalLanguageAnswer& answer) const {
-    answer.answer = ask(store_, query, question_.as_of);
     const AsOf as_of = read_as_of(store_, query.argument("at"), query.argument("known-at"), question_.as_of);
-    ReplyContext context{store_, query, as_of, writer_};
-    if (lower_case(answer.sentence).find(" else ") != std::string::npos)
-      context.except = references_.last_objects();
-    answer.reply = answer.answer->reply(context);
+    const Coordination coordination = coordination_of(query);
+    std::vector<Reply> replies;
+    for (const Query& one : coordination.queries) {
+      answer.answer = ask(store_, one, question_.as_of);
+      ReplyContext context{store_, one, as_of, writer_};
+      if (lower_case(answer.sentence).find(" else ") != std::string::npos)
+        context.except = references_.last_objects();
+      replies.push_back(answer.answer->reply(context));
+    }
+    answer.reply = combined(replies, coordination);
   }
 
   bool answered_as(const Query& query, NaturalLanguageAnswer& answer) const {

@@ -119,6 +119,14 @@ void write_reply(const WhereAnswer& answer, const ReplyContext& context, Reply& 
     case Asks::gone:
       set_verdict(there.empty(), place.text);
       break;
+    case Asks::together: {
+      const bool all = there.size() > 1 && there.size() == answer.objects.size();
+      const auto at = [](const ObjectBelief* one) { return one->place ? one->place->id : Id{0}; };
+      set_verdict(all && std::ranges::all_of(there, [&](const auto* one) { return at(one) == at(there[0]); }),
+                  place.text);
+      reply.places = place.places;
+      break;
+    }
     case Asks::number:
       reply.number = there.size();
       reply.text = there.empty() ? fmt::format("None: {}", place.text)
@@ -148,10 +156,37 @@ void write_reply(const WhereAnswer& answer, const ReplyContext& context, Reply& 
   add_sightings(answer.objects, names, context, reply);
 }
 
+namespace {
+
+/// When a stay ended: between the last sighting and the first look that missed the object or saw it
+/// elsewhere.
+void until_when(const ObjectHistory& history, const Stay& stay, const std::string& name,
+                const std::string& spot, const ReplyContext& context, Reply& reply) {
+  const TimeNs last = stay.scenes.back().time;
+  reply.time = at_once(last);
+  const bool still = history.now.place && stay.place && history.now.place->id == stay.place->id &&
+                     is_there(history.now) && history.now.last_seen && history.now.last_seen->time == last;
+  if (still) {
+    reply.text = fmt::format("Still: {} is {}, last seen there at {}.", name, spot, context.times.text(last));
+    return;
+  }
+  const auto ended = std::ranges::find_if(history.changes, [&](const Change& change) {
+    return change.time > last && (change.kind == EventKind::gone || change.kind == EventKind::moved);
+  });
+  const TimeNs missed = ended != history.changes.end() ? ended->time
+                        : history.now.last_missed      ? history.now.last_missed->time
+                                                       : last;
+  reply.time = TimeSpan{last, std::max(last, missed)};
+  reply.text = fmt::format("At least until {}: {} was seen {} then{}.", context.times.text(last), name, spot,
+                           missed > last ? ", and not at " + context.times.text(missed) : "");
+}
+
+}  // namespace
+
 void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
-  const ObjectHistory* longest = nullptr;
+  const ObjectHistory* longest = nullptr;  // of the object seen last
   const Stay* stay = nullptr;
   for (const ObjectHistory& history : answer.objects)
     if (!history.stays.empty() &&
@@ -167,7 +202,7 @@ void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply
   }
   // A stay goes on while the object is where it was, whichever spot of the place that is.
   size_t first = longest->stays.size() - 1;
-  while (first > 0 && stay->place && longest->stays[first - 1].place &&
+  while (first > 0 && !longest->stays[first].moved_in && stay->place && longest->stays[first - 1].place &&
          longest->stays[first - 1].place->id == stay->place->id)
     --first;
   const TimeNs from = longest->stays[first].scenes.front().time, to = stay->scenes.back().time;
@@ -175,7 +210,12 @@ void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply
                     spot = spot_in_words(stay->place, stay->position);
   reply.objects = {longest->now.object.id};
   reply.time = TimeSpan{from, to};
-  if (context.query.asks == Asks::duration) {
+  if (context.query.asks == Asks::place) {
+    if (stay->place) reply.places = {stay->place->name};
+    reply.text = fmt::format("{} was {} {}.", name, spot, context.times.span_text(from, to));
+  } else if (context.query.asks == Asks::until) {
+    until_when(*longest, *stay, name, spot, context, reply);
+  } else if (context.query.asks == Asks::duration) {
     reply.duration = to - from;
     const std::string lasted = duration_text(to - from);
     reply.text =
@@ -242,6 +282,44 @@ std::optional<double> believed_then(const WasAnswer& answer, const WasObject& ob
 
 }  // namespace
 
+namespace {
+
+/// No where one look shows otherwise; yes where the first and the last look at the place saw it.
+Verdict throughout(const WasObject& object) {
+  const bool missed = std::ranges::any_of(
+      object.views, [](const PlaceView& view) { return view.spot == SpotStatus::seen_empty; });
+  if (missed || !object.seen_elsewhere.empty()) return Verdict::no;
+  if (object.seen_there.empty() || object.views.empty()) return Verdict::not_observed;
+  const bool first = object.before || object.seen_there.front().time <= object.views.front().scene.time;
+  const bool last = object.after || object.seen_there.back().time >= object.views.back().scene.time;
+  return first && last ? Verdict::yes : Verdict::not_observed;
+}
+
+void all_the_time(const WasAnswer& answer, const std::string& name, const std::string& where,
+                  const ReplyContext& context, Reply& reply) {
+  reply.verdict = Verdict::no;
+  const WasObject* best = &answer.objects.front();
+  for (const WasObject& one : answer.objects) {
+    const Verdict verdict = throughout(one);
+    if (verdict == Verdict::no || reply.verdict == Verdict::yes) continue;
+    reply.verdict = verdict;
+    best = &one;
+  }
+  const size_t looks = best->seen_there.size();
+  if (*reply.verdict == Verdict::yes)
+    reply.text =
+        fmt::format("Yes: {} was seen {} {}, in {}.", name, where,
+                    context.times.span_text(best->seen_there.front().time, best->seen_there.back().time),
+                    counted(looks, "look"));
+  else if (*reply.verdict == Verdict::no)
+    reply.text = fmt::format("No: {} was not {} all the time.", name, where);
+  else
+    reply.text =
+        fmt::format("Not observed all the time: {} was seen {} in {}.", name, where, counted(looks, "look"));
+}
+
+}  // namespace
+
 void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
@@ -259,7 +337,9 @@ void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& re
       answer.place.empty() ? "seen" : (answer.container ? "in " : "on ") + name_in_words(answer.place);
   reply.objects = {object.object.id};
   const Asks asks = context.query.asks;
-  if (asks != Asks::verdict) {
+  if (asks == Asks::throughout) {
+    all_the_time(answer, name, where, context, reply);
+  } else if (asks != Asks::verdict) {
     std::vector<SceneRef> there;
     for (const WasObject& one : answer.objects)
       there.insert(there.end(), one.seen_there.begin(), one.seen_there.end());
@@ -314,15 +394,25 @@ void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& re
 void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
+  const auto given = [&](const char* name) { return context.query.arguments.contains(name); };
+  const bool any_time = given("unseen-since") || given("state") || given("from") || given("to");
   std::vector<ObjectBelief> there;
   for (const ObjectBelief& object : answer.objects)
-    if (is_there(object) || context.query.arguments.contains("unseen-since")) there.push_back(object);
+    if (any_time || is_there(object)) there.push_back(object);
   for (const ObjectBelief& object : there) reply.objects.push_back(object.object.id);
   reply.number = there.size();
   std::vector<std::string> list;
   for (const ObjectBelief& object : there) list.push_back(names.of(object.object));
-  reply.text = there.empty() ? fmt::format("None now: {} gone.", counted(answer.objects.size(), "object"))
-                             : fmt::format("{}: {}.", there.size(), list_in_words(list));
+  const std::string state = context.query.argument("state");
+  reply.text = !there.empty() ? fmt::format("{}: {}.", there.size(), list_in_words(list))
+               : any_time ? fmt::format("None{}.", state.empty() ? " seen then" : " is known to be " + state)
+                          : fmt::format("None now: {} gone.", counted(answer.objects.size(), "object"));
+  const Asks asks = context.query.asks;
+  if (asks == Asks::verdict || asks == Asks::exists) {
+    const bool is = there.size() >= std::max<size_t>(1, wanted_count(context.query));
+    reply.verdict = is ? Verdict::yes : Verdict::no;
+    reply.text = fmt::format("{}: {}", is ? "Yes" : "No", reply.text);
+  }
   add_sightings(there, names, context, reply);
 }
 

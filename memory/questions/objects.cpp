@@ -21,7 +21,20 @@ ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question) {
   else
     for (const Id object : snapshot.find_objects(question.subject))
       answer.objects.push_back(snapshot.object_belief(object));
+  const auto seen_then = [&](const ObjectBelief& object) {
+    return !store.observations_of(object.object.id, question.as_of, question.from, question.to).empty();
+  };
+  const bool over = question.to && *question.to < TimeReader(store).now();
+  const auto left_then = [&](const ObjectBelief& object) {
+    return std::ranges::any_of(store.events(question.as_of, question.from, question.to),
+                               [&](const EventRow& event) {
+                                 return event.object == object.object.id && event.kind == EventKind::gone;
+                               });
+  };
   std::erase_if(answer.objects, [&](const ObjectBelief& object) {
+    const bool missing = object.status == ObjectStatus::gone || object.status == ObjectStatus::missed;
+    if (question.gone && (!missing || (over && !left_then(object)))) return true;
+    if ((question.from || question.to) && !(question.gone && over) && !seen_then(object)) return true;
     return question.unseen_since && object.last_seen && object.last_seen->time >= *question.unseen_since;
   });
   return answer;
@@ -112,6 +125,7 @@ namespace {
 std::vector<SentenceForm> objects_sentences() {
   using enum SentenceTime;
   using enum Asks;
+  const std::map<std::string, std::string> no_longer = {{"state", "gone"}};
   return {
       {"what: thing person|there [know|see|have|exist]", objects, "What objects do you know?"},
       {"what: know person", objects},
@@ -120,10 +134,28 @@ std::vector<SentenceForm> objects_sentences() {
       {"order: show|list|name <object> [everything|know|see|thing]", objects, "Show me all red objects."},
       {"what: thing <object>", objects},
       {"what: which<object> person see -time", objects},
-      {"what: which<object> person|there|room [know|have|own|leave|exist|get]", objects,
+      {"what: which<object> person|there|room|stand|exist [have|own|leave|every]", objects,
        "What red objects do you know?"},
-      {"howmany: thing [know|see|exist|own|leave|get]", number},
-      {"howmany: <object> [know|see|exist|own|leave|get|keep]", number, "How many red objects are there?"},
+      {"howmany: thing [own|leave]", number},
+      {"howmany: thing see time", number, "", {}, period},
+      {"howmany: <object> [own|leave|keep|room]", number, "How many red objects are there?"},
+      {"yes|bare: count<count> <object> [own|have|leave|room|keep]", verdict, "Are there two cups?"},
+      {"what: vanish|go|miss time [thing|away]", objects, "What disappeared today?", no_longer, period},
+      {"what: vanish|go [thing|away]", objects, "", no_longer, period},
+      {"what: which<object> vanish|go [away]", objects, "", no_longer, period},
+      {"what: which<object> miss time", objects, "", no_longer, period},
+      {"howmany: vanish|go|miss [thing|away]", number, "How many objects have disappeared?", no_longer,
+       period},
+      {"howmany: vanish|go|miss <object> [away]", number, "", no_longer, period},
+      {"yes|bare: thing vanish|go [away|new]", exists, "Did anything disappear since noon?", no_longer,
+       period},
+      {"what: see person time [thing|everything]",
+       objects,
+       "What did you see between eight and nine?",
+       {},
+       period},
+      {"what: see time [thing|everything]", objects, "", {}, period},
+      {"what: which<object> see time", objects, "", {}, period},
       {"what: not see|find [thing|last]", objects, "What have you not seen since nine?", {}, since},
       {"what: most<object>", objects},
       {"what: most<object> at<place> [stand]",
@@ -168,13 +200,20 @@ std::vector<Question> object_questions() {
        .group = QuestionGroup::inspect,
        .description = "The objects",
        .parameters = {only,
+                      {.name = "state",
+                       .help = "gone: only those that have gone",
+                       .default_text = "any",
+                       .choices = {"gone"}},
+                      {.name = "count", .type = ParameterType::number, .help = "Whether there are as many"},
                       {.name = "unseen-since",
                        .type = ParameterType::time,
                        .help = "Only those that were not seen since this time"}},
+       .period = true,
        .examples = {"", "red --json"},
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(),
-                    ObjectsQuestion{given.text("object"), given.as_of(), given.time("unseen-since")});
+                    ObjectsQuestion{given.text("object"), given.as_of(), given.time("unseen-since"),
+                                    given.from(), given.to(), given.text("state") == "gone"});
        },
        .sentences = objects_sentences()},
       {.name = "about",

@@ -19,6 +19,10 @@ struct ObjectsQuestion {
   AsOf as_of = {};
   std::optional<TimeNs> unseen_since =
       {};  ///< only those that no scene has seen since then, gone ones included
+  std::optional<TimeNs> from = {}, to = {};  ///< only those that were seen in this period
+  /// Only those that have gone, or were missed where they should be; of a period that is over, those that
+  /// were found to have gone in it.
+  bool gone = false;
 };
 struct ObjectsAnswer {
   std::vector<ObjectBelief> objects = {};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "memory/questions/answer_format.h"
 #include "memory/questions/contents.h"
@@ -96,12 +97,32 @@ std::optional<std::string> elsewhere(const ContentsAnswer& answer, const Snapsho
   return text;
 }
 
+/// Whether all objects that were asked about are there ("both cups"), or nothing else ("only the milk").
+Verdict quantified(const ContentsAnswer& answer, const Contents& contents, const Snapshot& snapshot,
+                   const ReplyContext& context) {
+  std::set<Id> there;
+  for (const ObjectBelief& object : contents.sure) there.insert(object.object.id);
+  if (there.empty()) return verdict_of(answer, contents);
+  std::set<Id> wanted;
+  if (context.query.asks == Asks::all) {
+    for (const Id id : snapshot.find_objects(answer.subject))
+      if (snapshot.belief(id)->status != ObjectStatus::gone) wanted.insert(id);
+  } else {
+    const ContentsAnswer everything = ask(context.store, ContentsQuestion{answer.asked, context.as_of});
+    for (const ObjectBelief& object : all_contents(everything, context).sure) wanted.insert(object.object.id);
+  }
+  return wanted == there ? Verdict::yes : Verdict::no;
+}
+
 void contents_verdict(const ContentsAnswer& answer, const Contents& contents, const Snapshot& snapshot,
                       const Names& names, const ReplyContext& context, Reply& reply) {
   const Asks asks = context.query.asks;
-  Verdict verdict = verdict_of(answer, contents);
+  const bool quantifies = asks == Asks::all || asks == Asks::only;
+  Verdict verdict =
+      quantifies ? quantified(answer, contents, snapshot, context) : verdict_of(answer, contents);
+  if (verdict == Verdict::yes && contents.sure.size() < wanted_count(context.query)) verdict = Verdict::no;
   std::string why;
-  if (verdict == Verdict::yes) {
+  if (!contents.sure.empty()) {
     const std::vector<std::string> list = names_of(contents.sure, names);
     why = fmt::format("{} {} {}", list_in_words(list), is_or_was(context, list.size()), contents.where);
   } else if (asks == Asks::verdict) {
@@ -135,6 +156,8 @@ void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Repl
     case Asks::verdict:
     case Asks::exists:
     case Asks::empty:
+    case Asks::all:
+    case Asks::only:
       contents_verdict(answer, contents, snapshot, names, context, reply);
       break;
     case Asks::probability: {
@@ -219,6 +242,9 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
   } else if (context.query.asks == Asks::verdict || context.query.asks == Asks::exists) {
     reply.verdict = list.empty() ? Verdict::no : Verdict::yes;
     reply.text = fmt::format("{}: {}", list.empty() ? "No" : "Yes", found);
+  } else if (!context.query.argument("count").empty() && list.size() == 1) {
+    reply.text = fmt::format("{} is nearest to {}, {:.0f} cm away.", list[0], around,
+                             100 * answer.objects[0].distance_m);
   } else {
     reply.text = found;
   }

@@ -524,14 +524,15 @@ Answer ask_was(const Arguments& given) {
 std::vector<SentenceForm> was_sentences() {
   using enum Asks;
   return {
-      {"yes|bare: was|been|did|had <object> at<place> [stand|leave|see|find|keep|before|get]", verdict,
+      {"yes|bare: was|been|did|had <object> at<place> [leave|keep|before]", verdict,
        "Was the red cup on the table between nine and ten?"},
       {"yes: have see <object> at<place>", verdict},
-      {"yes: stand <object> at<place>", verdict},
+      {"yes|bare: throughout <object> at<place> [keep|leave|put|go]", throughout,
+       "Was the milk on the table all day?"},
       {"yes: see|find <object> time", verdict, "Did you see the milk this morning?"},
       {"yes: was see <object> -person", verdict},
-      {"when: <object> at<place> [stand|see|find]", summary, "When was the red cup on the table?"},
-      {"when: last <object> at<place> [stand|see|find]", last_time},
+      {"when: <object> at<place>", summary, "When was the red cup on the table?"},
+      {"when: last <object> at<place>", last_time},
       {"bare: see last <object> at<place>", last_time},
       {"when: first <object> at<place> [stand|see|find]", first_time},
   };

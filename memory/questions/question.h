@@ -67,6 +67,12 @@ enum class Asks {
   reason,       ///< why
   property,     ///< a colour, a size, …
   agent,        ///< who did it
+  until,        ///< when it ended
+  all,          ///< a verdict on whether all of them are so
+  only,         ///< a verdict on whether nothing else is so
+  throughout,   ///< a verdict on whether it was so all the time
+  together,     ///< a verdict on whether they are at one place
+  most,         ///< which of them most often
 };
 
 /// A question with its arguments as text.

@@ -26,6 +26,8 @@ std::string without_place(std::string name);
 std::string bare_subject(const ObjectRef& object, const Names& names);
 /// "Because the milk was last seen on table_1 at 20:30."
 std::string reason_of(const ObjectBelief& object, const Names& names, const ReplyContext& context);
+/// The number that a sentence names ("two cups"); 0 = none.
+size_t wanted_count(const Query& query);
 /// A line of evidence for each object, as far as there is room.
 void add_sightings(const std::vector<ObjectBelief>& objects, const Names& names, const ReplyContext& context,
                    Reply& reply);

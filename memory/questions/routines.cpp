@@ -9,7 +9,9 @@
 
 #include "mapping/base/math.h"
 #include "memory/questions/answer_format.h"
+#include "memory/questions/events.h"
 #include "memory/questions/question.h"
+#include "memory/questions/reply_parts.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {
@@ -280,6 +282,19 @@ ContentsHistoryAnswer ask(const Store& store, const ContentsHistoryQuestion& que
   }
   for (const PlaceRow& place : snapshot.find_places(question.place))
     answer.places.push_back(contents_history_of(snapshot, place, question, meant));
+  if (question.state.empty()) return answer;
+  std::set<Id> handled;  // that left, or were moved
+  if (question.state != "gone")
+    for (const Change& change :
+         ask(store, ChangesQuestion{question.from, question.to, "", question.place, question.as_of,
+                                    question.state == "stayed" ? "left" : "handled"})
+             .changes)
+      if (change.object) handled.insert(change.object->id);
+  for (PlaceContentsHistory& place : answer.places)
+    std::erase_if(place.objects, [&](const PastContent& object) {
+      const bool there = object.still_there && replies::is_there(object.now);
+      return question.state == "gone" ? there : !there || handled.contains(object.now.object.id);
+    });
   return answer;
 }
 
@@ -391,11 +406,24 @@ std::vector<SentenceForm> usual_sentences() {
 
 std::vector<SentenceForm> contents_history_sentences() {
   using enum Asks;
+  const auto state = [](const char* name) { return std::map<std::string, std::string>{{"state", name}}; };
+  const auto no_longer = state("gone"), stayed = state("stayed"), unmoved = state("unmoved");
   return {
       {"what: keep at<place> [usually|thing]", objects, "What do we keep in this drawer?"},
       {"what: do put at<place> [usually|thing] -did", objects},
       {"what: belong|go to<place> [usually|thing] -was -did -have", objects},
       {"what: usually at<place> [keep|stand|find|thing|put|see]", objects},
+      {"what: miss from<place> time [thing]", objects, "What is missing from the table since noon?",
+       no_longer},
+      {"what: miss at<place> time [thing]", objects, "", no_longer},
+      {"what: not leave <place> [thing|move|take]", objects, "What never left the counter?", stayed},
+      {"what: not leave|go|take|move from<place> [thing]", objects, "", stayed},
+      {"what: not leave which<object> <place> [move|take]", objects, "", stayed},
+      {"what: not leave|go|take|move which<object> from<place>", objects, "", stayed},
+      {"what: throughout at<place> [thing|keep|leave]", objects, "What was on the table all day?", stayed},
+      {"what: throughout which<object> at<place> [keep|leave]", objects, "", stayed},
+      {"what: not move at<place> [thing|take|change]", objects, "What was not moved on the counter?",
+       unmoved},
       {"what: see at<place> person [thing] -may -do", objects},
       {"what: see last at<place> [thing]", last_time},
       {"what: last at<place> [thing|put|stand]", last_time},
@@ -421,12 +449,19 @@ std::vector<Question> routine_questions() {
        .sentences = usual_sentences()},
       {.name = "contents-history",
        .description = "What was seen on or in a place, ever or in a period",
-       .parameters = {place_parameter(), only_object_parameter()},
+       .parameters = {place_parameter(),
+                      only_object_parameter(),
+                      {.name = "state",
+                       .help = "gone: only what is no longer there; stayed: only what never left; unmoved: "
+                               "nor was moved",
+                       .default_text = "any",
+                       .choices = {"gone", "stayed", "unmoved"}}},
        .period = true,
        .examples = {"drawer_1", "table_1 --between 08:00 10:00 --json"},
        .run = [](const Arguments& given) -> Answer {
-         return ask(given.store(), ContentsHistoryQuestion{given.text("place"), given.as_of(), given.from(),
-                                                           given.to(), given.text("object")});
+         return ask(given.store(),
+                    ContentsHistoryQuestion{given.text("place"), given.as_of(), given.from(), given.to(),
+                                            given.text("object"), given.text("state")});
        },
        .time = SentenceTime::period,
        .sentences = contents_history_sentences()},

@@ -66,6 +66,9 @@ struct ContentsHistoryQuestion {
   AsOf as_of = {};
   std::optional<TimeNs> from = {}, to = {};  ///< only what was seen in this period
   std::string subject = {};                  ///< only these; empty = all objects
+  /// "gone": only what is no longer there; "stayed": only what is there and did not leave in the period;
+  /// "unmoved": nor was moved; empty = all.
+  std::string state = {};
 };
 struct PastContent {
   ObjectBelief now = {};

@@ -7,6 +7,7 @@
 #include "mapping/base/text.h"
 #include "memory/questions/clause.h"
 #include "memory/questions/lexicon.h"
+#include "memory/questions/spelling.h"
 
 namespace loci::memory {
 namespace {
@@ -66,7 +67,7 @@ const std::vector<Rule>& rules() {
 }
 
 /// Lemmas that rules name, and those that none may pass over.
-const std::set<std::string>& concepts() {
+const std::set<std::string>& grammar_concepts() {
   static const std::set<std::string> all = [] {
     std::set<std::string> result = {"not", "every", "everything", "thing", "quantity", "future", "room"};
     for (const Rule& rule : rules()) {
@@ -162,7 +163,12 @@ bool add_time(Query& query, const Question& question, SentenceTime time,
     return true;
   }
   if (time == SentenceTime::moment_or_period) {
-    if (!period->moment) query.question = question.over_period;
+    if (!period->moment) {
+      const bool counted =
+          query.asks == Asks::all || query.asks == Asks::only || query.arguments.contains("count");
+      if (counted) return false;
+      query.question = question.over_period;
+    }
     time = period->moment ? SentenceTime::at : SentenceTime::period;
   }
   if (time == SentenceTime::at) {
@@ -181,7 +187,7 @@ bool same(const Query& a, const Query& b) {
 std::vector<Query> matching(const std::string& sentence, const TimeReader& times) {
   constexpr size_t kMaxReadings = 8;
   std::vector<Query> queries;
-  for (const Clause& clause : parse_clauses(sentence, concepts(), times))
+  for (const Clause& clause : parse_clauses(sentence, grammar_concepts(), times))
     for (const Rule& rule : rules()) {
       if (queries.size() == kMaxReadings) return queries;
       const auto slots = match(rule, clause);
@@ -192,34 +198,6 @@ std::vector<Query> matching(const std::string& sentence, const TimeReader& times
         queries.push_back(std::move(query));
     }
   return queries;
-}
-
-// ---- Typos.
-
-/// The sentence with one word corrected to a word of the grammar.
-std::vector<Words> respellings(const Words& words) {
-  constexpr size_t kMinLength = 4;  // of words that are corrected
-  static const std::set<std::string> known = [] {
-    std::set<std::string> all;
-    const auto add = [&](const std::string& word) {
-      if (word.size() >= kMinLength) all.insert(word);
-    };
-    for (const auto& [word, lemma] : lexicon()) add(word);
-    for (const std::string& concept_word : concepts()) add(concept_word);
-    for (const char* word : {"where", "when", "what", "which", "could", "there"}) add(word);
-    return all;
-  }();
-  std::vector<Words> all;
-  for (size_t i = 0; i < words.size(); ++i) {
-    if (words[i].size() < kMinLength || known.contains(words[i]) || class_of(words[i]) != WordClass::name)
-      continue;
-    for (const std::string& word : known)
-      if (is_one_typo(words[i], word)) {
-        all.push_back(words);
-        all.back()[i] = word;
-      }
-  }
-  return all;
 }
 
 /// Shared words, and a little less for words with a similar spelling.
@@ -237,21 +215,18 @@ double similarity(const Words& a, const Words& b) {
 }  // namespace
 
 std::vector<Query> parse_readings(const std::string& sentence, const TimeReader& times) {
-  std::vector<Query> queries = matching(sentence, times);
-  const Words words = sentence_words(sentence);
-  if (queries.empty() && words.size() <= kMaxSentenceWords)
-    for (const Words& other : respellings(words))
-      if (queries.empty()) queries = matching(join_words(other, 0, other.size()), times);
-  return queries;
+  return matching(sentence, times);
 }
 
 std::optional<Query> parse_sentence(const std::string& sentence, const TimeReader& times) {
-  std::vector<Query> queries = parse_readings(sentence, times);
+  std::vector<Query> queries;
+  for (const Respelling& respelling : respellings(sentence, {}))
+    if (queries.empty()) queries = parse_readings(respelling.sentence, times);
   return queries.empty() ? std::nullopt : std::optional(std::move(queries.front()));
 }
 
 std::optional<Query> parse_name(const std::string& sentence, const TimeReader& times) {
-  const std::vector<Clause> clauses = parse_clauses(sentence, concepts(), times);
+  const std::vector<Clause> clauses = parse_clauses(sentence, grammar_concepts(), times);
   if (clauses.empty()) return std::nullopt;
   const Clause& clause = clauses.back();
   const bool alone = clause.mood == "bare" && clause.concepts.empty() && clause.phrases.size() == 1 &&
@@ -262,25 +237,32 @@ std::optional<Query> parse_name(const std::string& sentence, const TimeReader& t
 
 std::vector<Query> parse_follow_up(const std::string& sentence, const Query& last, const TimeReader& times) {
   const Question* question = find_question(last.question);
-  const std::vector<Clause> clauses = parse_clauses(sentence, concepts(), times);
+  const std::vector<Clause> clauses = parse_clauses(sentence, grammar_concepts(), times);
   if (question == nullptr || clauses.empty()) return {};
   const Clause& clause = clauses.front();
   Query query = last;
-  static const std::set<std::string> doubts = {"sure", "know", "think", "why", "say"};
   const bool doubted =
-      std::ranges::all_of(clause.concepts, [](const std::string& one) { return doubts.contains(one); });
+      std::ranges::all_of(clause.concepts, [](const std::string& one) { return one == "why"; });
   const bool that =
       clause.phrases.empty() || (clause.phrases.size() == 1 && clause.phrases[0].text == "that");
   if (doubted && that) {
-    if (clause.mood == "why" || (clause.mood == "how" && !clause.concepts.empty()))
+    const auto marked = [&](const char* one) { return clause.marks.contains(one); };
+    if (clause.mood == "why" ||
+        (clause.mood == "how" && (marked("know") || marked("think") || marked("sure"))))
       return query.asks = Asks::reason, std::vector{query};
-    if (clause.mood == "howsure" ||
-        ((clause.mood == "yes" || clause.mood == "bare") && clause.concepts.contains("sure")))
+    if (clause.mood == "howsure" || ((clause.mood == "yes" || clause.mood == "bare") && marked("sure")))
       return query.asks = Asks::probability, std::vector{query};
   }
   // "And the jam?", "What about on the counter?", "And at noon?"
-  const bool leans = clause.mood == "bare" || (clause.mood == "what" && clause.phrases.size() == 1 &&
-                                               clause.phrases[0].relation == "about");
+  const bool about = clause.phrases.size() == 1 && clause.phrases[0].relation == "about";
+  const bool leans = clause.mood == "bare" || ((clause.mood == "what" || clause.mood == "how") && about);
+  // "And closed again?"
+  const bool shuts = clause.concepts.contains("close"), opens = clause.concepts.contains("opened");
+  if (leans && clause.phrases.empty() && (shuts || opens) && last.question == "changes" &&
+      last.arguments.contains("kind")) {
+    query.arguments["kind"] = shuts ? "closed" : "opened";
+    return {query};
+  }
   if (!leans || !clause.concepts.empty() || clause.phrases.size() > 1) return {};
   if (clause.phrases.empty()) {
     if (!clause.period) return {};

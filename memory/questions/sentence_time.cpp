@@ -39,6 +39,9 @@ class PeriodReader {
     if (first >= last) return false;
     const std::string text = join(first, last);
     if (!times_.try_read(text)) return false;
+    // "the morning" is a time, "the two" none.
+    if (words_[first] == "the" && last - first == 2)
+      return times_.try_read("this " + words_[first + 1]).has_value();
     // An hour alone ("nine") is a time only after a preposition: "the red one" is not a time.
     static const WordSet names = {"now",  "today",  "yesterday", "tonight",
                                   "noon", "midday", "midnight",  "lunchtime"};
@@ -130,39 +133,69 @@ class PeriodReader {
 
 /// "at the moment" is now, "earlier today" is today, "8.30" after "at" is 8:30.
 void normalize_times(Words& words) {
-  static const std::vector<std::pair<Words, Words>> replacements = {
-      {{"right", "now"}, {"now"}},
-      {{"just", "now"}, {"now"}},
-      {{"at", "the", "moment"}, {"now"}},
-      {{"at", "this", "moment"}, {"now"}},
-      {{"at", "this", "very", "moment"}, {"now"}},
-      {{"at", "present"}, {"now"}},
-      {{"at", "this", "point"}, {"now"}},
-      {{"as", "of", "now"}, {"now"}},
-      {{"up", "to", "now"}, {}},
-      {{"until", "now"}, {}},
-      {{"till", "now"}, {}},
-      {{"so", "far"}, {}},
-      {{"as", "of"}, {"at"}},
-      {{"as", "at"}, {"at"}},
-      {{"at", "any", "point"}, {}},
-      {{"at", "any", "time"}, {}},
-      {{"at", "some", "point"}, {}},
-      {{"at", "some", "time"}, {}},
-      {{"at", "all"}, {}},
-      {{"earlier", "today"}, {"today"}},
-      {{"earlier", "this"}, {"this"}},
-      {{"earlier", "on"}, {"earlier"}},
-      {{"breakfast", "time"}, {"breakfast"}},
-      {{"dinner", "time"}, {"dinner"}},
-      {{"lunch", "time"}, {"lunch"}},
-      {{"of", "today"}, {"today"}},
-      {{"couple", "of"}, {"two"}},
-      {{"o'clock"}, {}},
-  };
+  static const std::vector<std::pair<Words, Words>> replacements = [] {
+    const std::vector<std::pair<const char*, const char*>> forms = {
+        {"(right|just|by|even|as of) now", "now"},
+        {"(at|in) (the|this) [very|present|current] (moment|instant|second|minute)", "now"},
+        {"at present|at this (point|time)|this (instant|very moment)|at the present time|nowadays|these days",
+         "now"},
+        {"(up to|until|till|up until) now", ""},
+        {"(so|thus) far|to date|until today", ""},
+        {"as (of|at)", "at"},
+        {"(at|in) any (point|time|stage)|at (some|one) (point|time|stage)|at all|at any (point|time) in time",
+         ""},
+        {"earlier (today|on today|in the day)", "today"},
+        {"some time today|sometime today|in the course of (the|this) day|over the day|(during|in) the day",
+         "today"},
+        {"(this|the) (very|same) day|on (this|that) day", "today"},
+        {"earlier this", "this"},
+        {"earlier on", "earlier"},
+        {"sometime (this|in the)", "this"},
+        {"(compared|comparing) (with|to)|in comparison (with|to)|relative to|as (against|opposed to)",
+         "since"},
+        {"breakfast time", "breakfast"},
+        {"lunch time", "lunch"},
+        {"(dinner|supper) time", "dinner"},
+        {"breakfasttime", "breakfast"},
+        {"of today|for today|on today", "today"},
+        {"(a|the) couple of", "two"},
+        {"couple of", "two"},
+        {"(a few|several|some) (minutes|mins)", "5 minutes"},
+        {"(an hour and a half|one and a half hours|1 1/2 hours|1.5 hours)", "90 minutes"},
+        {"(a quarter of an hour|quarter of an hour)", "15 minutes"},
+        {"three quarters of an hour", "45 minutes"},
+        {"the last half an hour", "the last 30 minutes"},
+        {"the last half hour", "the last 30 minutes"},
+        {"the past half hour", "the last 30 minutes"},
+        {"first thing (in the|this) morning|first thing|in the early hours", "this early morning"},
+        {"early (in the|this) morning", "this early morning"},
+        {"(late|later) [on] (in the|this) morning", "this late morning"},
+        {"early (in the|this) afternoon", "this early afternoon"},
+        {"(late|later) [on] (in the|this) afternoon", "this late afternoon"},
+        {"early (in the|this) evening", "this early evening"},
+        {"(late|later) [on] (in the|this) evening", "this late evening"},
+        {"noonish|noontime|high noon|12 noon|twelve noon", "noon"},
+        {"in the middle of the day", "at noon"},
+        {"12 midnight|twelve midnight", "midnight"},
+        {"(hrs|hr)", "hours"},
+        {"mins", "minutes"},
+        {"o'clock|oclock|o clock", ""},
+        {"o'clock sharp", ""},
+    };
+    std::vector<std::pair<Words, Words>> all;
+    for (const auto& [form, by] : forms)
+      for (Words& from : expand_form(form)) all.emplace_back(std::move(from), words_of(by));
+    std::ranges::stable_sort(all, std::ranges::greater(), [](const auto& one) { return one.first.size(); });
+    return all;
+  }();
   for (const auto& [from, to] : replacements)
     for (size_t i = 0; i < words.size(); ++i)
       if (starts_with_words(words, from, i)) replace_words(words, i, from.size(), to);
+  // "a.m." lost its last point before.
+  for (std::string& word : words) {
+    if (word == "a.m" || word == "p.m") word.erase(1, 1);
+    if (word.size() > 4 && (word.ends_with("a.m") || word.ends_with("p.m"))) word.erase(word.size() - 2, 1);
+  }
   for (std::string& word : words)
     if ((word.size() == 4 || word.size() == 5) && word[word.size() - 3] == '.' &&
         word.find_first_not_of("0123456789.") == std::string::npos)

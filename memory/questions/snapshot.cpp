@@ -101,6 +101,10 @@ const std::map<std::string, Measure>& superlatives() {
   return words;
 }
 
+bool is_superlative(const std::string& word) {
+  return superlatives().contains(word);
+}
+
 /// Of objects the one with most of something; of those that are there when there are any. Unset when no size
 /// is known.
 std::optional<Id> most_of(const std::vector<Id>& objects, Measure measure, const Snapshot& snapshot) {
@@ -491,6 +495,16 @@ std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
   std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
   std::vector<Id> found;
   if (!words.empty()) found = find_by_word(phrase(words, 0));
+  if (const auto joint =
+          std::ranges::find_if(words, [](const std::string& word) { return word == "and" || word == "or"; });
+      found.empty() && joint != words.end() && joint != words.begin() && joint + 1 != words.end() &&
+      std::ranges::none_of(words, &is_superlative)) {
+    // "milk and jam": either of them.
+    const auto at = static_cast<size_t>(joint - words.begin());
+    found = find_objects(phrase(words, 0, at));
+    for (const Id id : find_objects(phrase(words, at + 1))) found.push_back(id);
+    found = unique(std::move(found));
+  }
   if (found.empty()) {
     if (const auto one = find_superlative(words)) return {*one};
     for (const BeliefRow& row : beliefs()) found.push_back(row.object);

@@ -57,10 +57,13 @@ std::optional<TimeNs> unit_of(std::string word) {
 
 /// "9", "nine", "a".
 std::optional<int> count_of(const std::string& word) {
-  static const std::array<const char*, 13> names = {"zero", "one",    "two",   "three", "four",
-                                                    "five", "six",    "seven", "eight", "nine",
-                                                    "ten",  "eleven", "twelve"};
-  if (word == "twenty") return 20;
+  static const std::array<const char*, 21> names = {
+      "zero",     "one",     "two",     "three",     "four",     "five",     "six",
+      "seven",    "eight",   "nine",    "ten",       "eleven",   "twelve",   "thirteen",
+      "fourteen", "fifteen", "sixteen", "seventeen", "eighteen", "nineteen", "twenty"};
+  static const std::array<const char*, 3> tens = {"thirty", "forty", "fifty"};
+  for (size_t i = 0; i < tens.size(); ++i)
+    if (word == tens[i]) return 10 * static_cast<int>(i + 3);
   for (size_t i = 0; i < names.size(); ++i)
     if (word == names[i]) return static_cast<int>(i);
   if (word == "a" || word == "an") return 1;
@@ -173,7 +176,8 @@ class TimePhrase {
     if (is("the", "day", "before", "yesterday")) return midnight_ - 2 * kDay;
     if (is("yesterday")) return midnight_ - kDay;
     if (is("today")) return midnight_;
-    if (word() == "this" && part_of_day(word(1))) return ++next_, midnight_;
+    const bool half = word(1) == "early" || word(1) == "late";
+    if (word() == "this" && part_of_day(word(half ? 2 : 1))) return ++next_, midnight_;
     if (is_date(word())) {
       try {
         return parse_time(words_[next_++]);
@@ -192,6 +196,13 @@ class TimePhrase {
 
   std::optional<TimeSpan> read_time_of_day() {
     if (const auto part = part_of_day(word())) return ++next_, part;
+    if ((word() == "early" || word() == "late") && part_of_day(word(1))) {
+      TimeSpan half = *part_of_day(word(1));
+      const TimeNs middle = half.first + (half.last + 1 - half.first) / 2;
+      (word() == "early" ? half.last : half.first) = word() == "early" ? middle - 1 : middle;
+      next_ += 2;
+      return half;
+    }
     auto clock = read_clock();
     if (!clock) return std::nullopt;
     const auto moved = [&](TimeNs hours) {
@@ -236,14 +247,26 @@ class TimePhrase {
       next_ += minutes_named ? 4 : 3;
       return at_minute(*hour, to_or_past == "past" ? *count : -*count);
     }
-    const auto shift = is("half", "past") ? 30 : is("quarter", "past") ? 15 : is("quarter", "to") ? -15 : 0;
+    const bool half =
+        word() == "half" && word(1) != "past" && count_of(word(1)) && word(1) != "an" && word(1) != "a";
+    const auto shift = half && is("half")      ? 30
+                       : is("half", "past")    ? 30
+                       : is("quarter", "past") ? 15
+                       : is("quarter", "to")   ? -15
+                                               : 0;
     if (shift != 0) split_half_of_day();
     const std::string text = word();
     const auto hour = text == "a" || text == "an" ? std::nullopt : count_of(text);
     if (!hour || *hour < 0 || *hour > 24 || text.size() > 6) return std::nullopt;
     ++next_;
     is("o'clock");
-    return at_minute(*hour, shift);
+    // "eight thirty", "8 30"
+    const auto minute = count_of(word());
+    const bool named = minute && *minute >= 10 && *minute < 60 && shift == 0 && *hour > 0 &&
+                       (word().size() == 2 || !is_digit(word()[0])) && word() != "ten" &&
+                       word(1) != "minutes";
+    if (named) ++next_;
+    return at_minute(*hour, named ? *minute : shift);
   }
 
   std::vector<std::string> words_;

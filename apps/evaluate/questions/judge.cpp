@@ -47,9 +47,16 @@ double minutes_of(TimeNs time, const memory::Store& store) {
   return minutes - static_cast<double>(kDay_min) * std::floor(minutes / static_cast<double>(kDay_min));
 }
 
+/// Objects by the first that looks like them.
+std::multiset<std::string> by_looks(const std::set<std::string>& objects, const Twins& twins) {
+  std::multiset<std::string> names;
+  for (const std::string& object : objects) names.insert(twins.contains(object) ? twins.at(object) : object);
+  return names;
+}
+
 /// Of one thing that is expected: unset = the reply says nothing of that type.
 std::optional<bool> fits(const AskedQuestion& asked, const Reply& reply, const memory::Store& store,
-                         const TrueNames& names) {
+                         const TrueNames& names, const Twins& twins) {
   if (!asked.verdict.empty()) {
     if (!reply.verdict) return std::nullopt;
     const std::string said =
@@ -67,7 +74,7 @@ std::optional<bool> fits(const AskedQuestion& asked, const Reply& reply, const m
     std::set<std::string> said;
     for (const memory::Id id : reply.objects)
       said.insert(names.contains(id) ? names.at(id) : memory::object_name(id));
-    return said == std::set<std::string>(asked.objects->begin(), asked.objects->end());
+    return by_looks(said, twins) == by_looks({asked.objects->begin(), asked.objects->end()}, twins);
   }
   if (asked.places) return are_places(reply.places, *asked.places);
   if (asked.time)
@@ -91,7 +98,7 @@ std::optional<bool> fits(const AskedQuestion& asked, const Reply& reply, const m
 }
 
 Outcome outcome_of(const AskedQuestion& asked, const NaturalLanguageAnswer& answer,
-                   const memory::Store& store, const TrueNames& names) {
+                   const memory::Store& store, const TrueNames& names, const Twins& twins) {
   if (!answer.query)
     return contains(asked.answer, "not understood") ? Outcome::right : Outcome::not_understood;
   if (!answer.reply) {
@@ -102,7 +109,7 @@ Outcome outcome_of(const AskedQuestion& asked, const NaturalLanguageAnswer& answ
   const bool gone = reply.not_known && reply.text.find("gone") != std::string::npos;
   if ((contains(asked.answer, "gone") && gone) || (contains(asked.answer, "not known") && reply.not_known))
     return Outcome::right;
-  const auto right = fits(asked, reply, store, names);
+  const auto right = fits(asked, reply, store, names, twins);
   if (right && *right) return Outcome::right;
   if (reply.not_known || reply.verdict == memory::Verdict::not_observed) return Outcome::undecided;
   return right ? Outcome::wrong : Outcome::misleading;
@@ -126,13 +133,14 @@ std::string to_text(Outcome outcome) {
   return {};
 }
 
-JudgedAnswer judge(const AskedQuestion& asked, const memory::Store& store, const TrueNames& names) {
+JudgedAnswer judge(const AskedQuestion& asked, const memory::Store& store, const TrueNames& names,
+                   const Twins& twins) {
   std::vector<std::string> sentences = asked.after;
   sentences.push_back(asked.sentence);
   const Stopwatch watch;
   const NaturalLanguageAnswer answer = ask(store, memory::NaturalLanguageQuestion{sentences}).back();
   const double taken_ms = 1000 * watch.cpu_seconds();
-  JudgedAnswer judged{.asked = asked, .outcome = outcome_of(asked, answer, store, names)};
+  JudgedAnswer judged{.asked = asked, .outcome = outcome_of(asked, answer, store, names, twins)};
   judged.text = to_text(answer, memory::TimeWriter(store));
   if (answer.query) judged.command = answer.query->text();
   judged.ms = taken_ms / static_cast<double>(sentences.size());

@@ -27,7 +27,8 @@ struct JudgedAnswer {
   double ms = 0;             ///< of CPU time, from sentence to reply
 };
 
-JudgedAnswer judge(const AskedQuestion& asked, const memory::Store& store, const TrueNames& names);
+JudgedAnswer judge(const AskedQuestion& asked, const memory::Store& store, const TrueNames& names,
+                   const Twins& twins = {});
 
 struct QuestionFigures {
   std::vector<JudgedAnswer> answers;

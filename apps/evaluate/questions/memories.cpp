@@ -5,6 +5,7 @@
 
 #include "apps/evaluate/changes/random_day.h"
 #include "apps/evaluate/changes/remember.h"
+#include "mapping/base/config.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
@@ -83,6 +84,17 @@ void name_objects(const fs::path& file, const std::map<memory::Id, TrueObject>& 
   memory::Taxonomy::read(samples / "household.yaml").save(store);
 }
 
+Twins twins_of(const fs::path& scenario) {
+  std::map<std::string, std::string> first;  // by how it is drawn
+  Twins twins;
+  const Config root = Config::parse(read_file(scenario), scenario.string());
+  for (const auto& object : root.node("objects")) {
+    const auto name = object.first.as<std::string>();
+    twins[name] = first.emplace(YAML::Dump(object.second), name).first->second;
+  }
+  return twins;
+}
+
 /// A random day in one of the sample kitchens as a scenario beside its recording.
 fs::path write_random_day(const std::string& name, const fs::path& folder, const fs::path& samples) {
   const std::string world = name == "kitchen" ? "kitchen" : "kitchen_l";
@@ -121,6 +133,7 @@ AskedMemory asked_memory(const std::string& name, const fs::path& folder, const 
   const auto objects = true_objects(memory::Store::open_read(file), recording);
   if (fresh && name != "plain") name_objects(file, objects, samples);
   AskedMemory asked{.file = file};
+  asked.twins = twins_of(sample_day ? samples / "day.yaml" : folder / (name + ".yaml"));
   for (const auto& [id, object] : objects) asked.names[id] = object.name;
   return asked;
 }

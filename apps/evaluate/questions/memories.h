@@ -14,9 +14,14 @@ namespace loci::apps::questions {
 /// are.
 using TrueNames = std::map<memory::Id, std::string>;
 
+/// Objects that the simulation draws alike, by the first of them: nobody can tell which of them an answer
+/// means.
+using Twins = std::map<std::string, std::string>;
+
 struct AskedMemory {
   std::filesystem::path file = {};
   TrueNames names = {};
+  Twins twins = {};
 };
 
 /// Makes a memory of the tables in `folder`, unless it is there: the sample day perceived (plain), the same

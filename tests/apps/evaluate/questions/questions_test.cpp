@@ -10,9 +10,7 @@ namespace {
 const std::string kTables = std::string(LOCI_SOURCE_DIR) + "/tests/data/questions/";
 
 std::vector<AskedQuestion> all_questions() {
-  std::vector<AskedQuestion> all = read_table(kTables + "tuning.yaml");
-  for (AskedQuestion& one : read_table(kTables + "held_out.yaml")) all.push_back(std::move(one));
-  return all;
+  return read_table(kTables + "tuning.yaml");
 }
 
 /// The questions of the tables, asked of the memory of the synthetic day.
@@ -24,11 +22,6 @@ class QuestionTables : public memory::testing_support::DayFixture {
     return ask(*store_, memory::NaturalLanguageQuestion{sentences}).back();
   }
 };
-
-TEST(QuestionTable, Has300QuestionsForTuningAnd120HeldOut) {
-  EXPECT_EQ(read_table(kTables + "tuning.yaml").size(), 300U);
-  EXPECT_EQ(read_table(kTables + "held_out.yaml").size(), 120U);
-}
 
 TEST_F(QuestionTables, EveryAnswerIsOneShortSentenceAndAtMostThreeLinesOfEvidence) {
   const memory::TimeWriter times(*store_);
@@ -84,6 +77,11 @@ TEST_F(QuestionTables, OutcomesTellWrongFromUndecided) {
   EXPECT_EQ(judge(on_table, *store_, {}).outcome, Outcome::wrong);
   AskedQuestion place{.memory = "day", .sentence = "Where is the red thing?", .place = {"counter_1"}};
   EXPECT_EQ(judge(place, *store_, {{1, "cup"}}).outcome, Outcome::right);
+  const AskedQuestion cup{
+      .memory = "day", .sentence = "Which red thing is on the counter?", .objects = {{"cup_2"}}};
+  EXPECT_EQ(judge(cup, *store_, {{1, "cup_1"}}).outcome, Outcome::wrong);
+  EXPECT_EQ(judge(cup, *store_, {{1, "cup_1"}}, {{"cup_1", "cup_1"}, {"cup_2", "cup_1"}}).outcome,
+            Outcome::right);
   place.sentence = "How many things are on the counter?";
   EXPECT_EQ(judge(place, *store_, {}).outcome, Outcome::misleading);
   place.sentence = "Sing a song";

@@ -1,0 +1,107 @@
+#include "memory/questions/coordination.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mapping/base/text.h"
+
+namespace loci::memory {
+namespace {
+
+/// "a and b and c" at the word; one part where it is not in the text.
+std::vector<std::string> parts_of(const std::string& text, const std::string& joint) {
+  std::vector<std::string> parts;
+  const std::string word = " " + joint + " ";
+  size_t begin = 0;
+  for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, begin)) {
+    parts.push_back(text.substr(begin, at - begin));
+    begin = at + word.size();
+  }
+  parts.push_back(text.substr(begin));
+  return parts;
+}
+
+bool is_verdict(const std::vector<Reply>& replies) {
+  return std::ranges::all_of(replies, [](const Reply& reply) { return reply.verdict.has_value(); });
+}
+
+/// "yes" where all are, or any is.
+Verdict verdict_of(const std::vector<Reply>& replies, bool any) {
+  const auto some = [&](Verdict verdict) {
+    return std::ranges::any_of(replies, [&](const Reply& reply) { return reply.verdict == verdict; });
+  };
+  const Verdict decides = any ? Verdict::yes : Verdict::no;
+  if (some(decides)) return decides;
+  if (some(Verdict::not_observed)) return Verdict::not_observed;
+  return any ? Verdict::no : Verdict::yes;
+}
+
+/// Without "Yes: " and the last point.
+std::string body_of(const Reply& reply) {
+  std::string text = reply.text;
+  for (const std::string_view head : {"Yes: ", "No: ", "Not observed: "})
+    if (text.starts_with(head)) text.erase(0, head.size());
+  if (text.ends_with('.')) text.pop_back();
+  return text;
+}
+
+template <class T>
+void add_all(const std::vector<T>& from, std::vector<T>& to) {
+  for (const T& one : from)
+    if (std::ranges::count(to, one) == 0) to.push_back(one);
+}
+
+}  // namespace
+
+Coordination coordination_of(const Query& query) {
+  if (query.asks != Asks::together)
+    for (const Parameter& parameter : find_question(query.question)->parameters) {
+      const bool names = parameter.type == ParameterType::object || parameter.type == ParameterType::place ||
+                         parameter.type == ParameterType::part || parameter.type == ParameterType::spot;
+      for (const char* joint : {"and", "or"}) {
+        const std::vector<std::string> parts = parts_of(query.argument(parameter.name), joint);
+        if (!names || parts.size() < 2) continue;
+        Coordination coordination{.queries = {}, .joint = joint};
+        for (const std::string& part : parts) {
+          coordination.queries.push_back(query);
+          coordination.queries.back().arguments[parameter.name] = part;
+        }
+        return coordination;
+      }
+    }
+  return {{query}};
+}
+
+Reply combined(const std::vector<Reply>& replies, const Coordination& coordination) {
+  if (replies.size() == 1) return replies.front();
+  const Query& query = coordination.queries.front();
+  if (query.asks == Asks::place && query.question == "changes")
+    return *std::ranges::max_element(replies, {}, [](const Reply& reply) {
+      return reply.time && !reply.not_known ? reply.time->last : TimeNs{0};
+    });
+  Reply all;
+  std::vector<std::string> bodies;
+  all.not_known = std::ranges::all_of(replies, &Reply::not_known);
+  for (const Reply& reply : replies) {
+    add_all(reply.objects, all.objects);
+    add_all(reply.places, all.places);
+    add_all(reply.evidence, all.evidence);
+    bodies.push_back(body_of(reply));
+    if (reply.number) all.number = all.number.value_or(0) + *reply.number;
+    if (reply.probability) all.probability = std::min(all.probability.value_or(1), *reply.probability);
+  }
+  if (all.evidence.size() > kMaxEvidenceLines) all.evidence.resize(kMaxEvidenceLines);
+  if (is_verdict(replies)) {
+    all.verdict = verdict_of(replies, coordination.joint == "or");
+    all.text = *all.verdict == Verdict::yes  ? "Yes: "
+               : *all.verdict == Verdict::no ? "No: "
+                                             : "Not observed: ";
+  } else if (all.number && query.asks == Asks::number) {
+    all.text = fmt::format("{} in all: ", *all.number);
+  }
+  all.text = shortened(all.text + joined(bodies, "; ") + ".");
+  return all;
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "memory/questions/question.h"
+#include "memory/questions/reply.h"
+
+namespace loci::memory {
+
+// "The milk and the jam": one question for each, and one reply from theirs.
+
+/// A query for each of the names that "and" or "or" joins in one argument; one query where none does.
+struct Coordination {
+  std::vector<Query> queries;
+  std::string joint = {};  ///< "and" or "or"
+};
+Coordination coordination_of(const Query& query);
+
+/// One reply: of verdicts, "and" asks whether all hold and "or" whether any does; of places where it happened
+/// last, the latest is named; of the rest, all are stated. Not for no replies.
+Reply combined(const std::vector<Reply>& replies, const Coordination& coordination);
+
+}  // namespace loci::memory

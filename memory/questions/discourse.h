@@ -1,0 +1,28 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "memory/questions/lexicon.h"
+
+namespace loci::memory {
+
+inline constexpr size_t kMaxSentenceWords = 60;
+
+/// The words that ask, without what only surrounds them: fillers ("um"), forms of address, politeness,
+/// introductions ("could you tell me whether"), tags ("isn't it"), statements before or after the question
+/// ("I fancy a hot drink."). A topic takes the place of its pronoun: "The second drawer, when was it opened?"
+/// Of several ways the most literal comes first; empty for no words and for more than kMaxSentenceWords.
+/// `concepts` are the lemmas that rules name.
+std::vector<Words> core_words(const std::string& sentence, const std::set<std::string>& concepts);
+
+/// Removes politeness and introductions from both ends.
+void strip_surroundings(Words& words);
+
+/// Whether a word stands for what was named before: "it", "they", "them".
+bool is_pronoun(const std::string& lemma);
+/// Verbs that begin an order: "show", "bring".
+bool is_order(const std::string& lemma);
+
+}  // namespace loci::memory

@@ -1,0 +1,151 @@
+#include "memory/questions/spelling.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mapping/base/text.h"
+#include "memory/questions/lexicon.h"
+#include "memory/questions/question.h"
+#include "memory/questions/vocabulary.h"
+
+namespace loci::memory {
+namespace {
+
+constexpr size_t kMaxSentences = 8;
+constexpr size_t kMaxLength = 1000;  ///< of a sentence that is corrected
+
+/// Words of the grammar, of times and of households.
+const std::set<std::string>& known_words() {
+  static const std::set<std::string> all = [] {
+    std::set<std::string> words;
+    const auto add = [&](std::string_view text) {
+      for (std::string& word : words_of(text, " ()[]|")) words.insert(std::move(word));
+    };
+    for (const auto& [lemma, forms] : vocabulary::lemmas()) {
+      add(lemma);
+      add(forms);
+    }
+    for (const auto& [form, by] : vocabulary::compounds()) add(form);
+    for (const auto& of_class : vocabulary::classes()) add(of_class.words);
+    add(vocabulary::kHouseholdWords);
+    for (const Question& question : questions())
+      for (const SentenceForm& form : question.sentences) {
+        for (const std::string& word : sentence_words(form.example)) words.insert(word);
+        for (const std::string& word : words_of(form.form, " []<>|:-")) words.insert(word);
+      }
+    add("tell show give say ask wonder know kind enough idea clue chance possible please thanks thank hello "
+        "hi "
+        "robot hey dear mate love computer excuse sorry quick check confirm verify explain help let i me my "
+        "mine "
+        "you your yours us our ours he she him her his i'm i've we're we they're mean who whom whose why how "
+        "what when where which that these those being been am are the a an and or not no yes but so if can "
+        "could may might will shall must do does did done has have had is was were be");
+    add("it they them this that there one ones two three four five six seven eight nine ten eleven twelve "
+        "twenty thirty forty fifty fifteen half quarter past to am pm now today yesterday tonight noon "
+        "midday "
+        "midnight lunchtime teatime morning afternoon evening night breakfast lunch dinner supper hour hours "
+        "minute minutes second seconds week monday tuesday wednesday thursday friday saturday sunday ago "
+        "before after until till because could couldn't would wouldn't whether if number o'clock many third "
+        "fourth fifth bring fetch stow pack wipe show give list describe set clean put together else usually "
+        "every exactly between during through throughout course long often far wide use home first last "
+        "isn't wasn't aren't weren't don't didn't hasn't haven't what's where's it's that's who's");
+    return words;
+  }();
+  return all;
+}
+
+bool is_known(const std::string& word, const std::set<std::string>& names) {
+  const auto knows = [&](const std::string& one) {
+    return known_words().contains(one) || names.contains(one);
+  };
+  if (knows(word)) return true;
+  for (const std::string ending : {"s", "es", "'s", "'", "'re", "'ve", "'d", "'ll", "n't"})
+    if (word.ends_with(ending) && knows(word.substr(0, word.size() - ending.size()))) return true;
+  return false;
+}
+
+/// What happened more often comes first: two letters exchanged, a letter twice or once, other mistakes.
+int rank_of(const std::string& typed, const std::string& meant) {
+  std::string a = typed, b = meant;
+  std::ranges::sort(a);
+  std::ranges::sort(b);
+  if (a == b) return 0;
+  const auto without_doubles = [](std::string word) {
+    word.erase(std::ranges::unique(word).begin(), word.end());
+    return word;
+  };
+  if (without_doubles(typed) == without_doubles(meant)) return 1;
+  if (typed.size() < meant.size()) return 2;
+  if (typed[0] == meant[0]) return 3;
+  return 4;
+}
+
+/// Corrections of a word, the likeliest first.
+std::vector<std::string> corrections(const std::string& word, const std::set<std::string>& names) {
+  constexpr size_t kMinLength = 4;
+  constexpr size_t kMaxCorrections = 3;
+  std::vector<std::string> found;
+  for (const std::set<std::string>* words : {&known_words(), &names})
+    for (const std::string& one : *words) {
+      if (!is_one_typo(word, one)) continue;
+      const int rank = rank_of(word, one);
+      // Short words are only taken for one another where letters were exchanged.
+      if (std::min(word.size(), one.size()) < kMinLength && rank > 1) continue;
+      if (std::ranges::count(found, one) == 0) found.push_back(one);
+    }
+  std::ranges::stable_sort(found, {}, [&](const std::string& one) {
+    return std::pair(rank_of(word, one), names.contains(one) ? 0 : 1);
+  });
+  if (found.size() > kMaxCorrections) found.resize(kMaxCorrections);
+  return found;
+}
+
+bool is_word(const std::string& text) {
+  return text.size() >= 3 &&
+         std::ranges::all_of(text, [](char c) { return (c >= 'a' && c <= 'z') || c == '\''; });
+}
+
+}  // namespace
+
+std::vector<Respelling> respellings(const std::string& sentence, const std::set<std::string>& names) {
+  std::vector<Respelling> all = {{}};
+  bool changed = false;
+  const std::string text = sentence.size() > kMaxLength ? "" : lower_case(sentence);
+  const auto append = [&](std::string_view part) {
+    for (Respelling& one : all) one.sentence += part;
+  };
+  for (size_t i = 0; i < text.size();) {
+    size_t end = i;
+    while (end < text.size() && !is_space(text[end]) &&
+           std::string_view("?!,;.:\"()").find(text[end]) == std::string::npos)
+      ++end;
+    if (end == i) {
+      append(std::string_view(sentence).substr(i++, 1));
+      continue;
+    }
+    const std::string word = text.substr(i, end - i);
+    std::vector<std::string> meant;
+    if (is_word(word) && !is_known(word, names)) meant = corrections(word, names);
+    if (meant.empty()) {
+      append(std::string_view(sentence).substr(i, end - i));
+    } else {
+      changed = true;
+      std::vector<Respelling> longer;
+      for (const std::string& one : meant)
+        for (const Respelling& before : all) {
+          if (longer.size() == kMaxSentences) break;
+          longer.push_back(before);
+          longer.back().sentence += one;
+          longer.back().notes.push_back(fmt::format("'{}' is taken as '{}'", word, one));
+        }
+      all = std::move(longer);
+    }
+    i = end;
+  }
+  if (changed || text.empty()) all.push_back({sentence, {}});
+  if (text.empty()) all.erase(all.begin());
+  return all;
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <span>
+#include <utility>
+
+#include "memory/questions/lexicon.h"
+
+namespace loci::memory::vocabulary {
+
+// The words of the grammar as tables; lexicon.h reads them.
+
+/// A lemma and the words that stand for it; the lemma itself need not be given.
+using Lemma = std::pair<const char*, const char*>;
+std::span<const Lemma> lemmas();
+
+/// Several words that are one: a form with (a|b) and [optional] parts, and what it is replaced by.
+using Compound = std::pair<const char*, const char*>;
+std::span<const Compound> compounds();
+
+/// Words of a class, as lemmas.
+struct ClassWords {
+  WordClass word_class;
+  const char* words;
+};
+std::span<const ClassWords> classes();
+
+/// Nouns and adjectives of a home, which no memory need know: they are names, and no typos of other words.
+extern const char* const kHouseholdWords;
+
+}  // namespace loci::memory::vocabulary
