@@ -7,6 +7,8 @@
 #include "mapping/exchange/map_report.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/recording/recording.h"
+#include "mapping/tracking/known_poses.h"
+#include "mapping/update/placement.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::apps {
@@ -19,18 +21,32 @@ struct UpdateArguments {
   mapping::UpdateOptions options;
 };
 
-/// A scan set, or a recording with poses, which is fused.
-mapping::ScanSet read_new(const std::string& path, Session& session) {
+/// Moves scans of which only z is known into the frame of the earlier ones.
+void place(mapping::ScanSet& scans, const mapping::ScanSet& earlier, const std::string& path,
+           Session& session) {
+  const mapping::Placement placement =
+      place_scans(earlier, scans, session.flags().threads, session.progress());
+  if (!placement.trusted)
+    throw Error("the recording cannot be placed in the map: " + placement.reason, {path, 0, {}},
+                "show more of the room, walls and corners with furniture, or give poses in the map's frame");
+  for (mapping::Scan& scan : scans.scans) scan.map_from_scan = placement.map_from_scans * scan.map_from_scan;
+  scans.levelled = true;
+}
+
+/// A scan set, or a recording, which is fused. One without poses is tracked, and placed by the earlier scans.
+mapping::ScanSet read_new(const std::string& path, const mapping::ScanSet& earlier, Session& session) {
   if (fs::exists(fs::path(path) / "scans.yaml") || fs::path(path).extension() == ".pcd")
     return mapping::read_registered_scans(path, session.warnings());
-  const auto recording = mapping::open_recording(path);
+  auto recording = mapping::open_recording(path);
+  const bool has_poses = recording->info().frames_with_pose > 0;
+  recording = mapping::with_known_poses(std::move(recording), mapping::PosesFor::mapping,
+                                        session.flags().threads, session.progress(), session.warnings());
   for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
-  if (recording->info().frames_with_pose == 0)
-    throw Error("the recording has no poses", {path, 0, {}},
-                "run loci-map track, then loci-map fuse, and give the scans");
   mapping::FusionOptions options;
   options.threads = session.flags().threads;
-  return fuse(*recording, options, session.progress()).scans;
+  mapping::ScanSet scans = fuse(*recording, options, session.progress()).scans;
+  if (!has_poses) place(scans, earlier, path, session);
+  return scans;
 }
 
 mapping::ScanSet read_earlier(const UpdateArguments& arguments, Session& session) {
@@ -62,9 +78,10 @@ void run(UpdateArguments& arguments, Session& session) {
   arguments.options.threads = session.flags().threads;
   const mapping::World world = mapping::read_urdf(arguments.map);
   const mapping::SemanticMap semantics = mapping::read_semantic_map(mapping::sidecar_path(arguments.map));
+  const mapping::ScanSet earlier = read_earlier(arguments, session);
   const mapping::UpdateResult result =
-      update(world, semantics, read_earlier(arguments, session), read_new(arguments.scans, session),
-             arguments.options, session.progress());
+      update(world, semantics, earlier, read_new(arguments.scans, earlier, session), arguments.options,
+             session.progress());
   session.timing("update", result.seconds);
   for (const std::string& note : result.notes) session.warnings().add(note);
   write_update(result, arguments.out);
@@ -83,8 +100,9 @@ Command update_command() {
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<UpdateArguments>();
             table.positional("MAP", &arguments->map, "URDF of the map; the sidecar is found beside it");
-            table.positional("SCANS", &arguments->scans,
-                             "Folder of new scans in about the map's frame, or of a recording with poses");
+            table.positional(
+                "SCANS", &arguments->scans,
+                "Folder of new scans in about the map's frame, or of a recording, which needs no poses");
             table.output("FOLDER", &arguments->out, "Folder of the new map, its scans and the changes",
                          {.replaces = true});
             table.option("--scans-before FOLDER", &arguments->earlier, "Scans that the map was made from",

@@ -18,6 +18,7 @@
 #include "mapping/recording/convert.h"
 #include "mapping/recording/recording.h"
 #include "mapping/tracking/known_poses.h"
+#include "mapping/update/placement.h"
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
 #include "perception/annotators/annotators.h"
@@ -293,8 +294,12 @@ perception::Resources make_resources(const RunArguments& arguments, Session& ses
   std::unique_ptr<mapping::Recording> recording = arguments.recording.open();
   if (!arguments.fixed_camera) {
     const Stopwatch watch;
+    const bool has_poses = recording->info().frames_with_pose > 0;
     recording = with_known_poses(std::move(recording), mapping::PosesFor::perception, session.flags().threads,
                                  session.progress(), session.warnings());
+    if (!has_poses && recording->info().frames_with_pose > 0 && !arguments.map.empty())
+      recording = placed_in_map(std::move(recording), arguments.map, session.flags().threads,
+                                session.progress(), session.warnings());
     session.timing("track", watch.seconds());
   }
   resources.put(std::shared_ptr<mapping::Recording>(std::move(recording)));

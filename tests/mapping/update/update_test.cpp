@@ -8,6 +8,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/math.h"
 #include "mapping/simulation/simulated_robot.h"
+#include "mapping/update/placement.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::mapping {
@@ -195,6 +196,35 @@ TEST_F(UpdateTest, ScansThatDoNotFitAreRefused) {
   blind.free_space = false;
   EXPECT_THROW(updated(*map_, *before_, blind), Error);
   EXPECT_THROW(updated(*map_, *before_, ScanSet{}), Error);
+}
+
+/// The scans in another frame with z up.
+ScanSet elsewhere(ScanSet scans, const Isometry3d& frame_from_map) {
+  for (Scan& scan : scans.scans) scan.map_from_scan = frame_from_map * scan.map_from_scan;
+  return scans;
+}
+
+TEST_F(UpdateTest, ScansOfAnUnknownFrameArePlacedInTheMap) {
+  Isometry3d frame_from_map = planar_motion(1.3, -2.1, 137, Vector3d::Zero());
+  frame_from_map.translation().z() = -1.42;
+  ScanSet now = Kitchen().scans(7);
+  now.scans.erase(now.scans.begin() + 1, now.scans.begin() + 3);
+  NoProgress progress;
+  const Placement placement = place_scans(*before_, elsewhere(now, frame_from_map), 2, progress);
+  EXPECT_TRUE(placement.trusted) << placement.reason;
+  const Isometry3d error = placement.map_from_scans * frame_from_map;
+  EXPECT_LT(error.translation().norm(), 0.01);
+  EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.2 * kDegree);
+}
+
+TEST_F(UpdateTest, ScansOfAnotherRoomAreRefused) {
+  ScanSet now = Kitchen().scans(8);
+  for (Scan& scan : now.scans)  // A room of other proportions.
+    for (ScanPoint& point : scan.points) point.position.head<2>() *= 1.35F;
+  NoProgress progress;
+  const Placement placement = place_scans(*before_, now, 2, progress);
+  EXPECT_FALSE(placement.trusted);
+  EXPECT_THAT(placement.reason, testing::HasSubstr("of the"));
 }
 
 }  // namespace

@@ -1,0 +1,170 @@
+#include "mapping/update/placement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/base/math.h"
+#include "mapping/fusion/fusion.h"
+#include "mapping/recording/posed_recording.h"
+#include "mapping/registration/pair.h"
+#include "mapping/update/epoch.h"
+#include "mapping/update/parameters.h"
+#include "mapping/world/semantic_map.h"
+
+namespace loci::mapping {
+namespace {
+
+constexpr double kCell = 0.05;
+constexpr double kHeightBin = 0.02;
+constexpr double kMaxHeight = 4;        // m between the origins of the frames
+constexpr size_t kHeights = 3;          // candidates
+constexpr double kHeightsApart = 0.12;  // m; nearer ones lead to the same pose
+constexpr double kMargin = 0.04;        // part of the surface by which the best place fits better
+
+RegistrationOptions placement_options(int dof) {
+  RegistrationOptions options;
+  options.voxel_m = kCell;
+  options.dof = dof;
+  options.min_overlap = 0.6;
+  options.max_conflict = 0.1;  // Objects, chairs and doors.
+  options.ambiguity_margin = kMargin;
+  return options;
+}
+
+/// Area of surfaces that face up, by height.
+std::vector<double> heights_of(const registration::Surfels& surface, double lowest, size_t bins) {
+  std::vector<double> area(bins);
+  for (size_t i = 0; i < surface.size(); ++i) {
+    if (surface.normal[i].z() < 0.95F) continue;
+    const double bin = (static_cast<double>(surface.position[i].z()) - lowest) / kHeightBin;
+    if (bin >= 0 && bin < static_cast<double>(bins)) area[static_cast<size_t>(bin)] += 1;
+  }
+  // Large ones do not count for all: a floor is on every height of another one.
+  for (double& a : area) a = std::sqrt(a);
+  return area;
+}
+
+/// Shifts along z that bring most horizontal surfaces together, best first.
+std::vector<double> promising_heights(const registration::Surfels& map, const registration::Surfels& scans) {
+  const auto bins = static_cast<size_t>(4 * kMaxHeight / kHeightBin);
+  const std::vector<double> own = heights_of(map, -2 * kMaxHeight, bins),
+                            other = heights_of(scans, -2 * kMaxHeight, bins);
+  std::vector<std::pair<double, int>> scored;
+  const int reach = static_cast<int>(kMaxHeight / kHeightBin);
+  for (int shift = -reach; shift <= reach; ++shift) {
+    double sum = 0;
+    for (int i = 0; i < static_cast<int>(bins); ++i) {
+      if (other[static_cast<size_t>(i)] <= 0) continue;
+      for (int near = -2; near <= 2; ++near) {
+        const int j = i + shift + near;
+        if (j >= 0 && j < static_cast<int>(bins))
+          sum += own[static_cast<size_t>(j)] * other[static_cast<size_t>(i)] / (1 + std::abs(near));
+      }
+    }
+    scored.emplace_back(-sum, shift);
+  }
+  std::stable_sort(scored.begin(), scored.end());
+  std::vector<double> chosen;
+  for (const auto& [score, shift] : scored) {
+    const double height = shift * kHeightBin;
+    if (chosen.size() == kHeights) break;
+    if (score < 0 && std::all_of(chosen.begin(), chosen.end(), [&, h = height](double other_height) {
+          return std::abs(other_height - h) >= kHeightsApart;
+        }))
+      chosen.push_back(height);
+  }
+  return chosen;
+}
+
+/// The middle of a surface, and how far it reaches from there.
+std::pair<Vector3d, double> extent_of(const registration::Surfels& surface) {
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& position : surface.position) box.extend(position);
+  return {box.center().cast<double>(), static_cast<double>(box.diagonal().head<2>().norm()) / 2};
+}
+
+double score_of(const PairAlignment& pair) {
+  return pair.overlap - 2 * pair.conflict;
+}
+
+}  // namespace
+
+Placement place_scans(const ScanSet& map_scans, const ScanSet& scans, int threads, Progress& progress) {
+  progress.check(0, "placing the recording in the map");
+  const Epoch map(map_scans, kCell, threads), seen(scans, kCell, threads);
+  Placement result;
+  if (map.surface().size() == 0 || seen.surface().size() == 0) {
+    result.reason = "there is no surface to compare";
+    return result;
+  }
+  const auto [middle, reach] = extent_of(map.surface());
+  const Vector3d centre = seen.prepared().centre.cast<double>();
+  const std::vector<double> heights = promising_heights(map.surface(), seen.surface());
+  std::vector<PairAlignment> found;
+  for (const double height : heights) {
+    progress.check(static_cast<double>(found.size()) / static_cast<double>(heights.size() + 1),
+                   "placing the recording in the map");
+    Isometry3d guess = Isometry3d::Identity();
+    guess.translation() = Vector3d(middle.x() - centre.x(), middle.y() - centre.y(), height);
+    const PairAlignment planar =
+        align_pair(map.prepared(), seen.prepared(), guess, {reach, kPi}, placement_options(3));
+    const PairAlignment fine = align_pair(map.prepared(), seen.prepared(), planar.target_from_source,
+                                          {0.05, 2 * kDegree}, placement_options(6));
+    found.push_back(fine);
+    // Only the search over the room knows of other places.
+    if (fine.trusted && !planar.trusted && planar.reason == "another pose fits about as well") {
+      found.back().trusted = false;
+      found.back().reason = "another place in the map fits about as well";
+    }
+  }
+  if (found.empty()) {
+    result.reason = "no horizontal surface of the map is seen";
+    return result;
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return score_of(a) > score_of(b); });
+  const PairAlignment& best = found.front();
+  result = {best.target_from_source, best.overlap, best.conflict, best.rmse_m, best.trusted, best.reason};
+  const auto is_other = [&](const PairAlignment& pair) {
+    const Isometry3d motion = best.target_from_source.inverse() * pair.target_from_source;
+    return motion.translation().norm() > 0.1 || Eigen::AngleAxisd(motion.linear()).angle() > 3 * kDegree;
+  };
+  for (size_t i = 1; i < found.size() && result.trusted; ++i) {
+    if (!is_other(found[i]) || score_of(found[i]) < score_of(best) - kMargin) continue;
+    result.trusted = false;
+    result.reason = "another height fits about as well";
+  }
+  return result;
+}
+
+std::unique_ptr<Recording> placed_in_map(std::unique_ptr<Recording> tracked, const std::filesystem::path& map,
+                                         int threads, Progress& progress, Warnings& warnings) {
+  constexpr size_t kFrames = 120;  // are enough to know a room again
+  const FileLocation location{tracked->info().path, 0, {}};
+  const std::filesystem::path folder = map.parent_path() / "scans";
+  if (!std::filesystem::exists(folder / "scans.yaml")) {
+    warnings.add(
+        "the tracked poses stay in a frame of their own: the map has no scans beside it to place them by",
+        {folder.string(), 0, {}});
+    return tracked;
+  }
+  FusionOptions fusion;
+  fusion.every = static_cast<int>(std::max<size_t>(1, tracked->size() / kFrames));
+  fusion.voxel_m = 0.02;
+  fusion.threads = threads;
+  const ScanSet scans = fuse(*tracked, fusion, progress).scans;
+  const Placement placement = place_scans(read_registered_scans(folder, warnings), scans, threads, progress);
+  if (!placement.trusted)
+    throw Error("the recording cannot be placed in the map: " + placement.reason, location,
+                "show more of the room, walls and corners with furniture, or give poses in the map's frame");
+  const Vector3d at = placement.map_from_scans.translation();
+  warnings.add(
+      fmt::format("the recording was placed in the map: it begins at x {:.2f} y {:.2f} z {:.2f} m ({})",
+                  at.x(), at.y(), at.z(), placement.reason),
+      location);
+  return in_frame(std::move(tracked), placement.map_from_scans, read_semantic_map(sidecar_path(map)).frame);
+}
+
+}  // namespace loci::mapping
