@@ -31,11 +31,26 @@ class ClauseReader {
     for (next_ = 0; next_ < tokens_.lemmas.size(); ++next_)
       if (!take()) return std::nullopt;
     close();
+    drop_formal_subject();
     if (clause_.mood.empty()) clause_.mood = is_stated() ? "yes" : "bare";
     return clause_;
   }
 
  private:
+  /// "It is still there the bowl?", "which things they are there?"
+  void drop_formal_subject() {
+    const auto is_formal = [](const Phrase& phrase) {
+      return phrase.relation.empty() && is_pronoun(phrase.text);
+    };
+    const auto named = std::ranges::count_if(clause_.phrases, [&](const Phrase& phrase) {
+      return (phrase.relation.empty() || phrase.relation == "which") && !is_formal(phrase);
+    });
+    const bool things = clause_.mood == "what" && clause_.concepts.contains("thing");
+    if (named > 0 || things)
+      if (const auto formal = std::ranges::find_if(clause_.phrases, is_formal);
+          formal != clause_.phrases.end() && (things || clause_.mood == "yes" || clause_.mood.empty()))
+        clause_.phrases.erase(formal);
+  }
   /// A statement asks whether it is so.
   bool is_stated() const {
     return !clause_.phrases.empty() && std::ranges::any_of(clause_.marks, [](const std::string& mark) {
@@ -98,6 +113,10 @@ class ClauseReader {
     const bool can_of = class_of(previous()) == WordClass::article ||
                         (!name_.empty() && class_of(lemma(1)) != WordClass::person && lemma(1) != "is");
     if (word() == "can" && can_of) return take_name();
+    if (word() == "one" && previous() == "may") {  // "where could one see it"
+      clause_.marks.insert("person");
+      return true;
+    }
     if (one == "this" || one == "that") return take_demonstrative();
     if (one == "there") return take_there();
     if (is_pronoun(one)) return take_pronoun();

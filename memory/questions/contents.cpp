@@ -241,7 +241,7 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
        example("What is on the table?", "What is in the first drawer?")},
       {"what: which<object> $p<place> [put|leave|else|keep]", objects,
        example("Which cup is on the counter?")},
-      {"order: show|list|name|tell|give|print|report|find|return $p<place> "
+      {"order: show|list|name|tell|give|print|report|find|return|enumerate $p<place> "
        "[thing|everything|content|leave|keep|put]",
        objects, example("Show me everything on the shelf")},
       {"order: show|list|name|tell|print|report|return <object> $p<place> [everything]", objects},
@@ -317,7 +317,8 @@ Question contents_question(const char* name, const char* description, const std:
       .description = description,
       .parameters = {place_parameter(),
                      only_object_parameter(),
-                     {.name = "count", .type = ParameterType::number, .help = "Whether there are as many"}},
+                     {.name = "count", .type = ParameterType::number, .help = "Whether there are as many"},
+                     {.name = "except", .type = ParameterType::object, .help = "What the reply leaves out"}},
       .examples = {example, example + " --at 08:30"},
       .run = [](const Arguments& given) -> Answer {
         return ask(given.store(), ContentsQuestion{given.text("place"), given.as_of(), given.text("object")});

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "mapping/base/text.h"
+#include "memory/questions/spelling.h"
 
 namespace loci::memory {
 namespace {
@@ -26,8 +27,8 @@ void drop_fillers(Words& words) {
   static const WordSet sounds = {"um",  "umm",  "uh",  "uhm", "er",  "erm",  "err", "hmm",
                                  "hm",  "mm",   "ah",  "eh",  "oh",  "ooh",  "ugh", "huh",
                                  "aha", "argh", "pls", "plz", "lol", "yeah", "yep", "nah"};
-  static const WordSet prepositions = {"since", "at",    "around", "on",    "in",
-                                       "from",  "until", "before", "after", "like"};
+  static const WordSet prepositions = {"since", "at",     "around", "on",   "in",   "from",
+                                       "until", "before", "after",  "like", "there"};
   std::erase_if(words, [](const std::string& word) { return sounds.contains(word); });
   for (size_t i = 1; i < words.size(); ++i)
     if (words[i] == "like" && prepositions.contains(words[i - 1])) replace_words(words, i--, 1, {});
@@ -199,6 +200,8 @@ std::vector<Words> meaningful(const std::vector<Words>& fragments, const WordSet
                      }));
   for (size_t i = 0; i < parts.size() && parts.size() > 1; ++i) {
     if (!is_topic(parts[i], concepts)) continue;
+    static const WordSet introductions = {"about", "as", "for", "and"};
+    while (introductions.contains(parts[i][0])) parts[i].erase(parts[i].begin());
     for (size_t j = 0; j < parts.size(); ++j)
       if (j != i && replace_pronoun(parts[j], parts[i])) {
         parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(i));
@@ -335,6 +338,10 @@ void strip_politeness(Words& words) {
       "would you (know|say)|then|again|in total|altogether|overall|of yours|of mine|at once|all told|"
       "for sure|for certain|at all|around here|in here|round here|i think|i guess|"
       "(that|which|who) you (know|know of|know about|can see|remember)");
+  // A word that nobody knows before a question: "yo, where is the jam".
+  if (words.size() > 2 && !is_known_word(words[0]) && !find_pronoun(words) &&
+      class_of(tokens_of(Words(words.begin() + 1, words.end())).lemmas[0]) == WordClass::question)
+    words.erase(words.begin());
   for (bool stripped = true; stripped;) {
     stripped = false;
     for (const Words& opening : openings) {

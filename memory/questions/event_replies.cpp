@@ -187,8 +187,8 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
     if (change.object && std::ranges::count(reply.objects, change.object->id) == 0)
       reply.objects.push_back(change.object->id);
     if (std::ranges::count(list, name) == 0) list.push_back(name);
-    if (!change.object && change.place && std::ranges::count(reply.places, change.place->name) == 0)
-      reply.places.push_back(change.place->name);
+    const std::string part = change.place ? change.place->name : joint_in_words(change);
+    if (!change.object && std::ranges::count(reply.places, part) == 0) reply.places.push_back(part);
   }
   const std::string what = happened(last, names);
   switch (context.query.asks) {

@@ -21,11 +21,6 @@ const std::map<std::string, WordClass>& classes() {
   return all;
 }
 
-const std::string& lemma_of(const std::string& word) {
-  const auto found = lexicon().find(word);
-  return found == lexicon().end() ? word : found->second;
-}
-
 /// "what's" as "what is", "can't" as "can not".
 Words expanded(const std::string& word) {
   static const std::map<std::string, Words> whole = {{"can't", {"can", "not"}},
@@ -248,6 +243,11 @@ const std::map<std::string, std::string>& lexicon() {
     return result;
   }();
   return lemmas;
+}
+
+const std::string& lemma_of(const std::string& word) {
+  const auto found = lexicon().find(word);
+  return found == lexicon().end() ? word : found->second;
 }
 
 WordClass class_of(const std::string& lemma) {

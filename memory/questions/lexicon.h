@@ -24,6 +24,8 @@ enum class WordClass {
 
 /// Lemmas by the words that stand for them: "saw" → "see".
 const std::map<std::string, std::string>& lexicon();
+/// The lemma of a word; a word without one is its own.
+const std::string& lemma_of(const std::string& word);
 /// The class of a lemma, where it is not that of a concept of the rules.
 WordClass class_of(const std::string& lemma);
 

@@ -212,7 +212,8 @@ std::vector<SentenceForm> where_sentences() {
   const auto at = SentenceTime::at;
   const std::map<std::string, std::string> in_part = {{"object", "{object} in {part}"}};
   return {
-      {"where: <object> [go|put|leave|lose|move|come|vanish|take|last|lately|look|location|back|belong]",
+      {"where: <object> "
+       "[go|put|leave|lose|move|come|vanish|take|last|lately|look|location|back|belong|every]",
        place, "Where is the red cup?"},
       {"where: every <object> [put|leave]", place},
       {"where: leave|put|lose <object> [last|find]", place, "Where did I leave my tea cup?"},

@@ -243,13 +243,16 @@ class Conversation {
       if (!readings.empty()) break;
     }
     if (readings.empty()) {
-      answer.why_not =
-          NoAnswer{"not_understood", fmt::format("'{}' is not understood.", shortened(sentence, 80)), {}};
-      answer.nearest = nearest_examples(sentence);
+      set_not_understood(answer);
       return answer;
     }
     for (const Query& reading : readings)
       if (try_reading(reading, answer)) break;
+    if (answer.why_not && is_strange(*answer.query)) {
+      answer = {.sentence = sentence};
+      set_not_understood(answer);
+      return answer;
+    }
     if (answer.why_not) answer.why_not->text = shortened(answer.why_not->text);
     answer.notes.insert(answer.notes.begin(), notes.begin(), notes.end());
     references_.remember(*answer.query, answer.reply ? answer.reply->objects : std::vector<Id>{});
@@ -258,16 +261,53 @@ class Conversation {
   }
 
  private:
+  static void set_not_understood(NaturalLanguageAnswer& answer) {
+    answer.why_not = NoAnswer{
+        "not_understood", fmt::format("'{}' is not understood.", shortened(answer.sentence, 80)), {}};
+    answer.nearest = nearest_examples(answer.sentence);
+  }
+
+  /// Whether a name has a word before its noun that nobody knows, or ends like a verb or an adverb: then it
+  /// is likelier that the sentence was not understood than that something is called so.
+  bool is_strange(const Query& query) const {
+    const auto known = [&](const std::string& word) {
+      return is_known_word(word) || word.find_first_of("_0123456789'") != std::string::npos ||
+             std::ranges::count(names(), word) > 0;
+    };
+    for (const Parameter& parameter : find_question(query.question)->parameters) {
+      if (parameter.type != ParameterType::object && parameter.type != ParameterType::place &&
+          parameter.type != ParameterType::part && parameter.type != ParameterType::spot)
+        continue;
+      const std::vector<std::string> words = words_of(lower_case(query.argument(parameter.name)));
+      for (size_t i = 0; i < words.size(); ++i) {
+        if (known(words[i])) continue;
+        const bool verb = words[i].ends_with("ed") || words[i].ends_with("ing") || words[i].ends_with("ly");
+        if (verb || (i + 1 < words.size() && means_something(words.back()))) return true;
+      }
+    }
+    return false;
+  }
+
+  bool means_something(const std::string& noun) const {
+    return lemma_of(noun) == "thing" || is_known({"where", {{"object", noun}}, Asks::place});
+  }
+
+  /// The words of this memory for its objects and places.
+  const std::set<std::string>& names() const {
+    if (!names_) {
+      names_.emplace();
+      for (const std::string& name : known_names(store_))
+        for (const std::string& word : words_of(lower_case(name))) names_->insert(word);
+      for (const std::string& name : Snapshot(store_, question_.as_of).known_names())
+        for (const std::string& word : words_of(lower_case(name))) names_->insert(word);
+    }
+    return *names_;
+  }
+
   /// With the words of this memory only where the grammar does not know all words.
   std::vector<Respelling> likely_spellings(const std::string& sentence) const {
     std::vector<Respelling> spellings = respellings(sentence, {});
-    if (spellings.size() == 1) return spellings;
-    std::set<std::string> names;
-    for (const std::string& name : known_names(store_))
-      for (const std::string& word : words_of(lower_case(name))) names.insert(word);
-    for (const std::string& name : Snapshot(store_, question_.as_of).known_names())
-      for (const std::string& word : words_of(lower_case(name))) names.insert(word);
-    return respellings(sentence, names);
+    return spellings.size() == 1 ? spellings : respellings(sentence, names());
   }
 
   std::vector<Query> readings_of(const std::string& sentence) const {
@@ -362,6 +402,7 @@ class Conversation {
   TimeWriter writer_;
   ReferenceResolver references_;
   std::optional<Query> last_;
+  mutable std::optional<std::set<std::string>> names_;  ///< read when first asked for
 };
 
 }  // namespace

@@ -29,10 +29,13 @@ struct Contents {
 
 Contents all_contents(const ContentsAnswer& answer, const ReplyContext& context) {
   Contents contents;
+  std::vector<Id> except = context.except;
+  if (const std::string left_out = context.query.argument("except"); !left_out.empty())
+    for (const Id id : Snapshot(context.store, context.as_of).find_objects(left_out)) except.push_back(id);
   std::vector<std::string> places;
   for (const PlaceContents& place : answer.places) {
     for (const ObjectBelief& object : place.there)
-      if (std::ranges::count(context.except, object.object.id) == 0)
+      if (std::ranges::count(except, object.object.id) == 0)
         (is_there(object) ? contents.sure : contents.perhaps).push_back(object);
     if (answer.places.size() == 1 || !place.there.empty()) places.push_back(in_words(place.place));
     if (place.last_view &&

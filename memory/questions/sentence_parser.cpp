@@ -110,8 +110,15 @@ std::optional<Slots> assigned(const std::vector<Slot>& slots, const std::vector<
   return result;
 }
 
+/// "Can you open the drawer?" asks to do it, not whether it was done.
+bool is_request(const Rule& rule, const Clause& clause) {
+  const auto marked = [&](const char* mark) { return clause.marks.contains(mark); };
+  return clause.mood == "yes" && marked("may") && marked("person") && !marked("have") &&
+         (rule.question->name == "changes" || rule.question->name == "opens");
+}
+
 std::optional<Slots> match(const Rule& rule, const Clause& clause) {
-  if (!rule.moods.contains(clause.mood)) return std::nullopt;
+  if (!rule.moods.contains(clause.mood) || is_request(rule, clause)) return std::nullopt;
   std::set<std::string> allowed = rule.optional;
   for (const std::set<std::string>& one_of : rule.required) {
     if (std::ranges::none_of(one_of, [&](const std::string& one) {
@@ -124,7 +131,16 @@ std::optional<Slots> match(const Rule& rule, const Clause& clause) {
     if (!allowed.contains(one)) return std::nullopt;
   for (const std::string& one : rule.forbidden)
     if (clause.concepts.contains(one) || clause.marks.contains(one)) return std::nullopt;
-  return assigned(rule.slots, clause.phrases);
+  // "except for the milk"
+  std::vector<Phrase> phrases = clause.phrases;
+  const auto except = std::ranges::find(phrases, "except", &Phrase::relation);
+  if (except == phrases.end()) return assigned(rule.slots, phrases);
+  if (std::ranges::count(rule.question->parameters, "except", &Parameter::name) == 0) return std::nullopt;
+  const std::string text = except->text;
+  phrases.erase(except);
+  auto slots = assigned(rule.slots, phrases);
+  if (slots) (*slots)["except"] = text;
+  return slots;
 }
 
 /// "{object} in {part}" with the words of the slots.
@@ -164,10 +180,14 @@ bool add_time(Query& query, const Question& question, SentenceTime time,
   }
   if (time == SentenceTime::moment_or_period) {
     if (!period->moment) {
-      const bool counted =
-          query.asks == Asks::all || query.asks == Asks::only || query.arguments.contains("count");
+      const bool counted = query.asks == Asks::all || query.asks == Asks::only ||
+                           query.arguments.contains("count") || query.arguments.contains("except");
       if (counted) return false;
-      query.question = question.over_period;
+      // Whether it was seen at all is a question for `was`.
+      const bool verdict = query.asks == Asks::verdict || query.asks == Asks::exists;
+      if (question.name == "where" && query.asks == Asks::gone) return false;
+      query.question = question.name == "where" && verdict ? "was" : question.over_period;
+      if (query.question == "was") query.asks = Asks::verdict;
     }
     time = period->moment ? SentenceTime::at : SentenceTime::period;
   }

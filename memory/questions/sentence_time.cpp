@@ -167,7 +167,7 @@ void normalize_times(Words& words) {
         {"the last half an hour", "the last 30 minutes"},
         {"the last half hour", "the last 30 minutes"},
         {"the past half hour", "the last 30 minutes"},
-        {"first thing (in the|this) morning|first thing|in the early hours", "this early morning"},
+        {"first thing (in the|this) morning|in the early hours", "this early morning"},
         {"early (in the|this) morning", "this early morning"},
         {"(late|later) [on] (in the|this) morning", "this late morning"},
         {"early (in the|this) afternoon", "this early afternoon"},

@@ -108,6 +108,10 @@ bool is_word(const std::string& text) {
 
 }  // namespace
 
+bool is_known_word(const std::string& word) {
+  return is_known(word, {});
+}
+
 std::vector<Respelling> respellings(const std::string& sentence, const std::set<std::string>& names) {
   std::vector<Respelling> all = {{}};
   bool changed = false;

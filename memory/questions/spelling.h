@@ -18,4 +18,7 @@ struct Respelling {
 /// where one may be.
 std::vector<Respelling> respellings(const std::string& sentence, const std::set<std::string>& names);
 
+/// Whether a word is one of the grammar, of times or of households, in the singular or plural.
+bool is_known_word(const std::string& word);
+
 }  // namespace loci::memory
