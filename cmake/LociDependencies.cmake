@@ -21,6 +21,7 @@ find_package(Ceres 2.1 REQUIRED)
 find_package(Protobuf REQUIRED)
 find_package(PostgreSQL REQUIRED)
 find_package(ZXing 1.4 REQUIRED)
+find_package(date REQUIRED)
 find_package(Boost 1.74 REQUIRED)
 
 find_package(PkgConfig REQUIRED)

@@ -36,7 +36,8 @@ endif()
 
 if(LOCI_SANITIZE)
   add_compile_options(-fsanitize=${LOCI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
-  add_link_options(-fsanitize=${LOCI_SANITIZE})
+  # The sanitizers' dlopen is not the program's: it finds modules by RPATH, not by RUNPATH.
+  add_link_options(-fsanitize=${LOCI_SANITIZE} -Wl,--disable-new-dtags)
 endif()
 
 function(loci_warnings target)

@@ -262,7 +262,7 @@ memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recordi
                                        .resume = options.resume,
                                        .map = options.map,
                                        .belief = {},
-                                       .write = {.now = options.now}};
+                                       .write = {.now = options.now, .time_zone = ""}};
   memory::add_memory_session(session, pipeline, registry, resources);
   return memory::run_with_memory(pipeline, context, types, progress, done);
 }

@@ -216,6 +216,11 @@ void ArgumentTable::memory(std::string& file) {
   arguments_.back().default_text = "$LOCI_MEMORY, or the only *.loci file here";
 }
 
+void ArgumentTable::time_zone(std::string& zone) {
+  option("--time-zone ZONE", &zone, "Zone of people's times in a new memory: Europe/Berlin, UTC, +02:00",
+         {.default_text = "the recording's, or the machine's"});
+}
+
 void ArgumentTable::output(std::string_view value_name, Variable variable, std::string description,
                            ArgumentDetails details) {
   details.required = true;

@@ -79,6 +79,8 @@ class ArgumentTable {
   /// The memory that a command works on, "-m,--memory": given, or in LOCI_MEMORY, or the only *.loci file of
   /// the current folder.
   void memory(std::string& file);
+  /// "--time-zone ZONE" of a memory that the command makes. What is known otherwise stays empty.
+  void time_zone(std::string& zone);
   /// "-o,--output VALUE_NAME", required.
   void output(std::string_view value_name, Variable variable, std::string description,
               ArgumentDetails details = {});

@@ -59,6 +59,9 @@ class Session {
   Warnings warnings_;
 };
 
+/// The zone of this machine's clock: TZ, or what is set for all programs.
+std::string machine_time_zone();
+
 /// One command of a program, e.g. `loci-map fuse`.
 struct Command {
   std::string name;

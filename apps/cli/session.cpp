@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 
 #include "apps/cli/program.h"
 #include "mapping/base/json.h"
 #include "mapping/base/terminal.h"
+#include "mapping/base/time_zone.h"
 
 namespace loci::apps {
 namespace {
@@ -98,6 +100,17 @@ void Session::show_warnings() {
   for (size_t i = 0; i < shown; ++i) fmt::print(stderr, "warning: {}\n", terminal_text(texts[i]));
   if (shown < texts.size())
     fmt::print(stderr, "warning: {} more (--verbose shows all)\n", texts.size() - shown);
+}
+
+std::string machine_time_zone() {
+  if (const char* set = std::getenv("TZ"); set != nullptr && *set != '\0') {
+    try {
+      return TimeZone::named(*set == ':' ? set + 1 : set).name();
+    } catch (const Error&) {
+      // A rule such as CET-1CEST has no name in the database.
+    }
+  }
+  return TimeZone::of_machine().name();
 }
 
 }  // namespace loci::apps

@@ -18,9 +18,11 @@ struct TrackArguments {
 void write_posed(const mapping::Recording& recording, const mapping::TrackingResult& result,
                  const std::string& folder, Session& session) {
   const mapping::RecordingInfo& info = recording.info();
-  mapping::RecordingWriter writer(
-      folder, info.camera, info.map_frame,
-      {.time_assumed = info.time_assumed, .depth_unit_m = info.depth_unit_m, .inputs = {info.path}});
+  mapping::RecordingWriter writer(folder, info.camera, info.map_frame,
+                                  {.time_assumed = info.time_assumed,
+                                   .time_zone = info.time_zone,
+                                   .depth_unit_m = info.depth_unit_m,
+                                   .inputs = {info.path}});
   for (size_t i = 0; i < result.frames.size(); ++i) {
     session.progress().check(static_cast<double>(i) / static_cast<double>(result.frames.size()), "writing");
     writer.add(recording.frame(result.frames[i].number));

@@ -17,6 +17,7 @@ Command verify_command();
 Command backup_command();
 Command restore_command();
 Command stat_command();
+Command time_zone_command();
 Command export_command();
 Command model_command();
 Command forget_command();

@@ -36,7 +36,7 @@ Command ingest_command() {
            "apps/samples/kitchen.urdf --strict --resume --json"},
           [](ArgumentTable& table) {
             struct Arguments {
-              std::string file, memory, map, recording, now;
+              std::string file, memory, map, recording, now, time_zone;
               memory::IngestOptions options;
             };
             auto arguments = std::make_shared<Arguments>();
@@ -49,9 +49,11 @@ Command ingest_command() {
                          "URDF of the map, for the places; the sidecar is found beside it");
             table.option("--now TIME", &arguments->now, "Transaction time of the rows, ISO 8601",
                          {.default_text = "the clock"});
+            table.time_zone(arguments->time_zone);
             table.options(table_of(arguments->options), "Import");
             return [arguments](Session& session) {
               memory::WriteOptions write;
+              write.time_zone = arguments->time_zone.empty() ? machine_time_zone() : arguments->time_zone;
               if (!arguments->now.empty()) write.now = parse_time(arguments->now);
               arguments->options.map = arguments->map;
               arguments->options.recording = arguments->recording;

@@ -220,6 +220,30 @@ Command stat_command() {
       }};
 }
 
+Command time_zone_command() {
+  return {"time-zone",
+          "Show or set the time zone in which a memory reads and writes people's times",
+          {"loci-memory time-zone -m demo-output/memory.loci",
+           "loci-memory time-zone UTC -m demo-output/memory.loci"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string memory, zone;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("[ZONE]", &arguments->zone, "The zone: Europe/Berlin, UTC, +02:00");
+            table.memory(arguments->memory);
+            return [arguments](Session& session) {
+              if (!arguments->zone.empty()) {
+                const std::string name = TimeZone::named(arguments->zone).name();
+                open_to_change(arguments->memory, session).set_meta("time_zone", name);
+              }
+              const memory::Store store = open_memory(arguments->memory, session);
+              const std::string name = store.time_zone().name();
+              session.answer(name, {{"time_zone", name}});
+            };
+          }};
+}
+
 namespace {
 
 /// What a request names: an object, a place, or two times.

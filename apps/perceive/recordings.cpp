@@ -160,7 +160,8 @@ std::string scene_text(const perception::types::SceneCas& facade) {
 struct MemoryTarget {
   std::string memory;  ///< file; empty = none
   bool resume = false;
-  std::string now;  ///< ISO 8601; empty = the machine's clock
+  std::string now;        ///< ISO 8601; empty = the machine's clock
+  std::string time_zone;  ///< empty = the recording's, or the machine's
 
   void declare(ArgumentTable& table);
   /// Opens the memory for what the resources hold and adds identity and writer to the pipeline. Nothing
@@ -173,6 +174,7 @@ void MemoryTarget::declare(ArgumentTable& table) {
   table.option("-m,--memory MEMORY", &memory, "Memory to write to, FILE.loci; created if absent");
   table.flag("--resume", resume, "Continue a recording that the memory has in part");
   table.option("--now TIME", &now, "Transaction time of the rows, ISO 8601", {.default_text = "the clock"});
+  table.time_zone(time_zone);
 }
 
 void MemoryTarget::prepare(const std::string& map, perception::Pipeline& pipeline,
@@ -187,6 +189,11 @@ void MemoryTarget::prepare(const std::string& map, perception::Pipeline& pipelin
   options.resume = resume;
   options.map = map;
   if (!now.empty()) options.write.now = parse_time(now);
+  options.write.time_zone = time_zone;
+  const auto recording = resources.find<mapping::Recording>();
+  if (time_zone.empty() && recording && recording->info().time_zone.empty() &&
+      !recording->info().time_assumed)
+    options.write.time_zone = machine_time_zone();
   memory::add_memory_session(options, pipeline, registry, resources);
   if (const auto known = resources.find<perception::KnownMap>())
     resources.put(std::make_shared<mapping::World>(known->world));

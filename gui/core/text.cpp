@@ -14,20 +14,23 @@ constexpr TimeNs kDay = 24 * kHour;
 
 }  // namespace
 
-QString time_text(TimeNs time, int zone_minutes) {
+QString time_text(TimeNs time, const TimeZone& zone) {
   // ISO 8601 with the zone at its end: "2026-05-01T09:10:00.5+02:00".
-  QString text = QString::fromStdString(format_time(time, zone_minutes));
+  QString text = QString::fromStdString(zone.format(time));
   text.replace('T', ' ');
   const int zone_at = text.lastIndexOf(QRegExp("[Z+-]"));
   return zone_at > 10 ? text.left(zone_at) : text;
 }
 
-QString zone_text(int zone_minutes) {
-  if (zone_minutes == 0) return "UTC";
-  return QString("UTC%1%2:%3")
-      .arg(zone_minutes < 0 ? "−" : "+")
-      .arg(std::abs(zone_minutes) / 60, 2, 10, QChar('0'))
-      .arg(std::abs(zone_minutes) % 60, 2, 10, QChar('0'));
+QString zone_text(TimeNs time, const TimeZone& zone) {
+  const QString name = QString::fromStdString(zone.name());
+  const int minutes = zone.minutes_at(time);
+  if (name == "UTC") return name;
+  const QString offset = QString("UTC%1%2:%3")
+                             .arg(minutes < 0 ? "−" : "+")
+                             .arg(std::abs(minutes) / 60, 2, 10, QChar('0'))
+                             .arg(std::abs(minutes) % 60, 2, 10, QChar('0'));
+  return name[0].isLetter() ? name + ", " + offset : offset;
 }
 
 QString duration_text(TimeNs from, TimeNs to) {

@@ -7,15 +7,15 @@
 #include <string>
 
 #include "mapping/base/pose.h"
-#include "mapping/base/time.h"
+#include "mapping/base/time_zone.h"
 #include "memory/identity/states.h"
 
 namespace loci::gui {
 
 /// "2026-05-01 09:10:00" in the memory's zone, with fractions where there are any.
-QString time_text(TimeNs time, int zone_minutes);
-/// "UTC+02:00".
-QString zone_text(int zone_minutes);
+QString time_text(TimeNs time, const TimeZone& zone);
+/// "Europe/Berlin, UTC+02:00" at a time.
+QString zone_text(TimeNs time, const TimeZone& zone);
 /// "just now", "3 min", "2 h 5 min", "4 days": how long `to` is after `from`.
 QString duration_text(TimeNs from, TimeNs to);
 

@@ -108,7 +108,7 @@ MemoryInfo describe(const memory::Store& store, const MemoryIndex& index) {
   info.known = known_states(runs);
   info.path = store.path().string();
   info.schema = fmt::format("{}.{}", store.major(), store.minor());
-  info.zone_minutes = store.time_zone_minutes();
+  info.zone = store.time_zone();
   for (const memory::RecordingRow& recording : store.recordings())
     info.time_assumed |= recording.time_assumed;
   const auto plural = [](size_t n, const char* what) {

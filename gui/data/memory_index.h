@@ -36,7 +36,7 @@ struct KnownState {
 struct MemoryInfo {
   std::string path = {};
   std::string schema = {};  ///< "1.0"
-  int zone_minutes = 0;     ///< east of UTC, for showing times
+  TimeZone zone;            ///< for showing times
   bool time_assumed = false;
   std::string summary = {};  ///< one line: scenes, objects, events
   size_t runs = 0;           ///< that wrote to it; while these are the same, it only grows at its end

@@ -195,7 +195,7 @@ QVariant ObjectsModel::object_data(const BelievedObject& object, int column, int
       return state_text(object.status);
     case hour_role:
       return object.last_seen && browser_.data() != nullptr
-                 ? time_text(*object.last_seen, browser_.data()->info().zone_minutes).mid(11, 2) + ":00"
+                 ? time_text(*object.last_seen, browser_.data()->info().zone).mid(11, 2) + ":00"
                  : QString();
     case filter_role:
       return QStringList{QString::fromStdString(belief.name_of(object)), class_name(), color,

@@ -91,7 +91,7 @@ bool HistoryModel::is_now(size_t row) const {
 
 /// The date is shown where it differs from that of the selected time.
 QString HistoryModel::time_cell(const memory::Change& entry, bool full) const {
-  const int zone = browser_.data()->info().zone_minutes;
+  const TimeZone& zone = browser_.data()->info().zone;
   const QString text = time_text(entry.time, zone);
   const bool same_day = text.left(10) == time_text(browser_.selection().time(), zone).left(10);
   return same_day && !full ? text.mid(11, 8) : text.left(19);
@@ -172,7 +172,7 @@ void LogModel::set_memory_log(std::vector<LogEntry> entries) {
 /// The date of a scene is shown where it differs from that of the selected time.
 QString LogModel::time_cell(const LogEntry& entry) const {
   if (entry.time == 0) return "all runs";
-  const int zone = browser_.data() == nullptr ? 0 : browser_.data()->info().zone_minutes;
+  const TimeZone zone = browser_.data() == nullptr ? TimeZone() : browser_.data()->info().zone;
   const QString text = time_text(entry.time, zone);
   const bool same_day = entry.scene && text.left(10) == time_text(browser_.selection().time(), zone).left(10);
   return same_day ? text.mid(11) : text.mid(5, 11);

@@ -171,7 +171,7 @@ void CompareView::refresh() {
     Q_EMIT compared();
     return;
   }
-  stamp_->setText(time_text(other_, memory->info().zone_minutes));
+  stamp_->setText(time_text(other_, memory->info().zone));
   stamp_->setCursorPosition(0);
   read_other();
 }
@@ -193,7 +193,7 @@ void CompareView::read_other() {
 }
 
 void CompareView::show_differences(const Belief& then) {
-  const int zone = browser_.data()->info().zone_minutes;
+  const TimeZone& zone = browser_.data()->info().zone;
   const auto head = [zone](TimeNs time) { return "At " + time_text(time, zone).mid(11, 10); };
   model_->set(differences(then, browser_.belief()), head(other_), head(browser_.selection().time()));
   if (other_ == browser_.selection().time() && !known_at_ && !another_)
@@ -213,7 +213,7 @@ OtherBelief CompareView::beside() const {
   other.known_at = known_at_;
   other.same = same_;
   other.is_same_memory = another_ == nullptr;
-  other.title = time_text(other_, other.memory->info().zone_minutes);
+  other.title = time_text(other_, other.memory->info().zone);
   if (another_ || known_at_) other.title += ", " + source_->currentText();
   return other;
 }

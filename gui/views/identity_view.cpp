@@ -39,9 +39,9 @@ AssociationLines::AssociationLines(QWidget* parent) : QWidget(parent) {
       "A click chooses the object, on a time stamp the scene.");
 }
 
-void AssociationLines::set(std::vector<SceneDecisions> scenes, int zone_minutes) {
+void AssociationLines::set(std::vector<SceneDecisions> scenes, const TimeZone& zone) {
   scenes_ = std::move(scenes);
-  zone_minutes_ = zone_minutes;
+  zone_ = zone;
   lines_.clear();
   for (size_t i = 0; i < scenes_.size(); ++i)
     for (size_t k = 0; k < scenes_[i].observations.size(); ++k) {
@@ -105,7 +105,7 @@ void AssociationLines::paintEvent(QPaintEvent*) {
     const int middle =
         static_cast<int>((static_cast<double>(i) + 0.5) * width() / static_cast<double>(scenes_.size()));
     painter.drawText(QRect(middle - 40, kTitle, 80, kStamp), Qt::AlignCenter,
-                     time_text(scenes_[i].scene.time, zone_minutes_).mid(11, 10));
+                     time_text(scenes_[i].scene.time, zone_).mid(11, 10));
     for (size_t k = 0; k < scenes_[i].observations.size(); ++k) {
       const DecidedObservation& observation = scenes_[i].observations[k];
       const QRect area = tile(i, k);
@@ -390,7 +390,7 @@ void IdentityView::refresh() {
 }
 
 void IdentityView::show_decisions(std::vector<SceneDecisions>& scenes) {
-  const int zone = browser_.data() == nullptr ? 0 : browser_.data()->info().zone_minutes;
+  const TimeZone zone = browser_.data() == nullptr ? TimeZone() : browser_.data()->info().zone;
   const SceneDecisions last = scenes.empty() ? SceneDecisions{} : scenes.back();
   const size_t seen = last.observations.size();
   QString text = QString("Scene of %1: %2 observation%3")

@@ -28,7 +28,7 @@ class AssociationLines : public QWidget {
   explicit AssociationLines(QWidget* parent = nullptr);
 
   /// In order of time; the last is the selected one.
-  void set(std::vector<SceneDecisions> scenes, int zone_minutes);
+  void set(std::vector<SceneDecisions> scenes, const TimeZone& zone);
   void select(std::optional<int64_t> object);
   const std::vector<Line>& lines() const { return lines_; }
   QSize sizeHint() const override;
@@ -48,7 +48,7 @@ class AssociationLines : public QWidget {
   std::vector<SceneDecisions> scenes_;
   std::vector<Line> lines_;
   std::optional<int64_t> selected_;
-  int zone_minutes_ = 0;
+  TimeZone zone_;
 };
 
 /// The identity decisions of a scene as three matrices (Fig. 6.9 of the dissertation): similarity,

@@ -136,7 +136,7 @@ void ObjectDetailsView::refresh() {
 
 void ObjectDetailsView::show_details(ObjectDetails& details) {
   details_ = std::move(details);
-  const int zone = browser_.data() == nullptr ? 0 : browser_.data()->info().zone_minutes;
+  const TimeZone zone = browser_.data() == nullptr ? TimeZone() : browser_.data()->info().zone;
   images_->clear();
   for (const ObjectImage& one : details_.images) {
     const QImage image =
@@ -293,7 +293,7 @@ void ObjectCard::show_nothing(const QString& title, const QString& hint) {
 }
 
 void ObjectCard::show_object(const BelievedObject& object) {
-  const int zone = browser_.data()->info().zone_minutes;
+  const TimeZone& zone = browser_.data()->info().zone;
   const Theme theme = Theme::of(palette());
   title_->setVisible(true);
   const Belief& belief = browser_.belief();

@@ -111,6 +111,7 @@ class LociSink : public RecordingSink {
   LociSink(const RecordingInfo& info, const fs::path& out, const ConvertOptions& options)
       : writer_(out, info.camera, info.map_frame,
                 {.time_assumed = info.time_assumed,
+                 .time_zone = info.time_zone,
                  .depth_unit_m = info.depth_unit_m,
                  .inputs = options.inputs}) {}
   void add(const RgbdFrame& frame) override { writer_.add(frame); }

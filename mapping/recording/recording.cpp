@@ -138,6 +138,7 @@ Json to_json(const RecordingInfo& info) {
   json["first_time"] = format_time(info.first_time);
   json["last_time"] = format_time(info.last_time);
   json["time_assumed"] = info.time_assumed;
+  if (!info.time_zone.empty()) json["time_zone"] = info.time_zone;
   json["cameras"]["depth"] = to_json(info.camera.depth);
   json["cameras"]["color"] = to_json(info.camera.color);
   json["cameras"]["color"]["depth_from_color"] = values_from_pose(info.camera.depth_from_color);

@@ -27,6 +27,7 @@ struct RecordingInfo {
   TimeNs first_time = 0;
   TimeNs last_time = 0;
   bool time_assumed = false;          ///< the stamps were made up
+  std::string time_zone;              ///< of the clocks where it was recorded; "" when it does not say
   std::vector<std::string> guesses;   ///< e.g. "no cameras.yaml: Kinect intrinsics assumed"
   std::vector<std::string> problems;  ///< what is odd but can be lived with, with the row or file
 };
@@ -66,7 +67,8 @@ std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
                                           const RecordingOptions& options = {});
 
 struct RecordingWriterOptions {
-  bool time_assumed = false;  ///< the stamps were made up
+  bool time_assumed = false;   ///< the stamps were made up
+  std::string time_zone = {};  ///< of the clocks where it was recorded, TimeZone::named; empty = unknown
   double depth_unit_m = 0.001;
   std::vector<std::filesystem::path> inputs = {};  ///< what the same command reads; never replaced
 };

@@ -129,6 +129,7 @@ void RecordingWriter::finish() {
   std::string yaml =
       fmt::format("version: 1\ndepth_scale: {}\ninvalid_depth: [0, 65535]\n", options_.depth_unit_m);
   if (options_.time_assumed) yaml += "time_assumed: true\n";
+  if (!options_.time_zone.empty()) yaml += fmt::format("time_zone: {}\n", options_.time_zone);
   if (!map_frame_.empty()) yaml += fmt::format("map_frame: {}\n", map_frame_);
   yaml += fmt::format("cameras:\n  depth: {{{}}}\n  color: {{{}, depth_from_color: [{}]}}\n",
                       camera_text(camera_.depth), camera_text(camera_.color),

@@ -272,7 +272,7 @@ RecordResult record(const Scenario& scenario, const std::filesystem::path& folde
   const World world = read_urdf(scenario.world);
   const MeshSearch search{options.package_paths, scenario.world.parent_path()};
   const ScenarioPlay play(scenario, world, search);
-  RecordingWriter writer(folder, scenario.camera, "map");
+  RecordingWriter writer(folder, scenario.camera, "map", {.time_zone = scenario.time_zone});
   ScenarioRenderer renderer(scenario, world, search, play, warnings);
 
   size_t total = 0;

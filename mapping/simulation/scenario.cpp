@@ -7,6 +7,7 @@
 
 #include "mapping/base/config.h"
 #include "mapping/base/math.h"
+#include "mapping/base/time_zone.h"
 
 namespace loci::mapping {
 namespace {
@@ -226,12 +227,15 @@ Isometry3d looking_at(const Vector3d& from, const Vector3d& at) {
 
 Scenario read_scenario(const std::filesystem::path& path) {
   const Config config = Config::read(path);
-  config.refuse_other_keys({"world", "camera", "floor", "frame_interval_s", "objects", "scenes"});
+  config.refuse_other_keys(
+      {"world", "camera", "floor", "time_zone", "frame_interval_s", "objects", "scenes"});
   Scenario scenario;
   scenario.file = path;
   scenario.world = path.parent_path() / config.require<std::string>("world");
   read_camera(config, scenario);
   if (config.has("floor")) scenario.floor = config.require<double>("floor");
+  scenario.time_zone =
+      TimeZone::named(config.get<std::string>("time_zone", "UTC"), config.location("time_zone")).name();
   const auto interval = config.get<double>("frame_interval_s", 1.0);
   if (!(interval > 0 && interval < 1e6))
     throw Error("the interval is positive", config.location("frame_interval_s"));

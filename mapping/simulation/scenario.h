@@ -44,6 +44,7 @@ struct Scenario {
   KinectModel sensor;
   RgbdCamera camera;
   std::optional<double> floor;      ///< height of a floor to add to a world that has none
+  std::string time_zone = "UTC";    ///< of the clocks in the room
   TimeNs frame_interval = kSecond;  ///< between the frames of one scene
   std::map<std::string, ObjectSpec> objects;
   std::vector<SceneSpec> scenes;

@@ -30,6 +30,12 @@ Id add_map(Store& store, const std::filesystem::path& urdf) {
                        std::filesystem::exists(sidecar) ? read_file(sidecar) : std::string());
 }
 
+/// What was recorded knows where its clocks were.
+WriteOptions in_zone_of(const mapping::Recording& recording, WriteOptions write) {
+  if (write.time_zone.empty()) write.time_zone = recording.info().time_zone;
+  return write;
+}
+
 }  // namespace
 
 std::string fingerprint_of(const mapping::Recording& recording) {
@@ -45,7 +51,7 @@ std::string fingerprint_of(const mapping::Recording& recording) {
 }
 
 MemorySession::MemorySession(const MemorySessionOptions& options, const mapping::Recording& recording)
-    : store_(Store::open_write(options.memory, options.write)) {
+    : store_(Store::open_write(options.memory, in_zone_of(recording, options.write))) {
   const mapping::RecordingInfo& info = recording.info();
   const std::string fingerprint = fingerprint_of(recording);
   if (const std::optional<RecordingRow> known = store_.recording(fingerprint)) {

@@ -296,7 +296,7 @@ Edit split_object(Store& store, Id object, TimeNs from, Progress& progress) {
   const Id made = store.max_object_id() + 1;
   const IdentityEdit edit{
       .text = fmt::format("{} is {} from {} on", object_name(object), object_name(made),
-                          format_time(first, store.time_zone_minutes())),
+                          store.time_zone().format(first)),
       .groups = {{object, ids_of(store.observations_of(object, {}, {}, first - 1))}, {made, ids_of(later)}},
       .from = first};
   return correct_identity(

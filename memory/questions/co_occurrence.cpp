@@ -81,13 +81,13 @@ std::vector<PlaceVisit> visits_of(const Snapshot& snapshot, const ScenesOfObject
 
 /// Keeps the visits that saw enough, at these hours, and showed one of the objects that are there now.
 std::vector<PlaceVisit> comparable(std::vector<PlaceVisit> visits, const std::set<Id>& present,
-                                   const Occasion* occasion, int zone_minutes) {
+                                   const Occasion* occasion, const TimeZone& zone) {
   std::erase_if(visits, [&](const PlaceVisit& visit) {
     const bool shares = present.empty() || std::ranges::any_of(present, [&](Id object) {
                           return visit.objects.contains(object);
                         });
     return !shares || visit.objects.empty() || (visit.fraction > 0 && visit.fraction < kMinSeenFraction) ||
-           (occasion != nullptr && !occasion->covers(local_hour(visit.from, zone_minutes)));
+           (occasion != nullptr && !occasion->covers(local_hour(visit.from, zone)));
   });
   return visits;
 }
@@ -99,7 +99,7 @@ MissingPlace missing_at(const Snapshot& snapshot, const ScenesOfObjects& all, co
   for (const BeliefRow& belief : snapshot.beliefs())
     if (is_believed_at(belief, row.id)) present.insert(belief.object);
   const std::vector<PlaceVisit> visits =
-      comparable(visits_of(snapshot, all, row.id), present, occasion, snapshot.store().time_zone_minutes());
+      comparable(visits_of(snapshot, all, row.id), present, occasion, snapshot.store().time_zone());
   result.visits = visits.size();
   for (const BeliefRow& belief : snapshot.beliefs()) {
     ExpectedObject expected{.now = snapshot.object_belief(belief)};
@@ -133,7 +133,7 @@ std::vector<std::pair<std::string, double>> occasions_of(const Snapshot& snapsho
     for (const auto& [other, objects] : objects_in) {
       const SceneRow* row = snapshot.scene(other);
       if (other == scene || row == nullptr ||
-          !occasion.covers(local_hour(row->time, snapshot.store().time_zone_minutes())))
+          !occasion.covers(local_hour(row->time, snapshot.store().time_zone())))
         continue;
       ++scenes;
       for (const Id object : objects) ++seen[object];

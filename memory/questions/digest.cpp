@@ -55,7 +55,7 @@ DigestAnswer ask(const Store& store, const DigestQuestion& question) {
   if (!last) throw store.error("there are no scenes yet");
   const TimeReader times(store);
   const TimeNs moment = question.day.empty() ? last->time : times.read(question.day).first;
-  const std::string day = format_time(moment, store.time_zone_minutes()).substr(0, 10);
+  const std::string day = store.time_zone().format(moment).substr(0, 10);
   const auto [from, to] = times.read(day);
   AsOf as_of = question.as_of;
   as_of.at = std::min(to, as_of.at.value_or(to));

@@ -190,7 +190,7 @@ AsOf read_as_of(const Store& store, const std::string& at, const std::string& kn
   if (!at.empty()) as_of.at = TimeReader(store).read(at).last;
   // Transaction times are times of the machine's clock: "yesterday" is the day before today, not before the
   // last scene.
-  if (!known_at.empty()) as_of.known_at = TimeReader(now(), store.time_zone_minutes()).read(known_at).last;
+  if (!known_at.empty()) as_of.known_at = TimeReader(now(), store.time_zone()).read(known_at).last;
   return as_of;
 }
 

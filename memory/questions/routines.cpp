@@ -25,7 +25,7 @@ constexpr std::array<const char*, 7> kDays = {"Mon", "Tue", "Wed", "Thu", "Fri",
 /// Hours and days of the week.
 class RecurringTime {
  public:
-  RecurringTime(const std::string& text, const Store& store) : zone_(store.time_zone_minutes()) {
+  RecurringTime(const std::string& text, const Store& store) : zone_(store.time_zone()) {
     std::istringstream words(text);
     std::string rest;
     for (std::string word; words >> word;)
@@ -64,14 +64,14 @@ class RecurringTime {
     return true;
   }
 
-  int zone_;
+  TimeZone zone_;
   std::set<int> days_;  ///< 0 = Monday; empty = any
   std::optional<std::pair<int, int>> hours_;
 };
 
 std::vector<UsualPlace> usual_places(const Snapshot& snapshot, Id object, const RecurringTime& during) {
   std::vector<UsualPlace> places;
-  const int zone = snapshot.store().time_zone_minutes();
+  const TimeZone zone = snapshot.store().time_zone();
   size_t all = 0;
   for (const ObjectObservation& sighting : snapshot.store().observations_of(object, snapshot.as_of())) {
     const auto place = snapshot.place_ref(sighting.observation.place);

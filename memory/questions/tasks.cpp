@@ -175,7 +175,7 @@ class TaskPlanner {
     std::vector<Id> found;
     for (const BeliefRow& belief : snapshot_.beliefs())
       for (const ObjectObservation& sighting : store_.observations_of(belief.object, question_.as_of)) {
-        const int hour = local_hour(sighting.time, store_.time_zone_minutes());
+        const int hour = local_hour(sighting.time, store_.time_zone());
         const bool then = !known || occasion->covers(hour);
         if (sighting.observation.place != place.id || !then) continue;
         found.push_back(belief.object);

@@ -108,6 +108,21 @@ TimeNs floor_to(TimeNs time, TimeNs unit) {
   return time - (rest < 0 ? rest + unit : rest);
 }
 
+/// "now", "20 minutes ago": a moment, whatever clocks on the wall show. Days and weeks ago it was as late.
+std::optional<TimeNs> moment_of(std::vector<std::string> words, TimeNs now, const TimeZone& zone) {
+  if (words == std::vector<std::string>{"now"}) return now;
+  if (words.empty() || words.back() != "ago") return std::nullopt;
+  words.pop_back();
+  const bool half = words.size() == 3 && words[0] == "half" && words[1] == "an";
+  if (half) words.erase(words.begin());
+  if (words.size() != 2) return std::nullopt;
+  const auto count = count_of(words[0]);
+  const auto unit = unit_of(words[1]);
+  if (!count || !unit || *count < 0 || *count > now / *unit - kEarliest / *unit) return std::nullopt;
+  const TimeNs elapsed = *count * *unit / (half ? 2 : 1);
+  return *unit < kDay ? now - elapsed : zone.first_moment(zone.local(now) - elapsed);
+}
+
 /// Reads the words of a time one after the other, in local time: days since the epoch and spans after
 /// midnight.
 class TimePhrase {
@@ -117,8 +132,6 @@ class TimePhrase {
 
   /// The span in local time, if all the words are a time.
   std::optional<TimeSpan> read() {
-    if (words_.size() == 1 && words_[0] == "now") return TimeSpan{now_, now_};
-    if (!words_.empty() && words_.back() == "ago") return read_ago();
     if (is("last", "night")) return whole(TimeSpan{midnight_ - 4 * kHour, midnight_ + 6 * kHour - 1});
     if (is("tonight")) return whole(TimeSpan{midnight_ + 18 * kHour, midnight_ + kDay - 1});
     if (const auto week = read_week()) return whole(*week);
@@ -152,21 +165,9 @@ class TimePhrase {
       ++next_;
   }
 
-  std::optional<TimeSpan> read_ago() const {
-    std::vector<std::string> words(words_.begin(), words_.end() - 1);
-    const bool half = words.size() == 3 && words[0] == "half" && words[1] == "an";
-    if (half) words.erase(words.begin());
-    if (words.size() != 2) return std::nullopt;
-    const auto count = count_of(words[0]);
-    const auto unit = unit_of(words[1]);
-    if (!count || !unit || *count < 0 || *count > now_ / *unit - kEarliest / *unit) return std::nullopt;
-    const TimeNs time = now_ - *count * *unit / (half ? 2 : 1);
-    return TimeSpan{time, time};
-  }
-
   /// Weeks begin on Monday.
   std::optional<TimeSpan> read_week() {
-    const TimeNs monday = midnight_ - local_weekday(midnight_, 0) * kDay;
+    const TimeNs monday = midnight_ - local_weekday(midnight_, TimeZone()) * kDay;
     if (is("this", "week")) return TimeSpan{monday, monday + 7 * kDay - 1};
     if (is("last", "week")) return TimeSpan{monday - 7 * kDay, monday - 1};
     return std::nullopt;
@@ -189,7 +190,7 @@ class TimePhrase {
     const auto day = weekday_of(word(last ? 1 : 0));
     if (!day) return std::nullopt;
     next_ += last ? 2 : 1;
-    int back = (local_weekday(midnight_, 0) - *day + 7) % 7;
+    int back = (local_weekday(midnight_, TimeZone()) - *day + 7) % 7;
     if (last && back == 0) back = 7;
     return midnight_ - back * kDay;
   }
@@ -276,7 +277,7 @@ class TimePhrase {
 
 }  // namespace
 
-TimeReader::TimeReader(const Store& store) : last_scene_(0), zone_minutes_(store.time_zone_minutes()) {
+TimeReader::TimeReader(const Store& store) : last_scene_(0), zone_(store.time_zone()) {
   const auto scenes = store.scenes();
   last_scene_ = scenes.empty() ? now() : scenes.back().time;
 }
@@ -292,10 +293,13 @@ TimeSpan TimeReader::read(std::string_view text) const {
 }
 
 std::optional<TimeSpan> TimeReader::try_read(std::string_view text) const {
-  const TimeNs zone = zone_minutes_ * kMinute;
+  const auto in_utc = [&](const TimeSpan& local) {
+    return TimeSpan{zone_.first_moment(local.first), zone_.last_moment(local.last)};
+  };
   const TimeNs last_scene = std::clamp(last_scene_, kEarliest, kLatest);
-  if (const auto span = TimePhrase(words_of(lower_case(text)), last_scene + zone).read())
-    return TimeSpan{span->first - zone, span->last - zone};
+  const auto words = words_of(lower_case(text));
+  if (const auto moment = moment_of(words, last_scene, zone_)) return TimeSpan{*moment, *moment};
+  if (const auto span = TimePhrase(words, zone_.local(last_scene)).read()) return in_utc(*span);
   const std::string whole(text);
   if (whole.size() < 11 || !is_date(whole.substr(0, 10))) return std::nullopt;
   try {
@@ -305,24 +309,24 @@ std::optional<TimeSpan> TimeReader::try_read(std::string_view text) const {
     }
     // A local ISO 8601 time.
     if (const auto clock = clock_of(whole.substr(11))) {
-      const TimeNs date = parse_time(whole.substr(0, 10)) - zone;
-      return TimeSpan{date + clock->first, date + clock->last};
+      const TimeNs date = parse_time(whole.substr(0, 10));
+      return in_utc({date + clock->first, date + clock->last});
     }
-    const TimeNs time = parse_time(whole + "Z") - zone;
-    return TimeSpan{time, time};
+    const TimeNs time = parse_time(whole + "Z");
+    return in_utc({time, time});
   } catch (const Error&) {
     return std::nullopt;
   }
 }
 
-int local_hour(TimeNs time, int zone_minutes) {
-  const TimeNs local = time + zone_minutes * kMinute;
+int local_hour(TimeNs time, const TimeZone& zone) {
+  const TimeNs local = zone.local(time);
   return static_cast<int>((local - floor_to(local, kDay)) / kHour);
 }
 
-int local_weekday(TimeNs time, int zone_minutes) {
+int local_weekday(TimeNs time, const TimeZone& zone) {
   const auto days =
-      static_cast<int>(floor_to(time + zone_minutes * kMinute, kDay) / kDay) + 3;  // the epoch was a Thursday
+      static_cast<int>(floor_to(zone.local(time), kDay) / kDay) + 3;  // the epoch was a Thursday
   return ((days % 7) + 7) % 7;
 }
 
@@ -341,11 +345,10 @@ std::string duration_text(TimeNs duration) {
   return fmt::format("{} d {} h", minutes / (24 * 60), minutes / 60 % 24);
 }
 
-TimeWriter::TimeWriter(const Store& store) : zone_minutes_(store.time_zone_minutes()), with_seconds_(false) {
+TimeWriter::TimeWriter(const Store& store) : zone_(store.time_zone()), with_seconds_(false) {
   const auto scenes = store.scenes();
-  const TimeNs zone = zone_minutes_ * kMinute;
-  with_date_ = scenes.empty() ||
-               floor_to(scenes.front().time + zone, kDay) != floor_to(scenes.back().time + zone, kDay);
+  const auto day = [&](const SceneRow& scene) { return floor_to(zone_.local(scene.time), kDay); };
+  with_date_ = scenes.empty() || day(scenes.front()) != day(scenes.back());
   for (size_t i = 0; i < scenes.size(); ++i) {
     if (scenes[i].time % kMinute != 0) with_seconds_ = true;
     // Decimals only where whole seconds would not tell neighbours apart.
@@ -356,7 +359,7 @@ TimeWriter::TimeWriter(const Store& store) : zone_minutes_(store.time_zone_minut
 }
 
 std::string TimeWriter::text(TimeNs time) const {
-  const std::string iso = format_time(time, zone_minutes_);  // 2026-05-01T09:10:00.5+02:00
+  const std::string iso = zone_.format(time);  // 2026-05-01T09:10:00.5+02:00
   std::string text = with_date_ ? iso.substr(0, 10) + " " : "";
   text += iso.substr(11, 5);
   // The last moment of a minute is the end of a time that was given in minutes.

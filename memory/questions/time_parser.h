@@ -24,7 +24,7 @@ struct TimeSpan {
 class TimeReader {
  public:
   explicit TimeReader(const Store& store);
-  TimeReader(TimeNs last_scene, int zone_minutes) : last_scene_(last_scene), zone_minutes_(zone_minutes) {}
+  TimeReader(TimeNs last_scene, TimeZone zone) : last_scene_(last_scene), zone_(zone) {}
 
   /// Throws Error that shows what can be written.
   TimeSpan read(std::string_view text) const;
@@ -34,11 +34,11 @@ class TimeReader {
 
  private:
   TimeNs last_scene_;
-  int zone_minutes_;
+  TimeZone zone_;
 };
 
-int local_hour(TimeNs time, int zone_minutes);         ///< 0 to 23
-int local_weekday(TimeNs time, int zone_minutes);      ///< 0 = Monday
+int local_hour(TimeNs time, const TimeZone& zone);     ///< 0 to 23
+int local_weekday(TimeNs time, const TimeZone& zone);  ///< 0 = Monday
 std::optional<int> weekday_of(std::string_view name);  ///< 0 for "monday"; unset for other words
 std::string duration_text(TimeNs duration);            ///< "1 h 5 min"; empty below a minute
 
@@ -47,18 +47,15 @@ std::string duration_text(TimeNs duration);            ///< "1 h 5 min"; empty b
 class TimeWriter {
  public:
   explicit TimeWriter(const Store& store);
-  TimeWriter(int zone_minutes, bool with_date, int decimals, bool with_seconds)
-      : zone_minutes_(zone_minutes),
-        with_date_(with_date),
-        with_seconds_(with_seconds),
-        decimals_(decimals) {}
+  TimeWriter(TimeZone zone, bool with_date, int decimals, bool with_seconds)
+      : zone_(zone), with_date_(with_date), with_seconds_(with_seconds), decimals_(decimals) {}
 
   std::string text(TimeNs time) const;
   /// "from A to B", or "at A" when both have the same text.
   std::string span_text(TimeNs from, TimeNs to) const;
 
  private:
-  int zone_minutes_;
+  TimeZone zone_;
   bool with_date_ = true;
   bool with_seconds_ = true;
   int decimals_ = 0;

@@ -153,7 +153,9 @@ void copy_object_facts(const Store& from, const Translation& translation, Store&
 void reason_into(const Store& from, const std::vector<SceneRow>& scenes, const std::filesystem::path& other,
                  const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress,
                  const KnownIdentities& known, ReasonResult& result) {
-  Store to = Store::open_write(other, write);
+  WriteOptions same_zone = write;
+  same_zone.time_zone = from.meta("time_zone").value_or("UTC");
+  Store to = Store::open_write(other, same_zone);
   const Numbers numbers = copy_sources(from, to);
   const Id run = to.begin_run(kReasonProgram, Json{{"from", from.path().filename().string()}}.dump());
   std::vector<PlaceRow> places = from.places();

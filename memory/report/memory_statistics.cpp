@@ -34,7 +34,7 @@ std::vector<std::pair<std::string, double>> per_scene(const std::map<int, double
 /// Counts over scenes.
 class Counter {
  public:
-  explicit Counter(const Store& store) : store_(store), zone_(store.time_zone_minutes()) {
+  explicit Counter(const Store& store) : store_(store), zone_(store.time_zone()) {
     for (const PlaceRow& place : named_places(store)) places_[place.id] = place.name;
   }
 
@@ -98,7 +98,7 @@ class Counter {
   }
 
   const Store& store_;
-  int zone_;
+  TimeZone zone_;
   std::map<Id, std::string> places_;
   double observations_ = 0;
   std::map<std::string, double> annotations_;

@@ -14,8 +14,8 @@
 -- *_known compute that end as known_to). Probability 0, or a NULL value, retracts a row without replacing it; so does a
 -- row in its place that ends to be known when it begins (known_to = known_from).
 
--- One value per key: format ("loci-memory"), created (ISO 8601), written_by ("loci 0.1.0"), time_zone_minutes
--- (minutes east of UTC of times without a zone), next_object (ids of objects below it are not given again), digests
+-- One value per key: format ("loci-memory"), created (ISO 8601), written_by ("loci 0.1.0"), time_zone (in which
+-- people mean times: "Europe/Berlin", "UTC", "+02:00"), next_object (ids of objects below it are not given again), digests
 -- (of the tables, for verify).
 CREATE TABLE meta (
   key TEXT PRIMARY KEY,

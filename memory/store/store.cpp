@@ -127,7 +127,8 @@ fs::path migrate(SQLite::Database& database, const fs::path& path, int version, 
   return kept;
 }
 
-void create_schema(SQLite::Database& database, TimeNs known, const MemoryFormat& format) {
+void create_schema(SQLite::Database& database, TimeNs known, const std::string& time_zone,
+                   const MemoryFormat& format) {
   SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
   database.exec(format.schema);
   database.exec(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kMemoryApplicationId,
@@ -135,7 +136,8 @@ void create_schema(SQLite::Database& database, TimeNs known, const MemoryFormat&
   SQLite::Statement meta(database, "INSERT INTO meta (key, value) VALUES (?, ?)");
   for (const auto& [key, value] : {std::pair<std::string, std::string>{"format", "loci-memory"},
                                    {"created", format_time(known)},
-                                   {"written_by", "loci " LOCI_VERSION}}) {
+                                   {"written_by", "loci " LOCI_VERSION},
+                                   {"time_zone", time_zone}}) {
     meta.bind(1, key);
     meta.bind(2, value);
     meta.exec();
@@ -160,11 +162,12 @@ void configure(SQLite::Database& database) {
 }
 
 /// A memory without scenes; complete or not there at all, whenever the program is stopped.
-void create_memory(const fs::path& path, TimeNs known, const MemoryFormat& format) {
+void create_memory(const fs::path& path, TimeNs known, const std::string& time_zone,
+                   const MemoryFormat& format) {
   create_atomically(path, {}, [&](const fs::path& made) {
     const auto database = open_database(made.string(), SQLite::OPEN_READWRITE);
     configure(*database);
-    create_schema(*database, known, format);
+    create_schema(*database, known, time_zone, format);
     database->exec("PRAGMA journal_mode = WAL");
   });
 }
@@ -218,6 +221,7 @@ Store Store::open_write(const fs::path& path, const WriteOptions& options, const
   if (fs::is_directory(path, code)) throw file_error(path, "is a folder, a memory file was expected");
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (!fs::is_directory(folder, code)) throw file_error(path, "the folder does not exist");
+  const std::string time_zone = options.time_zone.empty() ? "UTC" : TimeZone::named(options.time_zone).name();
   auto connection = std::make_unique<Connection>();
   connection->path = path;
   connection->format = format;
@@ -227,12 +231,12 @@ Store Store::open_write(const fs::path& path, const WriteOptions& options, const
   // What a program that was killed while it rewrote the memory left: it may hold what was to be forgotten.
   { const PartialMemory unfinished(path); }
   connection->guarded([&] {
-    if (!fs::exists(path, code)) create_memory(path, connection->known_time(), format);
+    if (!fs::exists(path, code)) create_memory(path, connection->known_time(), time_zone, format);
     check_only_name(path);
     connection->database = open_database(path.string(), SQLite::OPEN_READWRITE);
     SQLite::Database& database = *connection->database;
     configure(database);
-    if (is_blank(database)) create_schema(database, connection->known_time(), format);
+    if (is_blank(database)) create_schema(database, connection->known_time(), time_zone, format);
     const int version = check_version(database, path, format);
     check_writable_version(version, path, format);
     check_schema(database, path, version, format);

@@ -13,6 +13,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/time_zone.h"
 #include "memory/store/rows.h"
 
 namespace loci::memory {
@@ -31,6 +32,9 @@ struct AsOf {
 struct WriteOptions {
   std::optional<TimeNs> now = {};     ///< known time of what is added; unset = the machine's clock
   bool keep_before_migration = true;  ///< keep a copy beside of a file that is migrated
+  /// In which people mean times in a memory that is made, as TimeZone::named() takes it. Empty = that of the
+  /// recording it is made from, else UTC.
+  std::string time_zone = {};
 };
 
 /// The result of Store::verify().
@@ -160,8 +164,8 @@ class Store {
 
   // ---- Runs, recordings, maps, places.
   std::optional<std::string> meta(const std::string& key) const;
-  /// Minutes east of UTC in which people's times are meant; 0 when it was never set.
-  int time_zone_minutes() const;
+  /// In which people's times are meant. Error when this machine does not know it.
+  TimeZone time_zone() const;
   std::vector<RunRow> runs() const;
   std::vector<RecordingRow> recordings() const;
   std::optional<RecordingRow> recording(const std::string& fingerprint) const;

@@ -38,11 +38,13 @@ std::optional<std::string> Store::meta(const std::string& key) const {
   return connection_->value<std::string>("SELECT value FROM meta WHERE key = ?", {sql(key)});
 }
 
-int Store::time_zone_minutes() const {
-  const auto text = meta("time_zone_minutes");
-  int minutes = 0;
-  if (text) std::from_chars(text->data(), text->data() + text->size(), minutes);
-  return minutes;
+TimeZone Store::time_zone() const {
+  const std::string name = meta("time_zone").value_or("UTC");
+  try {
+    return TimeZone::named(name);
+  } catch (const Error& problem) {
+    throw error(problem.what(), "install tzdata, or set another one with loci-memory time-zone");
+  }
 }
 
 std::vector<RunRow> Store::runs() const {

@@ -31,8 +31,8 @@ Outcome run(const std::string& command) {
   fs::create_directories(folder);
   const std::string out = (folder / "out").string();
   const std::string error = (folder / "err").string();
-  const std::string line = std::string("cd '") + LOCI_SOURCE_DIR + "' && PATH='" + LOCI_BIN_DIR +
-                           "':$PATH && { " + command + "\n} >'" + out + "' 2>'" + error + "'";
+  const std::string line = std::string("cd '") + LOCI_SOURCE_DIR + "' && export TZ=UTC && PATH='" +
+                           LOCI_BIN_DIR + "':$PATH && { " + command + "\n} >'" + out + "' 2>'" + error + "'";
   const int status = std::system(line.c_str());
   Outcome outcome;
   outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

@@ -55,6 +55,24 @@ TEST_F(MemoryFileCli, MergeWithItselfAddsNothingAndWithoutACommonFrameIsRefused)
   EXPECT_EQ(run("loci-memory verify -m " + both).exit_code, 0);
 }
 
+TEST_F(MemoryFileCli, ClocksAreThoseOfTheZoneThatIsNamedOrOfTheMachine) {
+  const std::string home = folder_ + "/home.loci", here = folder_ + "/here.loci";
+  const std::string ingest = "loci-memory ingest apps/samples/detections.jsonl -m ";
+  EXPECT_EQ(run(ingest + home + " --time-zone Europe/Berlin").exit_code, 0);
+  EXPECT_EQ(run("TZ=Asia/Kathmandu " + ingest + here).exit_code, 0);
+  EXPECT_EQ(answer("time-zone -m " + home)["time_zone"], "Europe/Berlin");
+  EXPECT_EQ(answer("time-zone -m " + here)["time_zone"], "Asia/Kathmandu");
+  // The cereal was on the table at 07:40 UTC, and on the counter half an hour before.
+  EXPECT_THAT(run("loci-memory where cereal --at 9:40 -m " + home).out, HasSubstr("on table_1"));
+  EXPECT_THAT(run("loci-memory where cereal --at 9:10 -m " + home).out, HasSubstr("on counter_1"));
+  EXPECT_EQ(answer("time-zone UTC -m " + home)["time_zone"], "UTC");
+  EXPECT_THAT(run("loci-memory where cereal --at 7:40 -m " + home).out, HasSubstr("on table_1"));
+  const Outcome refused = run("loci-memory time-zone Berlin -m " + home);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.error, HasSubstr("Europe/Berlin"));
+  EXPECT_EQ(answer("time-zone -m " + home)["time_zone"], "UTC") << "a refused zone changes nothing";
+}
+
 TEST_F(MemoryFileCli, MergeReasonsOverWhatTwoHalvesSaw) {
   // One story, told by two robots in turns.
   const std::string lines = read_file(fs::path(LOCI_SOURCE_DIR) / "apps/samples/detections.jsonl");

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,9 @@ struct Operation {
   std::vector<std::string> files;  ///< what it needs of the templates
   bool resumes = false;            ///< commits scene by scene, and goes on when it is called again
 };
+inline void PrintTo(const Operation& operation, std::ostream* out) {
+  *out << operation.command;
+}
 /// run, ingest, edit, forget, retain, merge, reason, migration.
 const std::vector<Operation>& all_operations();
 

@@ -143,7 +143,7 @@ void goal(std::string_view bytes) {
 
 void question(std::string_view bytes) {
   const std::string text(bytes);
-  const memory::TimeReader times(parse_time("2026-05-01T08:30:00Z"), 120);
+  const memory::TimeReader times(parse_time("2026-05-01T08:30:00Z"), TimeZone::fixed(120));
   if (const auto span = times.try_read(text)) format_time(span->first, 120);
   memory::parse_sentence(text, times);
   memory::nearest_examples(text);

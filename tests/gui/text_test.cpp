@@ -7,9 +7,17 @@ namespace {
 
 TEST(TimeText, IsInTheZoneOfTheMemory) {
   const TimeNs time = parse_time("2026-05-01T07:10:00.5Z");
-  EXPECT_EQ(time_text(time, 120), "2026-05-01 09:10:00.5");
-  EXPECT_EQ(time_text(time, 0), "2026-05-01 07:10:00.5");
-  EXPECT_EQ(time_text(time, -330), "2026-05-01 01:40:00.5");
+  EXPECT_EQ(time_text(time, TimeZone::fixed(120)), "2026-05-01 09:10:00.5");
+  EXPECT_EQ(time_text(time, TimeZone::fixed(0)), "2026-05-01 07:10:00.5");
+  EXPECT_EQ(time_text(time, TimeZone::fixed(-330)), "2026-05-01 01:40:00.5");
+}
+
+TEST(TimeText, NamesTheZoneAndItsOffset) {
+  const TimeNs summer = parse_time("2026-07-01T07:10:00Z"), winter = parse_time("2026-01-01T07:10:00Z");
+  EXPECT_EQ(zone_text(summer, TimeZone()), "UTC");
+  EXPECT_EQ(zone_text(summer, TimeZone::fixed(-330)), "UTC−05:30");
+  EXPECT_EQ(zone_text(summer, TimeZone::named("Europe/Berlin")), "Europe/Berlin, UTC+02:00");
+  EXPECT_EQ(zone_text(winter, TimeZone::named("Europe/Berlin")), "Europe/Berlin, UTC+01:00");
 }
 
 TEST(DurationText, UsesTheUnitThatFits) {

@@ -43,7 +43,7 @@ double minutes_of(const std::string& clock) {
 
 double minutes_of(TimeNs time, const memory::Store& store) {
   constexpr int64_t kDay_min = 24 * 60;
-  const double minutes = static_cast<double>(time) / (60.0 * kSecond) + store.time_zone_minutes();
+  const double minutes = static_cast<double>(store.time_zone().local(time)) / (60.0 * kSecond);
   return minutes - static_cast<double>(kDay_min) * std::floor(minutes / static_cast<double>(kDay_min));
 }
 

@@ -118,7 +118,7 @@ void MapPair::show_other(const OtherBelief& other, const std::vector<Difference>
   if (then_browser_.shared_data() != other.memory) then_browser_.open(other.memory);
   then_browser_.selection().set_known_at(other.known_at);
   then_browser_.selection().set_time(other.time);
-  const int zone = browser_.data()->info().zone_minutes;
+  const TimeZone& zone = browser_.data()->info().zone;
   then_title_->setText("<b>Then</b> " + other.title.toHtmlEscaped());
   then_title_->setToolTip(other.title);
   now_title_->setText("<b>Now</b> " + time_text(browser_.selection().time(), zone));

@@ -210,7 +210,7 @@ bool LaneView::viewportEvent(QEvent* event) {
   const TimeNs time = snapped_time(*browser_.data(), axis_, help->pos().x(), viewport()->width());
   const memory::SceneRow* scene = browser_.data()->scene_at(time);
   const auto number = static_cast<size_t>(scene - browser_.data()->scenes().data());
-  const int zone = browser_.data()->info().zone_minutes;
+  const TimeZone& zone = browser_.data()->info().zone;
   const std::vector<memory::ObjectStatus>& known = visibility(*lane);
   if (number >= known.size()) return true;  // still being read
   QString text = lane->name + ": " + visibility_text(known[number], lane->object == 0) + " in the scene of " +

@@ -268,10 +268,9 @@ void TimeBar::refresh() {
   }
   axis_.reveal(browser_.selection().time());
   const MemoryInfo& info = memory->info();
-  stamp_->setText(time_text(browser_.selection().time(), info.zone_minutes));
+  stamp_->setText(time_text(browser_.selection().time(), info.zone));
   stamp_->setCursorPosition(0);
-  zone_->setText(info.time_assumed ? zone_text(info.zone_minutes) + ", assumed"
-                                   : zone_text(info.zone_minutes));
+  zone_->setText(zone_text(browser_.selection().time(), info.zone) + (info.time_assumed ? ", assumed" : ""));
   zone_->setToolTip(info.time_assumed ? "The recording had no time stamps: these were made up at 30 Hz"
                                       : "Time zone of all times shown");
   const memory::SceneRow* scene = browser_.scene();

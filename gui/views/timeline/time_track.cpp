@@ -98,7 +98,7 @@ bool is_of(const memory::Change& event, memory::Id object) {
   return event.object && event.object->id == object;
 }
 
-QString tick_text(TimeNs time, TimeNs step, int zone) {
+QString tick_text(TimeNs time, TimeNs step, const TimeZone& zone) {
   const QString text = time_text(time, zone);  // "2026-05-01 09:10:00.5"
   if (step >= 86400 * kSecond) return text.left(10);
   if (step >= 60 * kSecond) return text.mid(11, 5);
@@ -200,11 +200,11 @@ bool TimeTrack::event(QEvent* event) {
   for (const memory::Change& entry : browser_.data()->events()) {
     if (std::abs(x_of(entry.time) - help->pos().x()) > kDotRadius + 1) continue;
     if (!text.isEmpty()) text += "\n";
-    text += time_text(entry.time, browser_.data()->info().zone_minutes).mid(11) + "  " +
+    text += time_text(entry.time, browser_.data()->info().zone).mid(11) + "  " +
             QString::fromStdString(to_text(entry));
     if (text.count('\n') > 12) break;
   }
-  if (text.isEmpty()) text = time_text(time_at(help->pos().x()), browser_.data()->info().zone_minutes);
+  if (text.isEmpty()) text = time_text(time_at(help->pos().x()), browser_.data()->info().zone);
   QToolTip::showText(help->globalPos(), text, this);
   return true;
 }
@@ -230,7 +230,7 @@ void TimeTrack::paint_backdrop(QPainter& painter) const {
 
 void TimeTrack::paint_axis(QPainter& painter) const {
   const Theme theme = Theme::of(palette());
-  const int zone = browser_.data()->info().zone_minutes;
+  const TimeZone& zone = browser_.data()->info().zone;
   double last = -1;  // one mark per pixel, however many scenes are in it
   const auto mark = [&](TimeNs time) {
     const double x = std::round(x_of(time)) + 0.5;
@@ -245,11 +245,11 @@ void TimeTrack::paint_axis(QPainter& painter) const {
   for (const TimeNs time : observations_) mark(time);
   const TimeNs from = axis_.from(), to = axis_.to();
   const TimeNs step = label_step(to - from, width() - TimeAxis::kLeft - TimeAxis::kRight);
-  const TimeNs offset = static_cast<TimeNs>(zone) * 60 * kSecond;
   painter.setPen(theme.muted);
   const QFont font = small_font(this->font());
   painter.setFont(font);
-  for (TimeNs t = (from + offset + step - 1) / step * step - offset; t <= to; t += step) {
+  for (TimeNs local = (zone.local(from) + step - 1) / step * step; local <= zone.local(to); local += step) {
+    const TimeNs t = zone.first_moment(local);
     const QString text = tick_text(t, step, zone);
     const double half = QFontMetricsF(font).horizontalAdvance(text) / 2 + 1;
     const double middle = std::clamp(x_of(t), half, width() - half);  // nothing is cut off at the sides

@@ -8,6 +8,7 @@
 
 #include "mapping/base/config.h"
 #include "mapping/base/csv.h"
+#include "mapping/base/time_zone.h"
 
 namespace loci::mapping {
 namespace {
@@ -54,7 +55,7 @@ void read_cameras(const Config& cameras, FileRecordingContent& content) {
 void read_description(const fs::path& path, FileRecordingContent& content) {
   const Config config = Config::read(path);
   config.refuse_other_keys(
-      {"version", "depth_scale", "invalid_depth", "time_assumed", "map_frame", "cameras"});
+      {"version", "depth_scale", "invalid_depth", "time_assumed", "time_zone", "map_frame", "cameras"});
   const int version = config.get<int>("version", 1);
   if (version != 1)
     throw Error(fmt::format("this recording has version {}, version 1 is read", version),
@@ -67,6 +68,8 @@ void read_description(const fs::path& path, FileRecordingContent& content) {
   for (const int raw : content.invalid_depth)
     if (raw < 0 || raw > 65535) throw Error("depth values are 0 to 65535", config.location("invalid_depth"));
   content.info.time_assumed = config.get<bool>("time_assumed", false);
+  content.info.time_zone = config.get<std::string>("time_zone", "");
+  if (!content.info.time_zone.empty()) TimeZone::named(content.info.time_zone, config.location("time_zone"));
   content.info.map_frame = config.get<std::string>("map_frame", "map");
   if (!config.has("cameras")) throw Error("the key 'cameras' is missing", config.location());
   read_cameras(config.map("cameras"), content);

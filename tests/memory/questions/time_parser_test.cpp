@@ -11,7 +11,7 @@ namespace loci::memory {
 namespace {
 
 /// The last scene is at 10:30 in a zone two hours east of UTC.
-const TimeReader kReader(parse_time("2026-05-01T08:30:00Z"), 120);
+const TimeReader kReader(parse_time("2026-05-01T08:30:00Z"), TimeZone::fixed(120));
 
 void expect_span(const char* text, const char* first, const char* last) {
   const TimeSpan span = kReader.read(text);
@@ -67,10 +67,11 @@ TEST(PeopleTime, RefusesTheRest) {
 
 TEST(PeopleTime, WritesTheDateOnlyWhenThereAreSeveral) {
   const TimeNs time = parse_time("2026-05-01T08:30:00Z");
-  EXPECT_EQ(TimeWriter(120, false, 0, false).text(time), "10:30");
-  EXPECT_EQ(TimeWriter(0, true, 0, true).text(time), "2026-05-01 08:30:00");
-  EXPECT_EQ(TimeWriter(0, false, 2, true).text(time + kSecond / 3), "08:30:00.33");
-  EXPECT_EQ(TimeWriter(0, false, 0, false).span_text(time, time + 60 * kSecond), "from 08:30 to 08:31");
+  EXPECT_EQ(TimeWriter(TimeZone::fixed(120), false, 0, false).text(time), "10:30");
+  EXPECT_EQ(TimeWriter(TimeZone::fixed(0), true, 0, true).text(time), "2026-05-01 08:30:00");
+  EXPECT_EQ(TimeWriter(TimeZone::fixed(0), false, 2, true).text(time + kSecond / 3), "08:30:00.33");
+  EXPECT_EQ(TimeWriter(TimeZone::fixed(0), false, 0, false).span_text(time, time + 60 * kSecond),
+            "from 08:30 to 08:31");
 }
 
 TEST(PeopleTime, TwelveIsWhereTheHalfOfTheDayBegins) {
@@ -92,69 +93,78 @@ TEST(PeopleTime, WhatDoesNotFitIsRefused) {
   expect_span("10000 weeks ago", "1834-09-05T08:30:00Z", "1834-09-05T08:30:00Z");
   for (const TimeNs last : {std::numeric_limits<TimeNs>::min(), std::numeric_limits<TimeNs>::max()})
     for (const char* text : {"now", "yesterday", "last week", "12:30 am", "300 days ago", "last night"})
-      TimeReader(last, 14 * 60).try_read(text);  // no overflow, which a sanitizer sees
+      TimeReader(last, TimeZone::fixed(14 * 60)).try_read(text);  // no overflow, which a sanitizer sees
 }
 
 /// What a memory whose last scene is at `now` in a zone makes of a time: "FIRST LAST", UTC.
-std::string span_of(const char* now, int zone_minutes, const char* text) {
-  const TimeSpan span = TimeReader(parse_time(now), zone_minutes).read(text);
+std::string span_of(const char* now, const TimeZone& zone, const char* text) {
+  const TimeSpan span = TimeReader(parse_time(now), zone).read(text);
   return format_time(span.first) + " " + format_time(span.last);
 }
 
-/// The memory keeps the zone in which it was made, all year: 2:30 in the night in which clocks are set back
-/// is one moment, and the same clock time is an hour later in summer's zone than in winter's.
-TEST(PeopleTime, ClocksThatAreSetForwardOrBackDoNotMoveTheMemorysZone) {
-  // Central Europe, 2026: back on 25 October at 01:00 UTC, forward on 29 March at 01:00 UTC.
+/// Central Europe, 2026: clocks are set forward on 29 March and back on 25 October, both at 01:00 UTC.
+TEST(PeopleTime, FollowsClocksThatAreSetForwardOrBack) {
+  const TimeZone berlin = TimeZone::named("Europe/Berlin");
   const char* after_back = "2026-10-25T12:00:00Z";
-  EXPECT_EQ(span_of(after_back, 120, "02:30"), "2026-10-25T00:30:00Z 2026-10-25T00:30:59.999999999Z");
-  EXPECT_EQ(span_of(after_back, 60, "02:30"), "2026-10-25T01:30:00Z 2026-10-25T01:30:59.999999999Z");
-  EXPECT_EQ(span_of(after_back, 120, "today"), "2026-10-24T22:00:00Z 2026-10-25T21:59:59.999999999Z");
-  EXPECT_EQ(span_of(after_back, 60, "yesterday"), "2026-10-23T23:00:00Z 2026-10-24T22:59:59.999999999Z");
-  EXPECT_EQ(span_of(after_back, 120, "last night"), "2026-10-24T18:00:00Z 2026-10-25T03:59:59.999999999Z");
+  EXPECT_EQ(span_of(after_back, berlin, "02:30"), "2026-10-25T00:30:00Z 2026-10-25T01:30:59.999999999Z")
+      << "clocks show it twice: from the first to the second";
+  EXPECT_EQ(span_of(after_back, berlin, "today"), "2026-10-24T22:00:00Z 2026-10-25T22:59:59.999999999Z")
+      << "a day of 25 hours";
+  EXPECT_EQ(span_of(after_back, berlin, "yesterday 9:00"),
+            "2026-10-24T07:00:00Z 2026-10-24T07:00:59.999999999Z");
+  EXPECT_EQ(span_of(after_back, berlin, "at 9"), "2026-10-25T08:00:00Z 2026-10-25T08:00:59.999999999Z");
+  EXPECT_EQ(span_of(after_back, berlin, "12 hours ago"), "2026-10-25T00:00:00Z 2026-10-25T00:00:00Z");
+  EXPECT_EQ(span_of(after_back, berlin, "1 day ago"), "2026-10-24T11:00:00Z 2026-10-24T11:00:00Z")
+      << "at the same time of day";
+  EXPECT_EQ(span_of(after_back, berlin, "2026-10-25T02:30:00+02:00"),
+            "2026-10-25T00:30:00Z 2026-10-25T00:30:00Z")
+      << "a zone in the text says which of the two it was";
   const char* after_forward = "2026-03-29T10:00:00Z";
-  EXPECT_EQ(span_of(after_forward, 60, "02:30"), "2026-03-29T01:30:00Z 2026-03-29T01:30:59.999999999Z")
-      << "a time that clocks on the wall skip";
-  EXPECT_EQ(span_of(after_forward, 60, "yesterday 9:00"),
-            "2026-03-28T08:00:00Z 2026-03-28T08:00:59.999999999Z");
-  EXPECT_EQ(span_of(after_forward, 120, "this week"), "2026-03-22T22:00:00Z 2026-03-29T21:59:59.999999999Z");
-  // A zone in the text says which of the two it was.
-  EXPECT_EQ(span_of(after_back, 120, "2026-10-25T02:30:00+02:00"),
-            "2026-10-25T00:30:00Z 2026-10-25T00:30:00Z");
-  EXPECT_EQ(span_of(after_back, 120, "2026-10-25T02:30:00+01:00"),
-            "2026-10-25T01:30:00Z 2026-10-25T01:30:00Z");
-  EXPECT_EQ(span_of(after_back, 120, "12 hours ago"), "2026-10-25T00:00:00Z 2026-10-25T00:00:00Z");
+  EXPECT_EQ(span_of(after_forward, berlin, "today"), "2026-03-28T23:00:00Z 2026-03-29T21:59:59.999999999Z")
+      << "a day of 23 hours";
+  EXPECT_EQ(span_of(after_forward, berlin, "02:30"), "2026-03-29T01:00:00Z 2026-03-29T01:00:00Z")
+      << "a time that clocks skip: the moment at which they are set";
+  EXPECT_EQ(span_of(after_forward, berlin, "last night"),
+            "2026-03-28T19:00:00Z 2026-03-29T03:59:59.999999999Z");
+  EXPECT_EQ(span_of("2026-07-01T10:00:00Z", berlin, "2026-01-15 09:00"),
+            "2026-01-15T08:00:00Z 2026-01-15T08:00:59.999999999Z")
+      << "in winter's time, asked in summer";
+  EXPECT_EQ(local_hour(parse_time("2026-10-25T00:30:00Z"), berlin), 2);
+  EXPECT_EQ(local_hour(parse_time("2026-10-25T01:30:00Z"), berlin), 2);
+  EXPECT_EQ(TimeWriter(berlin, true, 0, false).text(parse_time("2026-01-15T08:00:00Z")), "2026-01-15 09:00");
+  EXPECT_EQ(TimeWriter(berlin, true, 0, false).text(parse_time("2026-07-15T08:00:00Z")), "2026-07-15 10:00");
 }
 
 TEST(PeopleTime, TheDayBeginsAtMidnightOfTheMemorysZone) {
   // Five past midnight in Berlin is yesterday in UTC, and a quarter to six in Kathmandu today already.
-  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", 120, "today"),
+  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", TimeZone::fixed(120), "today"),
             "2026-05-01T22:00:00Z 2026-05-02T21:59:59.999999999Z");
-  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", 120, "yesterday 23:55"),
+  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", TimeZone::fixed(120), "yesterday 23:55"),
             "2026-05-01T21:55:00Z 2026-05-01T21:55:59.999999999Z");
-  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", 120, "10 minutes ago"),
+  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", TimeZone::fixed(120), "10 minutes ago"),
             "2026-05-01T21:55:00Z 2026-05-01T21:55:00Z");
-  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", 120, "midnight"),
+  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", TimeZone::fixed(120), "midnight"),
             "2026-05-01T22:00:00Z 2026-05-01T22:00:59.999999999Z");
-  EXPECT_EQ(span_of("2026-05-01T21:59:59Z", 120, "midnight"),
+  EXPECT_EQ(span_of("2026-05-01T21:59:59Z", TimeZone::fixed(120), "midnight"),
             "2026-04-30T22:00:00Z 2026-04-30T22:00:59.999999999Z");
-  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", 120, "24:00"),
+  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", TimeZone::fixed(120), "24:00"),
             "2026-05-02T22:00:00Z 2026-05-02T22:00:59.999999999Z");
-  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", 120, "last night"),
+  EXPECT_EQ(span_of("2026-05-01T22:05:00Z", TimeZone::fixed(120), "last night"),
             "2026-05-01T18:00:00Z 2026-05-02T03:59:59.999999999Z");
-  EXPECT_EQ(span_of("2026-05-01T20:00:00Z", 345, "this morning"),
+  EXPECT_EQ(span_of("2026-05-01T20:00:00Z", TimeZone::fixed(345), "this morning"),
             "2026-05-01T23:15:00Z 2026-05-02T06:14:59.999999999Z");
-  EXPECT_EQ(span_of("2026-05-01T03:00:00Z", -480, "today"),
+  EXPECT_EQ(span_of("2026-05-01T03:00:00Z", TimeZone::fixed(-480), "today"),
             "2026-04-30T08:00:00Z 2026-05-01T07:59:59.999999999Z");
-  EXPECT_EQ(span_of("2026-05-01T03:00:00Z", -480, "Thursday"),
+  EXPECT_EQ(span_of("2026-05-01T03:00:00Z", TimeZone::fixed(-480), "Thursday"),
             "2026-04-30T08:00:00Z 2026-05-01T07:59:59.999999999Z")
       << "it is still Thursday there";
-  EXPECT_EQ(local_hour(parse_time("2026-05-01T22:05:00Z"), 120), 0);
-  EXPECT_EQ(local_weekday(parse_time("2026-05-01T22:05:00Z"), 120), 5) << "Saturday";
-  EXPECT_EQ(local_weekday(parse_time("1969-12-31T23:59:00Z"), 0), 2) << "before the epoch";
+  EXPECT_EQ(local_hour(parse_time("2026-05-01T22:05:00Z"), TimeZone::fixed(120)), 0);
+  EXPECT_EQ(local_weekday(parse_time("2026-05-01T22:05:00Z"), TimeZone::fixed(120)), 5) << "Saturday";
+  EXPECT_EQ(local_weekday(parse_time("1969-12-31T23:59:00Z"), TimeZone::fixed(0)), 2) << "before the epoch";
   // Years and leap days.
-  EXPECT_EQ(span_of("2028-03-01T00:30:00Z", 0, "yesterday"),
+  EXPECT_EQ(span_of("2028-03-01T00:30:00Z", TimeZone::fixed(0), "yesterday"),
             "2028-02-29T00:00:00Z 2028-02-29T23:59:59.999999999Z");
-  EXPECT_EQ(span_of("2026-01-01T00:30:00Z", 60, "yesterday 23:30"),
+  EXPECT_EQ(span_of("2026-01-01T00:30:00Z", TimeZone::fixed(60), "yesterday 23:30"),
             "2025-12-31T22:30:00Z 2025-12-31T22:30:59.999999999Z");
 }
 
