@@ -6,7 +6,7 @@ namespace loci::memory {
 namespace {
 
 /// The last scene is on a Friday at 10:30.
-const TimeReader kTimes(parse_time("2026-05-01T10:30:00Z"), 0);
+const TimeReader kTimes(parse_time("2026-05-01T10:30:00Z"), TimeZone());
 
 struct Case {
   const char* sentence;
