@@ -9,14 +9,16 @@ struct Arguments {
   std::vector<std::string> recordings;
   int first = 0, last = 1 << 30, every = 1;
   bool peers = true;
+  bool open3d = false;
 
   void declare(OptionTable& table) {
     table.integer("first", first, "", "First frame that is taken.", 0, 1 << 30);
     table.integer("last", last, "", "Frame before which to stop.", 1, 1 << 30);
     table.integer("every", every, "frames", "Takes every n-th frame, as if the camera moved faster.", 1,
                   1000);
-    table.flag("peers", peers,
-               "Runs OpenCV's RGB-D odometry beside ours, and Open3D's where it is installed.");
+    table.flag("peers", peers, "Runs OpenCV's RGB-D odometry beside ours.");
+    table.flag("open3d", open3d,
+               "Runs Open3D's RGB-D odometry, too, where it is installed: a second per frame.");
   }
 };
 
@@ -27,8 +29,8 @@ void run(Arguments& arguments, Session& session) {
                                                  static_cast<size_t>(arguments.every)};
   std::vector<tracking_evaluation::Row> rows;
   for (const std::string& recording : arguments.recordings) {
-    auto more =
-        compare_trackers(recording, range, arguments.peers, session.flags().threads, session.progress());
+    auto more = compare_trackers(recording, range, {arguments.peers, arguments.open3d},
+                                 session.flags().threads, session.progress());
     std::move(more.begin(), more.end(), std::back_inserter(rows));
   }
   session.answer(to_text(rows), to_json(rows));

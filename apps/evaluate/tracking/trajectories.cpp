@@ -187,7 +187,7 @@ Row peer_row(const std::string& method, FrameOdometry& odometry, const Part& par
 
 }  // namespace
 
-std::vector<Row> compare_trackers(const std::string& recording, const FrameRange& range, bool peers,
+std::vector<Row> compare_trackers(const std::string& recording, const FrameRange& range, const Peers& peers,
                                   int threads, Progress& progress) {
   const auto whole = mapping::open_recording(recording);
   const Part part(*whole, range);
@@ -198,12 +198,13 @@ std::vector<Row> compare_trackers(const std::string& recording, const FrameRange
     if (const auto pose = part.frame(i).map_from_camera) reference[i] = *pose;
   if (reference.empty()) throw Error("the recording has no reference poses", {recording, 0, {}});
   std::vector<Row> rows = {our_row(part, reference, threads, progress)};
-  if (peers) {
-    const mapping::PinholeCamera& camera = part.info().camera.depth;
+  const mapping::PinholeCamera& camera = part.info().camera.depth;
+  if (peers.opencv)
     rows.push_back(peer_row("OpenCV RgbdICPOdometry", *opencv_odometry(camera), part, reference, progress));
-    if (const auto open3d = open3d_odometry(camera))
-      rows.push_back(peer_row("Open3D RGB-D odometry", *open3d, part, reference, progress));
-  }
+  if (const auto odometry = peers.open3d ? open3d_odometry(camera) : nullptr)
+    rows.push_back(peer_row("Open3D RGB-D odometry", *odometry, part, reference, progress));
+  else if (peers.open3d)
+    throw Error("loci was built without Open3D", {}, "install libopen3d-dev and build loci-evaluate again");
   Row own;
   own.method = "reference";
   finish(own, reference, reference, part);

@@ -18,6 +18,12 @@ struct FrameRange {
   size_t first = 0, last = SIZE_MAX, every = 1;
 };
 
+/// Methods that run beside ours.
+struct Peers {
+  bool opencv = true;
+  bool open3d = false;  ///< an error where it was not built
+};
+
 /// One method over one recording.
 struct Row {
   std::string recording, method;
@@ -31,10 +37,10 @@ struct Row {
   double frames_per_second = 0;
 };
 
-/// Tracks a recording with our tracker and, with `peers`, OpenCV's RgbdICPOdometry and Open3D's RGB-D
+/// Tracks a recording with our tracker and, as `peers` says, OpenCV's RgbdICPOdometry and Open3D's RGB-D
 /// odometry (if installed), and compares all with its poses, which are not used otherwise. The last row is of
 /// the reference itself: how well it fits the depth images.
-std::vector<Row> compare_trackers(const std::string& recording, const FrameRange& range, bool peers,
+std::vector<Row> compare_trackers(const std::string& recording, const FrameRange& range, const Peers& peers,
                                   int threads, Progress& progress);
 
 std::string to_text(const std::vector<Row>& rows);
