@@ -462,11 +462,12 @@ class Assembly {
   }
 
   bool join_hidden() {
+    constexpr float kMaxStep = 0.006f;  // two objects of nearly one height are as frequent as one half hidden
     for (size_t i = 0; i < pieces_.size(); ++i) {
       if (!alive(i) || pieces_[i].area < options_.splinter_m2) continue;
       for (size_t k = i + 1; k < pieces_.size(); ++k) {
         if (!alive(k) || pieces_[k].area < options_.splinter_m2 || contact(i, k) > 0) continue;
-        if (std::abs(pieces_[i].top - pieces_[k].top) > static_cast<float>(options_.slack_m)) continue;
+        if (std::abs(pieces_[i].top - pieces_[k].top) > kMaxStep) continue;
         if (gap(pieces_[i], pieces_[k], options_.hidden_gap_m) > options_.hidden_gap_m) continue;
         if (!one_behind_something(pieces_[i], pieces_[k])) continue;
         join(i, k);

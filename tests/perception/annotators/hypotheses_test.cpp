@@ -185,6 +185,16 @@ TEST(Clusters, ABoxHiddenInTheMiddleIsOneObject) {
   EXPECT_GT(best_overlap(found, 1), 0.8);
 }
 
+TEST(Clusters, TwoBoxesOfNearlyOneHeightWithAHiddenGapAreTwoObjects) {
+  SyntheticTable table;
+  table.boxes = {{{-0.0725, 0.05, 0.04}, {0.095, 0.10, 0.08}},
+                 {{0.0725, 0.05, 0.0445}, {0.095, 0.10, 0.089}},
+                 {{0, -0.08, 0.10}, {0.06, 0.06, 0.20}}};
+  const Found found = find(table, 0.05, table.up());
+  EXPECT_EQ(found.clusters.size(), 3U);
+  for (int label = 1; label <= 3; ++label) EXPECT_GT(best_overlap(found, label), 0.7) << label;
+}
+
 TEST(Clusters, ABowlIsOneObjectWithItsInside) {
   for (const double sigma : {0.0, 0.05}) {
     SyntheticTable table;
