@@ -16,6 +16,12 @@ WordSet word_set(const char* words) {
   return {all.begin(), all.end()};
 }
 
+/// "" where compounds leave no word.
+std::string first_lemma(const Words& words) {
+  const Tokens tokens = tokens_of(words);
+  return tokens.lemmas.empty() ? "" : tokens.lemmas[0];
+}
+
 bool all_in(const Words& lemmas, const WordSet& set) {
   return std::ranges::all_of(lemmas, [&](const std::string& lemma) { return set.contains(lemma); });
 }
@@ -95,6 +101,7 @@ bool is_tag(const Words& words) {
       "is was do did have had not it they there someone or right no yes "
       "still see know think may will correct");
   const Tokens tokens = tokens_of(words);
+  if (tokens.lemmas.empty()) return false;
   return all_in(tokens.lemmas, lemmas) && (class_of(tokens.lemmas[0]) == WordClass::auxiliary ||
                                            tokens.lemmas[0] == "or" || tokens.lemmas[0] == "yes");
 }
@@ -115,8 +122,7 @@ bool is_topic(const Words& words, const WordSet& concepts) {
 /// Words that begin a question or an order.
 bool begins_question(const Words& words, size_t at = 0) {
   if (at >= words.size()) return false;
-  const std::string lemma =
-      tokens_of(Words(words.begin() + static_cast<std::ptrdiff_t>(at), words.end())).lemmas[0];
+  const std::string lemma = first_lemma(Words(words.begin() + static_cast<std::ptrdiff_t>(at), words.end()));
   const WordClass word_class = class_of(lemma);
   return word_class == WordClass::question || word_class == WordClass::auxiliary || is_order(lemma);
 }
@@ -133,7 +139,8 @@ bool is_statement(const Words& words) {
   const Tokens tokens = tokens_of(words);
   if (words[0] == "because" || words[0] == "cos" || words[0] == "cause" || words[0] == "so" ||
       words[0] == "as")
-    return class_of(tokens.lemmas[1]) == WordClass::person || tokens.words[1] == "it";
+    return tokens.lemmas.size() > 1 &&
+           (class_of(tokens.lemmas[1]) == WordClass::person || tokens.words[1] == "it");
   // A statement has a verb.
   return std::ranges::any_of(tokens.lemmas, [](const std::string& lemma) {
     return class_of(lemma) == WordClass::auxiliary || class_of(lemma) == WordClass::person ||
@@ -165,7 +172,7 @@ void begin_embedded(Words& words, size_t count) {
   const std::string bridge = count > 0 ? words[count - 1] : "";
   replace_words(words, 0, count, {});
   const bool asks = bridge == "if" || bridge == "whether" || bridge == "that";
-  if (asks && !words.empty() && class_of(tokens_of(words).lemmas[0]) == WordClass::person)
+  if (asks && !words.empty() && class_of(first_lemma(words)) == WordClass::person)
     words.insert(words.begin(), "did");
 }
 
@@ -245,7 +252,7 @@ std::optional<Words> last_question(const Words& words, const WordSet& concepts) 
   if (words.empty() || !is_statement(words)) return std::nullopt;
   for (size_t i = words.size(); i-- > 2;) {
     Words rest(words.begin() + static_cast<std::ptrdiff_t>(i), words.end());
-    if (class_of(tokens_of(rest).lemmas[0]) != WordClass::question) continue;
+    if (class_of(first_lemma(rest)) != WordClass::question) continue;
     const Words topic =
         topic_of(Words(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(i)), concepts);
     if (find_pronoun(rest) && (topic.empty() || !replace_pronoun(rest, topic))) return std::nullopt;
@@ -340,7 +347,7 @@ void strip_politeness(Words& words) {
       "(that|which|who) you (know|know of|know about|can see|remember)");
   // A word that nobody knows before a question: "yo, where is the jam".
   if (words.size() > 2 && !is_known_word(words[0]) && !find_pronoun(words) &&
-      class_of(tokens_of(Words(words.begin() + 1, words.end())).lemmas[0]) == WordClass::question)
+      class_of(first_lemma(Words(words.begin() + 1, words.end()))) == WordClass::question)
     words.erase(words.begin());
   for (bool stripped = true; stripped;) {
     stripped = false;

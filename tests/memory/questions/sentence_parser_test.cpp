@@ -279,10 +279,30 @@ TEST(Sentences, Tasks) {
 }
 
 TEST(Sentences, TheRestIsRefused) {
-  for (const char* sentence :
-       {"", "?", " ", "hello", "What is the weather like?", "Sing a song", "How are you?", "the red cup",
-        "where", "what is", "Why is the sky blue?", "'; DROP TABLE object; --", "Set", "on the table",
-        "Will it rain on Monday?", "Is there", "Bring", "\xff\xfe", "Clean up the kitchen yesterday"}) {
+  for (const char* sentence : {"",
+                               "?",
+                               " ",
+                               "hello",
+                               "What is the weather like?",
+                               "Sing a song",
+                               "How are you?",
+                               "the red cup",
+                               "where",
+                               "what is",
+                               "Why is the sky blue?",
+                               "'; DROP TABLE object; --",
+                               "Set",
+                               "on the table",
+                               "of the day",
+                               "so of the day",
+                               "if of the day",
+                               "yo of the day",
+                               "where, of the day",
+                               "Will it rain on Monday?",
+                               "Is there",
+                               "Bring",
+                               "\xff\xfe",
+                               "Clean up the kitchen yesterday"}) {
     const auto query = parse_sentence(sentence, kTimes);
     EXPECT_FALSE(query) << sentence << " became " << query->text();
   }
