@@ -59,8 +59,8 @@ struct Parameters {
 
   // Existence
   double cut_off_log_odds = 0.5;  ///< a cut-off cluster is less certainly an object
-  double min_sighting = 0.5;  ///< frames in quick succession repeat each other's errors: being found again …
-  double max_sighting = 2;    ///< … counts by the seconds in between, within these bounds
+  double min_sighting = 0.5;      ///< what being found again at once counts: such frames repeat their errors
+  double max_sighting = 2;        ///< the same, a second later
   double repeat_clutter_in_video = 0.4;  ///< at least: frames in a row make the same mistakes
   double patience = 12;  ///< in a video, what was found repeatedly waits this many times longer for a view
   double max_log_odds = 20;        ///< of existing: evidence against must still count

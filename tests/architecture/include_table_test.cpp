@@ -30,6 +30,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"Eigen/", "Eigen"},
                                                                      {"opencv2/", "OpenCV"},
                                                                      {"tbb/", "TBB"},
+                                                                     {"date/", "date"},
                                                                      {"openssl/", "OpenSSL"},
                                                                      {"gumbo.h", "libgumbo"},
                                                                      {"png.h", "libpng"},

@@ -2,6 +2,7 @@
 // hypotheses.
 
 #include <algorithm>
+#include <cmath>
 
 #include "memory/belief/association/fusion.h"
 #include "memory/belief/association/scene_update.h"
@@ -49,7 +50,8 @@ void SceneUpdate::update_observed(size_t o, size_t k) {
   object.hidden_scenes = 0;
   object.hidden_reported = false;
   mark_observed(object, observation);
-  const double weight = std::clamp(seconds_unobserved, kParameters.min_sighting, kParameters.max_sighting);
+  const double weight =
+      std::lerp(kParameters.min_sighting, kParameters.max_sighting, std::clamp(seconds_unobserved, 0.0, 1.0));
   object.exists_log_odds +=
       (observation.partial ? 0.5 : 1.0) * weight * std::log(detection_rate() / repeat_clutter());
   object.exists_log_odds = std::min(object.exists_log_odds, kParameters.max_log_odds);

@@ -229,7 +229,7 @@ TEST_F(Belief, ConfirmationReportsEarlierObservations) {
     for (const Confirmed& confirmed : observe(i / 30.0, 1 / 30.0).confirmed)
       for (const PendingObservation& observation : confirmed.earlier)
         earlier.push_back(observation.observation);
-  EXPECT_THAT(earlier, ElementsAre(1, 2, 3, 4, 5, 6));
+  EXPECT_THAT(earlier, ElementsAre(1, 2, 3, 4, 5));
 }
 
 TEST_F(Belief, ObjectTakenAwayDuringAVideoIsGoneAfterASecondOrTwo) {
