@@ -128,9 +128,10 @@ TEST_F(Push, GoesOnAfterItWasKilledAtAnyMoment) {
     ASSERT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) == 0);
     WIFSIGNALED(status) ? ++killed : ++robots;
     // In one statement: the server may still be at work for the client that was killed.
-    EXPECT_EQ(number("SELECT (SELECT coalesce(sum(rows), 0) FROM loci.cursor WHERE table_name = 'association') "
-                     "- (SELECT count(*) FROM loci.association)"),
-              0)
+    EXPECT_EQ(
+        number("SELECT (SELECT coalesce(sum(rows), 0) FROM loci.cursor WHERE table_name = 'association') "
+               "- (SELECT count(*) FROM loci.association)"),
+        0)
         << "rows and cursor are committed together";
   }
   for (; robots > 0; --robots) {
