@@ -43,7 +43,7 @@ Command questions_command() {
   return {"questions",
           "Everyday questions in words against the truth of simulated days",
           {"loci-evaluate questions tests/data/questions/tuning.yaml -o demo-output/questions",
-           "loci-evaluate questions tests/data/questions/tuning.yaml -o demo-output/questions --json"},
+           "loci-evaluate questions tests/data/questions/held_out.yaml -o demo-output/questions --json"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
             table.positional("TABLE...", &arguments->tables, "Questions with their answers, as YAML");

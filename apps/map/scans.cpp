@@ -30,11 +30,12 @@ namespace {
 /// The recording, with tracked poses when it has none of its own.
 std::unique_ptr<mapping::Recording> open_posed(const std::string& path,
                                                const mapping::RecordingOptions& reading, Session& session) {
+  auto recording = mapping::open_recording(path, reading);
+  const bool has_poses = recording->info().frames_with_pose > 0;
   const Stopwatch watch;
-  auto recording =
-      mapping::with_known_poses(mapping::open_recording(path, reading), mapping::PosesFor::mapping,
-                                session.flags().threads, session.progress(), session.warnings());
-  session.timing("track", watch.seconds());
+  recording = mapping::with_known_poses(std::move(recording), mapping::PosesFor::mapping,
+                                        session.flags().threads, session.progress(), session.warnings());
+  if (!has_poses) session.timing("track", watch.seconds());
   for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
   return recording;
 }

@@ -26,9 +26,7 @@ void place(mapping::ScanSet& scans, const mapping::ScanSet& earlier, const std::
            Session& session) {
   const mapping::Placement placement =
       place_scans(earlier, scans, session.flags().threads, session.progress());
-  if (!placement.trusted)
-    throw Error("the recording cannot be placed in the map: " + placement.reason, {path, 0, {}},
-                "show more of the room, walls and corners with furniture, or give poses in the map's frame");
+  require_trusted(placement, path);
   for (mapping::Scan& scan : scans.scans) scan.map_from_scan = placement.map_from_scans * scan.map_from_scan;
   scans.levelled = true;
 }

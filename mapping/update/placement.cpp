@@ -96,7 +96,7 @@ Placement place_scans(const ScanSet& map_scans, const ScanSet& scans, int thread
   const Epoch map(map_scans, kCell, threads), seen(scans, kCell, threads);
   Placement result;
   if (map.surface().size() == 0 || seen.surface().size() == 0) {
-    result.reason = "there is no surface to compare";
+    result.reason = "a scan set holds no surface";
     return result;
   }
   const auto [middle, reach] = extent_of(map.surface());
@@ -139,6 +139,12 @@ Placement place_scans(const ScanSet& map_scans, const ScanSet& scans, int thread
   return result;
 }
 
+void require_trusted(const Placement& placement, const std::string& path) {
+  if (!placement.trusted)
+    throw Error("the recording cannot be placed in the map: " + placement.reason, {path, 0, {}},
+                "show more of the room, walls and corners with furniture, or give poses in the map's frame");
+}
+
 std::unique_ptr<Recording> placed_in_map(std::unique_ptr<Recording> tracked, const std::filesystem::path& map,
                                          int threads, Progress& progress, Warnings& warnings) {
   constexpr size_t kFrames = 120;  // are enough to know a room again
@@ -156,9 +162,7 @@ std::unique_ptr<Recording> placed_in_map(std::unique_ptr<Recording> tracked, con
   fusion.threads = threads;
   const ScanSet scans = fuse(*tracked, fusion, progress).scans;
   const Placement placement = place_scans(read_registered_scans(folder, warnings), scans, threads, progress);
-  if (!placement.trusted)
-    throw Error("the recording cannot be placed in the map: " + placement.reason, location,
-                "show more of the room, walls and corners with furniture, or give poses in the map's frame");
+  require_trusted(placement, location.file);
   const Vector3d at = placement.map_from_scans.translation();
   warnings.add(
       fmt::format("the recording was placed in the map: it begins at x {:.2f} y {:.2f} z {:.2f} m ({})",

@@ -27,6 +27,9 @@ struct Placement {
 /// well.
 Placement place_scans(const ScanSet& map_scans, const ScanSet& scans, int threads, Progress& progress);
 
+/// Error with the reason when scans of `path` are not placed.
+void require_trusted(const Placement& placement, const std::string& path);
+
 /// A tracked recording in the frame of a map (URDF) of the same room, by the scans of the map in `scans/`
 /// beside it. Warns where it was placed, or that it was not, because the map has no scans: then it stays in
 /// its frame. Error with the reason when it does not fit the map, or fits in several places.

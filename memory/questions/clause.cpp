@@ -14,9 +14,10 @@ const WordSet kAtRelations = {"on", "in", "at"};
 /// Verbs that say no more than that something is there, is seen or is known: rules need not name them.
 const WordSet kLight = {"stand", "exist", "see", "find", "know", "think", "get", "sure"};
 
+/// "2", "two"; "one" stands for a thing.
 bool is_number(const std::string& word) {
-  static const WordSet names = {"two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"};
-  return names.contains(word) || (!word.empty() && std::ranges::all_of(word, is_digit));
+  const auto count = count_of(word);
+  return count && (*count > 1 || is_digit(word[0]));
 }
 
 // ---- Words as parts of a clause.

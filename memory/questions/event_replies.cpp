@@ -125,10 +125,6 @@ void no_changes(const ChangesAnswer& answer, const Snapshot& snapshot, const Rep
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// From the last opening to the closing after it, or to the last scene.
 void how_long_open(const ChangesAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Change *opened = nullptr, *closed = nullptr;

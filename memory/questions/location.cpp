@@ -23,16 +23,14 @@ std::vector<Stay> stays_of(const Snapshot& snapshot, Id object) {
   for (const ObjectObservation& sighting : snapshot.store().observations_of(object, snapshot.as_of())) {
     const ObservationRow& seen = sighting.observation;
     const auto place = snapshot.place_ref(seen.place);
-    bool same = !stays.empty() && stays.back().place.has_value() == place.has_value() &&
-                (!place || stays.back().place->id == place->id);
+    const bool at_place = !stays.empty() && stays.back().place.has_value() == place.has_value() &&
+                          (!place || stays.back().place->id == place->id);
+    bool same = at_place;
     if (same && seen.position && stays.back().position)
       same = (*seen.position - *stays.back().position).norm() <= kSameSpot_m;
-    if (!same) {
-      const bool here = !stays.empty() && stays.back().place.has_value() == place.has_value() &&
-                        (!place || stays.back().place->id == place->id);
+    if (!same)
       stays.push_back(
-          {.place = place, .position = seen.position, .scenes = {}, .moved_in = !stays.empty() && !here});
-    }
+          {.place = place, .position = seen.position, .scenes = {}, .moved_in = !stays.empty() && !at_place});
     Stay& stay = stays.back();
     if (same && seen.position && stay.position) {
       const auto count = static_cast<double>(stay.scenes.size());

@@ -280,10 +280,6 @@ std::optional<double> believed_then(const WasAnswer& answer, const WasObject& ob
   return there && probability >= (object.after ? kLikely : kGood) ? std::optional(probability) : std::nullopt;
 }
 
-}  // namespace
-
-namespace {
-
 /// No where one look shows otherwise; yes where the first and the last look at the place saw it.
 Verdict throughout(const WasObject& object) {
   const bool missed = std::ranges::any_of(

@@ -25,15 +25,13 @@ ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question) {
     return !store.observations_of(object.object.id, question.as_of, question.from, question.to).empty();
   };
   const bool over = question.to && *question.to < TimeReader(store).now();
-  const auto left_then = [&](const ObjectBelief& object) {
-    return std::ranges::any_of(store.events(question.as_of, question.from, question.to),
-                               [&](const EventRow& event) {
-                                 return event.object == object.object.id && event.kind == EventKind::gone;
-                               });
-  };
+  std::set<Id> left_then;
+  if (question.gone && over)
+    for (const EventRow& event : store.events(question.as_of, question.from, question.to))
+      if (event.object && event.kind == EventKind::gone) left_then.insert(*event.object);
   std::erase_if(answer.objects, [&](const ObjectBelief& object) {
     const bool missing = object.status == ObjectStatus::gone || object.status == ObjectStatus::missed;
-    if (question.gone && (!missing || (over && !left_then(object)))) return true;
+    if (question.gone && (!missing || (over && !left_then.contains(object.object.id)))) return true;
     if ((question.from || question.to) && !(question.gone && over) && !seen_then(object)) return true;
     return question.unseen_since && object.last_seen && object.last_seen->time >= *question.unseen_since;
   });

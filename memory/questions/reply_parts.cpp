@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "mapping/base/text.h"
 #include "memory/questions/answer_format.h"
 
 namespace loci::memory::replies {
@@ -45,12 +44,7 @@ TimeSpan at_once(TimeNs time) {
 }
 
 size_t wanted_count(const Query& query) {
-  static const std::vector<std::string> names = {"zero", "one",   "two",   "three", "four", "five",
-                                                 "six",  "seven", "eight", "nine",  "ten"};
-  const std::string count = query.argument("count");
-  if (const auto named = std::ranges::find(names, count); named != names.end())
-    return static_cast<size_t>(named - names.begin());
-  return count.size() > 4 || count.empty() || !std::ranges::all_of(count, is_digit) ? 0 : std::stoul(count);
+  return static_cast<size_t>(std::max(0, count_of(query.argument("count")).value_or(0)));
 }
 
 void add_sightings(const std::vector<ObjectBelief>& objects, const Names& names, const ReplyContext& context,

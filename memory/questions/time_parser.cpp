@@ -55,21 +55,6 @@ std::optional<TimeNs> unit_of(std::string word) {
   return std::nullopt;
 }
 
-/// "9", "nine", "a".
-std::optional<int> count_of(const std::string& word) {
-  static const std::array<const char*, 21> names = {
-      "zero",     "one",     "two",     "three",     "four",     "five",     "six",
-      "seven",    "eight",   "nine",    "ten",       "eleven",   "twelve",   "thirteen",
-      "fourteen", "fifteen", "sixteen", "seventeen", "eighteen", "nineteen", "twenty"};
-  static const std::array<const char*, 3> tens = {"thirty", "forty", "fifty"};
-  for (size_t i = 0; i < tens.size(); ++i)
-    if (word == tens[i]) return 10 * static_cast<int>(i + 3);
-  for (size_t i = 0; i < names.size(); ++i)
-    if (word == names[i]) return static_cast<int>(i);
-  if (word == "a" || word == "an") return 1;
-  return number_of(word);
-}
-
 /// A part of the day, as a span after midnight.
 std::optional<TimeSpan> part_of_day(const std::string& word) {
   struct Part {
@@ -328,6 +313,20 @@ int local_weekday(TimeNs time, const TimeZone& zone) {
   const auto days =
       static_cast<int>(floor_to(zone.local(time), kDay) / kDay) + 3;  // the epoch was a Thursday
   return ((days % 7) + 7) % 7;
+}
+
+std::optional<int> count_of(const std::string& word) {
+  static const std::array<const char*, 21> names = {
+      "zero",     "one",     "two",     "three",     "four",     "five",     "six",
+      "seven",    "eight",   "nine",    "ten",       "eleven",   "twelve",   "thirteen",
+      "fourteen", "fifteen", "sixteen", "seventeen", "eighteen", "nineteen", "twenty"};
+  static const std::array<const char*, 3> tens = {"thirty", "forty", "fifty"};
+  for (size_t i = 0; i < tens.size(); ++i)
+    if (word == tens[i]) return 10 * static_cast<int>(i + 3);
+  for (size_t i = 0; i < names.size(); ++i)
+    if (word == names[i]) return static_cast<int>(i);
+  if (word == "a" || word == "an") return 1;
+  return number_of(word);
 }
 
 std::optional<int> weekday_of(std::string_view name) {

@@ -39,6 +39,8 @@ class TimeReader {
 
 int local_hour(TimeNs time, const TimeZone& zone);     ///< 0 to 23
 int local_weekday(TimeNs time, const TimeZone& zone);  ///< 0 = Monday
+/// "9", "nine", "a"; unset for other words.
+std::optional<int> count_of(const std::string& word);
 std::optional<int> weekday_of(std::string_view name);  ///< 0 for "monday"; unset for other words
 std::string duration_text(TimeNs duration);            ///< "1 h 5 min"; empty below a minute
 
