@@ -204,29 +204,6 @@ NoAnswer why_not(const Store& store, const Query& query, const AsOf& as_of, cons
   return {"never_seen", sentence(error.message()), error.hint()};
 }
 
-/// Where an unknown word is one typo away from a known one, the query with that one.
-std::optional<Query> respelt(const Snapshot& snapshot, Query query, std::vector<std::string>& notes) {
-  constexpr size_t kMinLength = 4;  // of words that are corrected
-  const std::vector<std::string> known = snapshot.known_names();
-  bool changed = false;
-  for (const Parameter& parameter : find_question(query.question)->parameters) {
-    const auto given = query.arguments.find(parameter.name);
-    if (given == query.arguments.end() || parameter.type != ParameterType::object) continue;
-    std::vector<std::string> words = words_of(given->second);
-    for (std::string& word : words) {
-      if (word.size() < kMinLength || std::ranges::count(known, word) > 0) continue;
-      const auto meant = std::ranges::find_if(
-          known, [&](const std::string& name) { return is_one_typo(word, lower_case(name)); });
-      if (meant == known.end()) continue;
-      notes.push_back(fmt::format("'{}' is taken as '{}'", word, *meant));
-      word = lower_case(*meant);
-      changed = true;
-    }
-    given->second = joined(words, " ");
-  }
-  return changed ? std::optional(std::move(query)) : std::nullopt;
-}
-
 /// Answers sentences, one after the other.
 class Conversation {
  public:
@@ -344,11 +321,8 @@ class Conversation {
       set_answer(query, tried);
     } catch (const UnknownName& error) {
       if (first && error.kind() == UnknownName::Kind::place) tried.reply = not_looked_into(query);
-      const auto other = respelt(Snapshot(store_, question_.as_of), query, notes);
-      const bool answered = other && answered_as(*other, tried);
-      if (!answered) tried.why_not = why_not(store_, query, question_.as_of, error);
-      if (!answered && !first) return false;
-      if (answered) query = *other;
+      if (!first) return false;
+      tried.why_not = why_not(store_, query, question_.as_of, error);
     } catch (const Error& error) {
       tried.why_not =
           NoAnswer{"not_possible", fmt::format("Not possible: {}.", error.message()), error.hint()};
@@ -385,15 +359,6 @@ class Conversation {
       replies.push_back(answer.answer->reply(context));
     }
     answer.reply = combined(replies, coordination);
-  }
-
-  bool answered_as(const Query& query, NaturalLanguageAnswer& answer) const {
-    try {
-      set_answer(query, answer);
-      return true;
-    } catch (const UnknownName&) {
-      return false;
-    }
   }
 
   const Store& store_;
