@@ -98,7 +98,7 @@ Verdict judge(const PairAlignment& pair, const Agreement& agreement, double seco
   if (pair.rmse_m > options.max_rmse_m)
     return refused(fmt::format("the surfaces fit only to {:.1f} cm", 100 * pair.rmse_m));
   if (second_score > agreement.score() - options.ambiguity_margin)
-    return refused("another pose fits about as well");
+    return {false, "another pose fits about as well", true};
   return {true, fmt::format("{:.0f} % overlap, {:.1f} mm rmse, {:.1f} % conflict", 100 * pair.overlap,
                             1000 * pair.rmse_m, 100 * pair.conflict)};
 }
@@ -136,6 +136,7 @@ class PairAligner {
     const Verdict verdict = judge(pair, fits, second_score, options_);
     pair.trusted = verdict.trusted;
     pair.reason = verdict.reason;
+    pair.ambiguous = verdict.ambiguous;
     if (pair.trusted && outside_window(guess, pair.target_from_source, window)) {
       pair.trusted = false;
       pair.reason = "fits, but far from the given pose of the scan";

@@ -34,10 +34,11 @@ Agreement agreement(const PreparedScan& target, const PreparedScan& source,
 /// overlap to metres: 0 when the pose may slide or rotate, 1 when all directions are equally constrained.
 double degeneracy(const Matrix6d& hessian, const Vector3d& about, double lever, bool planar);
 
-/// Whether a pair is trusted, and the reason.
+/// As PairAlignment states it.
 struct Verdict {
   bool trusted = false;
   std::string reason;
+  bool ambiguous = false;
 };
 /// `second_score`: of the best other pose, or a very small number.
 Verdict judge(const PairAlignment& pair, const Agreement& agreement, double second_score,

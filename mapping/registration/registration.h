@@ -38,7 +38,8 @@ struct PairAlignment {
   double degeneracy = 0;  ///< smallest over largest eigenvalue of the scaled Hessian
   double conflict = 0;    ///< part of the points in space that the other scan saw as free
   bool trusted = false;
-  std::string reason;  ///< why trusted or not
+  bool ambiguous = false;  ///< not trusted, because another pose fits about as well
+  std::string reason;      ///< why trusted or not
 };
 
 struct RegistrationResult {

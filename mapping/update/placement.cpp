@@ -86,7 +86,7 @@ std::pair<Vector3d, double> extent_of(const registration::Surfels& surface) {
 }
 
 double score_of(const PairAlignment& pair) {
-  return pair.overlap - 2 * pair.conflict;
+  return registration::Agreement{pair.overlap, pair.conflict}.score();
 }
 
 }  // namespace
@@ -114,7 +114,7 @@ Placement place_scans(const ScanSet& map_scans, const ScanSet& scans, int thread
                                           {0.05, 2 * kDegree}, placement_options(6));
     found.push_back(fine);
     // Only the search over the room knows of other places.
-    if (fine.trusted && !planar.trusted && planar.reason == "another pose fits about as well") {
+    if (fine.trusted && planar.ambiguous) {
       found.back().trusted = false;
       found.back().reason = "another place in the map fits about as well";
     }
