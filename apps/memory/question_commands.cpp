@@ -11,10 +11,10 @@
 #include "mapping/base/output_file.h"
 #include "mapping/base/text.h"
 #include "memory/questions/digest.h"
-#include "memory/questions/natural_language.h"
 #include "memory/questions/snapshot.h"
 #include "memory/reasoning/why.h"
 #include "memory/report/digest_page.h"
+#include "memory/sentences/natural_language.h"
 
 namespace loci::apps {
 namespace {

@@ -9,9 +9,9 @@
 #include "gui/data/object_details.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/questions/location.h"
-#include "memory/questions/natural_language.h"
 #include "memory/questions/snapshot.h"
 #include "memory/questions/time_parser.h"
+#include "memory/sentences/natural_language.h"
 #include "memory/store/scene_images.h"
 
 namespace loci::gui {

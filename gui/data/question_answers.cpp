@@ -1,7 +1,7 @@
 #include "gui/data/question_answers.h"
 
-#include "memory/questions/natural_language.h"
-#include "memory/questions/sentence_parser.h"
+#include "memory/sentences/natural_language.h"
+#include "memory/sentences/sentence_parser.h"
 
 namespace loci::gui {
 namespace {

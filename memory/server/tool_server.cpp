@@ -11,8 +11,8 @@
 #include "mapping/base/time.h"
 #include "memory/edits/edit_actions.h"
 #include "memory/questions/map_names.h"
-#include "memory/questions/natural_language.h"
 #include "memory/questions/question.h"
+#include "memory/sentences/natural_language.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {

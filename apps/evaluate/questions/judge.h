@@ -6,7 +6,7 @@
 #include "apps/evaluate/questions/memories.h"
 #include "apps/evaluate/questions/table.h"
 #include "mapping/base/json_fwd.h"
-#include "memory/questions/natural_language.h"
+#include "memory/sentences/natural_language.h"
 
 namespace loci::apps::questions {
 

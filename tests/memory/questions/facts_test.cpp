@@ -6,8 +6,8 @@
 #include "mapping/base/json.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/location.h"
-#include "memory/questions/natural_language.h"
 #include "memory/questions/taxonomy.h"
+#include "memory/sentences/natural_language.h"
 #include "tests/memory/questions/synthetic_day.h"
 #include "tests/memory/store/temporary_folder.h"
 

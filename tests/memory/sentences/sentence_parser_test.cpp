@@ -1,4 +1,4 @@
-#include "memory/questions/sentence_parser.h"
+#include "memory/sentences/sentence_parser.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "memory/questions/natural_language.h"
+#include "memory/sentences/natural_language.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,15 +8,15 @@
 
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
-#include "memory/questions/coordination.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
-#include "memory/questions/lexicon.h"
 #include "memory/questions/map_names.h"
 #include "memory/questions/objects.h"
-#include "memory/questions/sentence_parser.h"
 #include "memory/questions/snapshot.h"
-#include "memory/questions/spelling.h"
+#include "memory/sentences/coordination.h"
+#include "memory/sentences/lexicon.h"
+#include "memory/sentences/sentence_parser.h"
+#include "memory/sentences/spelling.h"
 
 namespace loci::memory {
 namespace {

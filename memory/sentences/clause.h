@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "memory/questions/lexicon.h"
-#include "memory/questions/sentence_time.h"
+#include "memory/sentences/lexicon.h"
+#include "memory/sentences/sentence_time.h"
 
 namespace loci::memory {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "memory/questions/lexicon.h"
+#include "memory/sentences/lexicon.h"
 
 namespace loci::memory {
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
-#include "memory/questions/lexicon.h"
 #include "memory/questions/time_parser.h"
+#include "memory/sentences/lexicon.h"
 
 namespace loci::memory {
 

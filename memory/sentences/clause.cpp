@@ -1,9 +1,9 @@
-#include "memory/questions/clause.h"
+#include "memory/sentences/clause.h"
 
 #include <algorithm>
 
 #include "mapping/base/text.h"
-#include "memory/questions/discourse.h"
+#include "memory/sentences/discourse.h"
 
 namespace loci::memory {
 namespace {

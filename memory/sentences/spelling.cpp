@@ -1,13 +1,13 @@
-#include "memory/questions/spelling.h"
+#include "memory/sentences/spelling.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "mapping/base/text.h"
-#include "memory/questions/lexicon.h"
 #include "memory/questions/question.h"
-#include "memory/questions/vocabulary.h"
+#include "memory/sentences/lexicon.h"
+#include "memory/sentences/vocabulary.h"
 
 namespace loci::memory {
 namespace {
@@ -28,28 +28,14 @@ const std::set<std::string>& known_words() {
     }
     for (const auto& [form, by] : vocabulary::compounds()) add(form);
     for (const auto& of_class : vocabulary::classes()) add(of_class.words);
+    for (const auto& surrounding : vocabulary::surroundings()) add(surrounding.words);
     add(vocabulary::kHouseholdWords);
+    add(vocabulary::kOtherWords);
     for (const Question& question : questions())
       for (const SentenceForm& form : question.sentences) {
         for (const std::string& word : sentence_words(form.example)) words.insert(word);
         for (const std::string& word : words_of(form.form, " []<>|:-")) words.insert(word);
       }
-    add("tell show give say ask wonder know kind enough idea clue chance possible please thanks thank hello "
-        "hi "
-        "robot hey dear mate love computer excuse sorry quick check confirm verify explain help let i me my "
-        "mine "
-        "you your yours us our ours he she him her his i'm i've we're we they're mean who whom whose why how "
-        "what when where which that these those being been am are the a an and or not no yes but so if can "
-        "could may might will shall must do does did done has have had is was were be");
-    add("it they them this that there one ones two three four five six seven eight nine ten eleven twelve "
-        "twenty thirty forty fifty fifteen half quarter past to am pm now today yesterday tonight noon "
-        "midday "
-        "midnight lunchtime teatime morning afternoon evening night breakfast lunch dinner supper hour hours "
-        "minute minutes second seconds week monday tuesday wednesday thursday friday saturday sunday ago "
-        "before after until till because could couldn't would wouldn't whether if number o'clock many third "
-        "fourth fifth bring fetch stow pack wipe show give list describe set clean put together else usually "
-        "every exactly between during through throughout course long often far wide use home first last "
-        "isn't wasn't aren't weren't don't didn't hasn't haven't what's where's it's that's who's");
     return words;
   }();
   return all;

@@ -1,4 +1,4 @@
-#include "memory/questions/vocabulary.h"
+#include "memory/sentences/vocabulary.h"
 
 namespace loci::memory::vocabulary {
 namespace {
@@ -320,6 +320,32 @@ constexpr ClassWords kClasses[] = {
      "recipe poem story firmware battery wifi internet volume alarm timer"},
 };
 
+constexpr SurroundingWords kSurroundings[] = {
+    {kAddress,
+     "robot dear mate buddy pal darling sweetheart sweetie sir madam ma'am computer assistant machine "
+     "loci friend dude bro guys folks man folk chap fella lad alexa siri jarvis"},
+    {kAddress | kIntroduction, "love"},
+    {kPolite,
+     "thanks thank morning evening afternoon day yes one more listen pardon now then by way no young "
+     "very much hurry cheers bye alright everyone greetings honestly anyway wait hold hang sec oops damn "
+     "god goodness heavens come course still honest fact fine"},
+    {kPolite | kIntroduction,
+     "excuse someone please hello hi hey sorry ok okay good well so quick quickly question a and the "
+     "near not if may do just my old mind is it for help you in about curious there second moment bother "
+     "to of be actually great"},
+    {kPolite | kIntroduction | kClaim, "right correct tell think know see"},
+    {kIntroduction,
+     "was been will did have had want ask asking wonder wondering interested find out figure work try "
+     "trying remember like forget forgot forgotten idea clue any chance look up explain as on hope "
+     "hoping possible able telling an happen show remind give let what but hint need inform clear yet "
+     "also really possibly kind enough memory your perhaps maybe kindly this would information empty "
+     "point hear understand advise nice lovely helpful grateful appreciate thankful glad happy wish "
+     "should minute me us some idea's notion guess faintest slightest at all with from could can might "
+     "use head answer asked wondered that's thing brain learn nosy worried concerned puzzled confused "
+     "trouble somebody interest determine establish"},
+    {kIntroduction | kClaim, "sure say confirm true case report state verify check assume"},
+};
+
 }  // namespace
 
 std::span<const Lemma> lemmas() {
@@ -330,6 +356,9 @@ std::span<const Compound> compounds() {
 }
 std::span<const ClassWords> classes() {
   return kClasses;
+}
+std::span<const SurroundingWords> surroundings() {
+  return kSurroundings;
 }
 
 const char* const kHouseholdWords =
@@ -361,5 +390,12 @@ const char* const kHouseholdWords =
     "large little tall short long flat round square wooden plastic metal ceramic biggest largest smallest "
     "tallest shortest longest littlest highest medium tiny huge empty full upper lower top bottom left "
     "middle";
+
+const char* const kOtherWords =
+    "i mine yours ours mean whom am must done they ones seven eight nine ten eleven twelve twenty "
+    "thirty forty fifty fifteen half quarter past pm today yesterday tonight noon midday midnight "
+    "lunchtime teatime night breakfast lunch dinner supper seconds monday tuesday wednesday thursday "
+    "friday saturday sunday before because third fourth fifth bring fetch stow pack wipe list describe "
+    "clean usually every through throughout";
 
 }  // namespace loci::memory::vocabulary

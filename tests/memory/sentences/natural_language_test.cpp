@@ -1,4 +1,4 @@
-#include "memory/questions/natural_language.h"
+#include "memory/sentences/natural_language.h"
 
 #include "mapping/base/json.h"
 #include "memory/questions/contents.h"

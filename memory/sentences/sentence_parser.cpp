@@ -1,13 +1,13 @@
-#include "memory/questions/sentence_parser.h"
+#include "memory/sentences/sentence_parser.h"
 
 #include <algorithm>
 #include <set>
 
 #include "mapping/base/error.h"
 #include "mapping/base/text.h"
-#include "memory/questions/clause.h"
-#include "memory/questions/lexicon.h"
-#include "memory/questions/spelling.h"
+#include "memory/sentences/clause.h"
+#include "memory/sentences/lexicon.h"
+#include "memory/sentences/spelling.h"
 
 namespace loci::memory {
 namespace {

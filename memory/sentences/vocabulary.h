@@ -3,7 +3,7 @@
 #include <span>
 #include <utility>
 
-#include "memory/questions/lexicon.h"
+#include "memory/sentences/lexicon.h"
 
 namespace loci::memory::vocabulary {
 
@@ -24,7 +24,22 @@ struct ClassWords {
 };
 std::span<const ClassWords> classes();
 
+/// What words around a question do; a word may do several of these.
+enum Use : unsigned {
+  kAddress = 1,       ///< "mate", "robot"
+  kPolite = 2,        ///< "please", "good morning", "excuse me"
+  kIntroduction = 4,  ///< "could you tell me", "I was wondering"
+  kClaim = 8,         ///< an introduction that "that" may follow: "do you think"
+};
+struct SurroundingWords {
+  unsigned uses;
+  const char* words;
+};
+std::span<const SurroundingWords> surroundings();
+
 /// Nouns and adjectives of a home, which no memory need know: they are names, and no typos of other words.
 extern const char* const kHouseholdWords;
+/// Words that are no typos, beside all these: pronouns, numbers, times.
+extern const char* const kOtherWords;
 
 }  // namespace loci::memory::vocabulary

@@ -1,4 +1,4 @@
-#include "memory/questions/coordination.h"
+#include "memory/sentences/coordination.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "memory/questions/lexicon.h"
+#include "memory/sentences/lexicon.h"
 
 #include <algorithm>
 #include <cctype>
@@ -6,7 +6,7 @@
 
 #include "mapping/base/text.h"
 #include "memory/questions/time_parser.h"
-#include "memory/questions/vocabulary.h"
+#include "memory/sentences/vocabulary.h"
 
 namespace loci::memory {
 namespace {
@@ -81,7 +81,7 @@ Words expanded(const std::string& word) {
   return {word};
 }
 
-bool is_number(const std::string& word) {
+bool is_digits(const std::string& word) {
   return !word.empty() && std::ranges::all_of(word, is_digit);
 }
 
@@ -100,7 +100,7 @@ Words parts_of(const std::string& word) {
     return parts;
   size_t count = parts.size();
   while (count > 2 && pieces.contains(parts[count - 1])) --count;
-  if (count == parts.size() || !is_number(parts[count - 1])) return {word};
+  if (count == parts.size() || !is_digits(parts[count - 1])) return {word};
   parts.resize(count);
   return {joined(parts, "_")};
 }
@@ -118,7 +118,7 @@ void name_by_number(Words& words) {
     // "object 7", "object number 7"
     if (words[i] == "object" && i + 2 < words.size() && (words[i + 1] == "number" || words[i + 1] == "no"))
       words.erase(words.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-    if (words[i] == "object" && is_number(without_hash(words[i + 1]))) {
+    if (words[i] == "object" && is_digits(without_hash(words[i + 1]))) {
       words[i] += "_" + without_hash(words[i + 1]);
       words.erase(words.begin() + static_cast<std::ptrdiff_t>(i) + 1);
     }

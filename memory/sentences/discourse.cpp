@@ -1,10 +1,11 @@
-#include "memory/questions/discourse.h"
+#include "memory/sentences/discourse.h"
 
 #include <algorithm>
 #include <optional>
 
 #include "mapping/base/text.h"
-#include "memory/questions/spelling.h"
+#include "memory/sentences/spelling.h"
+#include "memory/sentences/vocabulary.h"
 
 namespace loci::memory {
 namespace {
@@ -14,6 +15,14 @@ using WordSet = std::set<std::string>;
 WordSet word_set(const char* words) {
   const Words all = words_of(words);
   return {all.begin(), all.end()};
+}
+
+/// Words with any of these uses.
+WordSet words_used(unsigned uses) {
+  WordSet all;
+  for (const vocabulary::SurroundingWords& one : vocabulary::surroundings())
+    if ((one.uses & uses) != 0) all.merge(word_set(one.words));
+  return all;
 }
 
 /// "" where compounds leave no word.
@@ -71,27 +80,9 @@ std::vector<Words> fragments_of(const std::string& sentence) {
   return fragments;
 }
 
-/// Forms of address.
-const WordSet& names_of_address() {
-  static const WordSet names = word_set(
-      "robot dear mate buddy pal darling love sweetheart sweetie sir madam ma'am computer assistant machine "
-      "loci friend dude bro guys folks man folk chap fella lad alexa siri jarvis");
-  return names;
-}
-
 /// "Excuse me", "thanks", "robot", "please".
 bool is_polite(const Words& words) {
-  static const WordSet lemmas = [] {
-    WordSet all = names_of_address();
-    all.merge(word_set(
-        "excuse someone thanks thank please hello hi hey sorry ok okay good morning evening afternoon day "
-        "well so right yes quick quickly question a one more listen pardon and now then correct by the near "
-        "way not no tell if may do think know just my old young very much mind is it for help you in about "
-        "hurry curious cheers bye alright there everyone greetings honestly anyway wait hold see hang second "
-        "moment sec oops damn god goodness heavens bother come to of course still be honest fact actually "
-        "great fine"));
-    return all;
-  }();
+  static const WordSet lemmas = words_used(vocabulary::kAddress | vocabulary::kPolite);
   return all_in(tokens_of(words).lemmas, lemmas);
 }
 
@@ -282,22 +273,8 @@ std::optional<Words> without_tail(const Words& words) {
 
 /// Removes what comes before an embedded question: "could you tell me", "I was wondering", "any idea".
 void strip_wrapper(Words& words) {
-  static const WordSet wrapper = word_set(
-      "someone is was been may will do did have had want know ask asking wonder wondering curious interested "
-      "find out figure work try trying to remember not sure like love forget forgot forgotten tell help "
-      "think "
-      "idea clue any near chance say look confirm see up explain of about as in on hope hoping possible able "
-      "mind telling question my it there a the an happen show remind give let true case correct right what "
-      "and but so well hint need inform quickly clear yet also please just really possibly hello hi hey "
-      "excuse sorry ok okay kind enough memory your for perhaps maybe kindly actually this would information "
-      "report state empty point verify check hear understand advise nice great lovely good helpful grateful "
-      "appreciate thankful glad happy wish should quick moment second minute if you me us some idea's notion "
-      "guess faintest slightest at all with from could can might use head memory answer asked wondered "
-      "that's thing old brain learn be nosy worried concerned puzzled confused trouble bother somebody "
-      "interest determine establish");
-  static const WordSet claims = word_set(
-      "think true case correct right say confirm know tell sure see verify check "
-      "assume report state");
+  static const WordSet wrapper = words_used(vocabulary::kIntroduction);
+  static const WordSet claims = words_used(vocabulary::kClaim);
   const Tokens tokens = tokens_of(words);
   bool claimed = false, stated = false;
   for (size_t i = 0; i < tokens.lemmas.size(); ++i) {

@@ -1,4 +1,4 @@
-#include "memory/questions/sentence_time.h"
+#include "memory/sentences/sentence_time.h"
 
 #include <algorithm>
 #include <map>
