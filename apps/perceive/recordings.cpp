@@ -19,8 +19,11 @@
 #include "mapping/recording/recording.h"
 #include "mapping/tracking/known_poses.h"
 #include "mapping/update/placement.h"
+#include "mapping/world/urdf.h"
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
+#include "memory/exchange/marker_layers.h"
+#include "memory/questions/map_names.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/frame_outcome.h"
 #include "perception/annotators/io/labelled_recording.h"
@@ -60,6 +63,8 @@ std::string info_text(const mapping::RecordingInfo& info) {
                      fmt::format("depth   {}\n", camera_text(info.camera.depth)) +
                      fmt::format("colour  {}, at {:.3f} {:.3f} {:.3f} m from depth\n",
                                  camera_text(info.camera.color), offset.x(), offset.y(), offset.z());
+  if (info.camera_names.size() > 1)
+    text += fmt::format("cameras {}; the first is read\n", joined(info.camera_names, ", "));
   for (const std::string& guess : info.guesses) text += fmt::format("guessed {}\n", guess);
   for (const std::string& problem : info.problems) text += fmt::format("problem {}\n", problem);
   return text;
@@ -85,9 +90,20 @@ namespace {
 
 struct ConvertArguments {
   RecordingArguments recording;
-  std::string out, format;
+  std::string out, format, map, memory;
   int every = 1;
 };
+
+/// Of the map that was given, else of the memory's.
+std::vector<mapping::MarkerLayer> layers_of_map(const ConvertArguments& arguments, const memory::Store* store,
+                                                Warnings& warnings) {
+  const std::string& file = arguments.map.empty() ? arguments.memory : arguments.map;
+  const mapping::MeshSearch search{{}, std::filesystem::path(file).parent_path()};
+  if (!arguments.map.empty()) return memory::map_layers(mapping::read_urdf(arguments.map), search, warnings);
+  if (store == nullptr) return {};
+  const std::optional<mapping::World> map = memory::named_map(*store);
+  return map ? memory::map_layers(*map, search, warnings) : std::vector<mapping::MarkerLayer>();
+}
 
 void convert(const ConvertArguments& arguments, Session& session) {
   static const std::map<std::string, mapping::RecordingFormat> kFormats = {
@@ -100,8 +116,22 @@ void convert(const ConvertArguments& arguments, Session& session) {
       kFormats.at(format), arguments.every, {arguments.recording.path}, session.flags().force};
   if (!arguments.recording.options.poses.empty())
     options.inputs.emplace_back(arguments.recording.options.poses);
+  for (const std::string& drawn : {arguments.map, arguments.memory}) {
+    if (drawn.empty()) continue;
+    if (format != "mcap")
+      throw Error(fmt::format("layout {} has no place for a map or objects", format), {arguments.out, 0, {}},
+                  "write --format mcap");
+    options.inputs.emplace_back(drawn);
+  }
   const auto recording = arguments.recording.open();
   for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
+  std::optional<memory::Store> store;
+  if (!arguments.memory.empty()) {
+    store.emplace(memory::Store::open_read(arguments.memory));
+    options.layers.push_back(memory::object_layer(*store));
+  }
+  for (mapping::MarkerLayer& layer : layers_of_map(arguments, store ? &*store : nullptr, session.warnings()))
+    options.layers.push_back(std::move(layer));
   const size_t frames = convert_recording(*recording, arguments.out, options, session.progress());
   session.answer(fmt::format("{} written to {} as {}\n", counted(frames, "frame"), arguments.out, format),
                  {{"frames", frames}, {"out", arguments.out}, {"format", format}});
@@ -112,7 +142,7 @@ void convert(const ConvertArguments& arguments, Session& session) {
 Command convert_command() {
   return {"convert",
           "Write a recording in another layout: loci, MCAP for ROS 2 and Foxglove, or TUM RGB-D",
-          {"loci-perceive convert demo-output/tour -o demo-output/tour.mcap",
+          {"loci-perceive convert demo-output/day -m demo-output/memory.loci -o demo-output/day.mcap",
            "loci-perceive convert demo-output/day -o demo-output/day-tum --format tum --every 4"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<ConvertArguments>();
@@ -121,6 +151,9 @@ Command convert_command() {
             table.option("--format FORMAT", &arguments->format, "Layout of the output",
                          {.default_text = "by the ending of OUT", .choices = {"loci", "mcap", "tum"}});
             table.option("--every N", &arguments->every, "Take every n-th frame", {.min = 1});
+            table.option("-m,--memory MEMORY", &arguments->memory,
+                         "MCAP also shows the objects of this memory, and its map, as markers");
+            table.option("--map MAP", &arguments->map, "MCAP also shows this map (URDF) as markers");
             return [arguments](Session& session) { convert(*arguments, session); };
           }};
 }

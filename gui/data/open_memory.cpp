@@ -71,13 +71,10 @@ const memory::ObservationRow& OpenMemory::observation(memory::Id id) const {
 
 BelievedObject OpenMemory::believed(const memory::BeliefRow& row) const {
   BelievedObject object{row, {}, {}};
-  if (row.position) object.map_from_object = Isometry3d(Eigen::Translation3d(*row.position));
-  if (row.last_observation) {  // The belief is a position; the orientation is that of the last observation.
-    const memory::ObservationRow& seen = observation(*row.last_observation);
-    if (seen.map_from_box) object.map_from_object = *seen.map_from_box;
-    if (seen.map_from_box && row.position && seen.position)
-      object.map_from_object->translation() += *row.position - *seen.position;
-    if (seen.size) object.size = seen.size;
+  if (const auto box =
+          memory::believed_box(row, row.last_observation ? &observation(*row.last_observation) : nullptr)) {
+    object.map_from_object = box->map_from_box;
+    object.size = box->size;
   }
   if (const memory::SceneRow* scene = index_.scene(row.last_scene)) object.last_seen = scene->time;
   return object;

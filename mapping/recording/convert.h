@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mapping/base/progress.h"
+#include "mapping/recording/markers.h"
 #include "mapping/recording/recording.h"
 
 namespace loci::mapping {
@@ -17,11 +18,12 @@ struct ConvertOptions {
   int every = 1;                              ///< takes every n-th frame
   std::vector<std::filesystem::path> inputs;  ///< what the same command reads; never replaced
   bool force = false;                         ///< an MCAP file may replace one that loci did not write
+  std::vector<MarkerLayer> layers = {};       ///< drawn over the recording; MCAP only
 };
 
 /// Writes a recording in another layout; the number of frames.
 ///   loci  the folder that loci reads fastest
-///   mcap  one file for ROS 2, Foxglove and Rerun: depth and colour with their cameras, tf, joints
+///   mcap  one file for ROS 2, Foxglove and Rerun: depth and colour with their cameras, tf, joints, markers
 ///   tum   the folder of the TUM RGB-D benchmark; poses are those of the depth camera
 /// What was there before is replaced only if loci wrote it, and stays when this fails.
 size_t convert_recording(const Recording& recording, const std::filesystem::path& out,

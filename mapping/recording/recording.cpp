@@ -139,6 +139,7 @@ Json to_json(const RecordingInfo& info) {
   json["last_time"] = format_time(info.last_time);
   json["time_assumed"] = info.time_assumed;
   if (!info.time_zone.empty()) json["time_zone"] = info.time_zone;
+  if (!info.camera_names.empty()) json["camera_names"] = info.camera_names;
   json["cameras"]["depth"] = to_json(info.camera.depth);
   json["cameras"]["color"] = to_json(info.camera.color);
   json["cameras"]["color"]["depth_from_color"] = values_from_pose(info.camera.depth_from_color);
@@ -148,6 +149,9 @@ Json to_json(const RecordingInfo& info) {
 }
 
 void RecordingOptions::declare(OptionTable& table) {
+  table.text("camera", camera,
+             "Of a bag with several cameras: the name of one, as `info` lists them; empty takes the one with "
+             "the most images.");
   table.text("topics", topics,
              "Of a bag: the topic of depth images, and with a comma that of colour images; empty chooses.");
   table.text("poses", poses,
@@ -162,6 +166,10 @@ void RecordingOptions::declare(OptionTable& table) {
 std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingOptions& options) {
   if (!fs::exists(path)) throw Error("no such recording", {path.string(), 0, {}});
   std::unique_ptr<Recording> recording = open_format(path, options);
+  if (!options.camera.empty() && recording->info().camera_names.empty())
+    throw Error(
+        fmt::format("a recording of layout {} has one camera without a name", recording->info().format),
+        {path.string(), 0, "--camera"});
   if (!options.poses.empty()) {
     auto poses = read_poses_for(*recording, options.poses);
     recording = with_poses(std::move(recording), std::move(poses), "world", false);

@@ -19,6 +19,9 @@ struct RecordingInfo {
   std::string path;
   std::string map_frame;  ///< frame of the poses; "" when there are none
   RgbdCamera camera;
+  /// Names of all depth cameras of a bag, the one that is read first; a recording is of one camera. Empty for
+  /// layouts that hold only one.
+  std::vector<std::string> camera_names = {};
   bool levelled = true;                  ///< z of the map frame is known to be up
   std::optional<Vector3d> up_in_camera;  ///< unit, in the first frame's camera, measured by an IMU
   size_t frames = 0;
@@ -36,6 +39,7 @@ Json to_json(const RecordingInfo& info);
 
 /// What a recording does not say about itself. The defaults suit most.
 struct RecordingOptions {
+  std::string camera;
   std::string topics;
   std::string poses;
   std::string up = "auto";

@@ -135,6 +135,19 @@ bool is_believed_at(const BeliefRow& belief, Id place) {
   return belief.place == place && belief.status != ObjectStatus::gone && belief.probability >= 0.5;
 }
 
+std::optional<BelievedBox> believed_box(const BeliefRow& belief, const ObservationRow* seen) {
+  std::optional<BelievedBox> box;
+  if (belief.position) box = {Isometry3d(Eigen::Translation3d(*belief.position)), belief.size};
+  if (seen == nullptr || !seen->map_from_box) {
+    if (box && seen != nullptr && seen->size) box->size = seen->size;
+    return box;
+  }
+  box = {*seen->map_from_box, seen->size ? seen->size : belief.size};
+  if (belief.position && seen->position)
+    box->map_from_box.translation() += *belief.position - *seen->position;
+  return box;
+}
+
 Snapshot::Snapshot(const Store& store, const AsOf& as_of)
     : store_(store),
       moment_(store),

@@ -109,4 +109,13 @@ std::optional<Vector3d> centre_of(const PlaceRow& place);
 
 bool is_believed_at(const BeliefRow& belief, Id place);
 
+/// The box of an object as it is believed to stand, map frame.
+struct BelievedBox {
+  Isometry3d map_from_box = Isometry3d::Identity();
+  std::optional<Vector3d> size = {};  ///< along its axes, metres
+};
+/// A belief is of a position: the turn and size of the box are those of the last observation, `seen` (nullptr
+/// = none). Unset when nothing says where it is.
+std::optional<BelievedBox> believed_box(const BeliefRow& belief, const ObservationRow* seen);
+
 }  // namespace loci::memory

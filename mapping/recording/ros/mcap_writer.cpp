@@ -48,11 +48,6 @@ std::string zstd_of(std::string_view bytes) {
 
 }  // namespace
 
-CdrWriter& CdrWriter::header(TimeNs stamp, std::string_view frame) {
-  add(static_cast<int32_t>(stamp / kSecond)).add(static_cast<uint32_t>(stamp % kSecond));
-  return text(frame);
-}
-
 McapWriter::McapWriter(const std::filesystem::path& path, const OutputOptions& options)
     : file_(path, options) {
   write(kMagic);

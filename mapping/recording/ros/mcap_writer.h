@@ -46,32 +46,4 @@ class McapWriter {
   std::vector<ChunkIndex> chunks_;
 };
 
-/// Serialises the fields of a message as CDR (little endian).
-class CdrWriter {
- public:
-  template <typename T>
-  CdrWriter& add(T value) {
-    while ((bytes_.size() - kHead) % sizeof(T) != 0) bytes_ += '\0';
-    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
-    return *this;
-  }
-  CdrWriter& text(std::string_view value) {
-    add(static_cast<uint32_t>(value.size() + 1));
-    bytes_ += value;
-    bytes_ += '\0';
-    return *this;
-  }
-  CdrWriter& data(std::string_view value) {
-    add(static_cast<uint32_t>(value.size()));
-    bytes_ += value;
-    return *this;
-  }
-  CdrWriter& header(TimeNs stamp, std::string_view frame);
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  static constexpr size_t kHead = 4;
-  std::string bytes_ = std::string("\0\1\0\0", kHead);
-};
-
 }  // namespace loci::mapping

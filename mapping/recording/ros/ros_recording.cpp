@@ -41,6 +41,21 @@ size_t shared_levels(const std::string& a, const std::string& b) {
   return count;
 }
 
+/// The camera that a topic of depth images is of: what stands before its first level about depth or images,
+/// "head/kinect" of "/head/kinect/depth/image_raw" and of "/head/kinect/aligned_depth_to_color/image_raw".
+std::string camera_name(const std::string& topic) {
+  std::string name;
+  for (const std::string& level : split(topic, '/')) {
+    if (level.empty()) continue;
+    const std::string lower = lower_case(level);
+    if (!name.empty() &&
+        (lower.find("depth") != std::string::npos || lower.find("image") != std::string::npos))
+      break;
+    name += (name.empty() ? "" : "/") + level;
+  }
+  return name;
+}
+
 /// "/camera/depth/image_raw (sensor_msgs/Image), …" for messages.
 std::string listing(const std::vector<BagTopic>& topics) {
   constexpr size_t kMax = 12;
@@ -72,7 +87,7 @@ RosRecording::RosRecording(const std::filesystem::path& path, const RecordingOpt
   info_.format = is_ros1_bag(path) ? "rosbag" : "rosbag2";
   info_.path = path.string();
   const Content content = read_content();
-  choose_streams(content, options.topics);
+  choose_streams(content, options);
   set_cameras(content);
   add_frames(content, options.color_delay_s);
   set_joints(content.joints);
@@ -145,12 +160,21 @@ RosRecording::Content RosRecording::read_content() {
 }
 
 const RosRecording::Stream* RosRecording::color_for(const Stream& depth, const Content& content) const {
+  // Colour that has more of its name in common with another camera's depth is that camera's.
+  const auto is_of_another = [&](const Stream& color) {
+    return std::ranges::any_of(content.images, [&](const auto& image) {
+      const Stream& other = image.second;
+      return other.is_depth() && camera_name(other.topic) != camera_name(depth.topic) &&
+             shared_levels(color.topic, other.topic) > shared_levels(color.topic, depth.topic);
+    });
+  };
   const auto rank = [&](const Stream& stream) {
     return std::tuple(stream.has_colors(), shared_levels(stream.topic, depth.topic), stream.when.size());
   };
   const Stream* best = nullptr;
   for (const auto& [name, stream] : content.images)
-    if (!stream.is_depth() && (best == nullptr || rank(stream) > rank(*best))) best = &stream;
+    if (!stream.is_depth() && !is_of_another(stream) && (best == nullptr || rank(stream) > rank(*best)))
+      best = &stream;
   return best;
 }
 
@@ -167,24 +191,53 @@ const RosRecording::Stream& RosRecording::chosen(const std::string& topic, const
               names.empty() ? "" : fmt::format("it has {}", joined(names, ", ")));
 }
 
-void RosRecording::choose_streams(const Content& content, const std::string& topics) {
-  const std::vector<std::string> wanted = topics.empty() ? std::vector<std::string>() : split(topics, ',');
-  std::vector<const Stream*> depths;
+std::vector<const RosRecording::Stream*> RosRecording::depths_of_camera(const Content& content,
+                                                                        const RecordingOptions& options) {
+  std::map<std::string, std::vector<const Stream*>> cameras;
   for (const auto& [name, stream] : content.images)
-    if (stream.is_depth()) depths.push_back(&stream);
-  if (depths.empty())
+    if (stream.is_depth()) cameras[camera_name(name)].push_back(&stream);
+  if (cameras.empty())
     throw Error("the bag has no depth images", {info_.path, 0, {}},
                 fmt::format("a {} or {} of 16UC1, 32FC1 or compressedDepth is needed; there is {}", kImage,
                             kCompressed, listing(bag_.topics())));
+  const auto most_images = [](const auto& camera) {
+    size_t most = 0;
+    for (const Stream* depth : camera.second) most = std::max(most, depth->when.size());
+    return most;
+  };
+  auto read = std::ranges::max_element(cameras, {}, most_images);
+  if (!options.topics.empty())
+    read = cameras.find(camera_name(chosen(split(options.topics, ',')[0], content, true).topic));
+  std::vector<std::string> names;
+  for (const auto& [name, depths] : cameras) names.push_back(name);
+  if (!options.camera.empty()) {
+    if (!options.topics.empty())
+      throw Error("a camera and topics say the same", {info_.path, 0, "--camera"}, "give one of them");
+    read = cameras.find(options.camera);
+    if (read == cameras.end())
+      throw Error(fmt::format("the bag has no camera {}", options.camera), {info_.path, 0, "--camera"},
+                  fmt::format("it has {}", joined(names, ", ")));
+  }
+  std::erase(names, read->first);
+  if (!names.empty())
+    info_.guesses.push_back(fmt::format("read is the camera {}, not {} (choose with --camera NAME)",
+                                        read->first, joined(names, ", ")));
+  info_.camera_names = std::move(names);
+  info_.camera_names.insert(info_.camera_names.begin(), read->first);
+  return read->second;
+}
+
+void RosRecording::choose_streams(const Content& content, const RecordingOptions& options) {
+  const std::vector<const Stream*> depths = depths_of_camera(content, options);
   // Depth that was warped to the colour camera is second to the depth that it was made of.
   const auto rank = [&](const Stream* depth) {
     const Stream* color = color_for(*depth, content);
     return std::tuple(depth->when.size(), color == nullptr || color->frame != depth->frame,
                       !depth->compressed);
   };
-  const Stream* best = *std::max_element(depths.begin(), depths.end(),
-                                         [&](const Stream* a, const Stream* b) { return rank(a) < rank(b); });
-  depth_ = wanted.empty() ? *best : chosen(wanted[0], content, true);
+  const std::vector<std::string> wanted =
+      options.topics.empty() ? std::vector<std::string>() : split(options.topics, ',');
+  depth_ = wanted.empty() ? **std::ranges::max_element(depths, {}, rank) : chosen(wanted[0], content, true);
   const Stream* color = wanted.size() > 1 ? &chosen(wanted[1], content, false) : color_for(depth_, content);
   if (color != nullptr) color_ = *color;
   info_.guesses.push_back(fmt::format("depth from {}, colour from {}", depth_.topic,

@@ -11,8 +11,9 @@
 
 namespace loci::mapping {
 
-/// RGB-D frames of a bag of ROS 1 or ROS 2. A camera is a depth topic and the colour topic that shares most
-/// of its name; the one with the most images is read unless topics are given. Cameras come from the
+/// RGB-D frames of one camera of a bag of ROS 1 or ROS 2. A camera is named by what its topics begin with; it
+/// is a depth topic and the colour topic that shares most of its name. The one with the most images is read
+/// unless a camera or topics are given. Cameras come from the
 /// `camera_info` beside the images, poses from /tf and /tf_static, joints from JointState. Each depth image
 /// takes the nearest colour image; times are those of the headers. The map frame is what the depth camera's
 /// frame hangs on in the end. The index of a frame is the number of its depth message.
@@ -50,7 +51,8 @@ class RosRecording : public FrameListRecording {
             Content& content) const;
   Content read_content();
   const Stream* color_for(const Stream& depth, const Content& content) const;
-  void choose_streams(const Content& content, const std::string& topics);
+  void choose_streams(const Content& content, const RecordingOptions& options);
+  std::vector<const Stream*> depths_of_camera(const Content& content, const RecordingOptions& options);
   const Stream& chosen(const std::string& topic, const Content& content, bool depth) const;
   std::optional<RosCamera> camera_of(const Stream& stream, const Content& content) const;
   void set_cameras(const Content& content);

@@ -1,39 +1,20 @@
-// A mug and a box on a table; the mug is put on the shelf while nobody looks at the box.
-
 #include "memory/exchange/belief_states.h"
 
 #include <gmock/gmock.h>
 
-#include <fstream>
-
 #include "mapping/base/json.h"
-#include "memory/ingest/ingest.h"
-#include "tests/memory/store/temporary_folder.h"
+#include "tests/memory/exchange/mug_and_box.h"
 
 namespace loci::memory {
 namespace {
 
 using testing::Contains;
 
-class BeliefStates : public testing_support::TemporaryFolder {
+class BeliefStates : public testing_support::MugAndBox {
  protected:
   void SetUp() override {
-    testing_support::TemporaryFolder::SetUp();
-    const std::string mug = R"("size": [0.08, 0.11, 0.1], "color": [2, 0.85, 0.8])";
-    const std::string box = R"("size": [0.2, 0.1, 0.3], "color": [215, 0.8, 0.7])";
-    std::ofstream(folder_ / "lines.jsonl")
-        << R"({"time": "2026-05-01T08:00:00Z", "observed": [{"place": "table_1"}], "detections": [{"position": [1, 2, 0.8], )"
-        << mug << R"(, "place": "table_1"}, {"position": [1.15, 2, 0.9], )" << box
-        << R"(, "place": "table_1"}]})"
-        << "\n"
-        << R"({"time": "2026-05-01T09:00:00Z", "observed": [{"place": "shelf_1"}], "detections": [{"position": [3, 0, 1.2], )"
-        << mug << R"(, "place": "shelf_1"}]})"
-        << "\n";
+    MugAndBox::SetUp();
     NoProgress silent;
-    Warnings warnings;
-    IngestOptions options;
-    options.noise_m = 0.005;
-    ingest(folder_ / "lines.jsonl", file_, options, {}, silent, warnings);
     for_each_belief_state(Store::open_read(file_), silent,
                           [&](const Json& state) { states_.push_back(state); });
   }
