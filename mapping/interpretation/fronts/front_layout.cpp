@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <optional>
 
@@ -271,21 +272,25 @@ class Layout {
   }
 
   /// Adds parts without fixture behind something that protrudes where the fronts with fixtures end, too: the
-  /// counter over a row of cupboards.
+  /// counter over a row of cupboards, or a wall or tall unit at its end.
   void add_overhung() {
-    const size_t known = result_.fronts.size();
+    std::vector<PlacedFront> known;
+    std::copy_if(result_.fronts.begin(), result_.fronts.end(), std::back_inserter(known),
+                 [](const PlacedFront& front) { return front.fixture >= 0; });
     const auto is_row = [&](const PlacedFront& part, size_t side) {
-      return std::any_of(result_.fronts.begin(), result_.fronts.begin() + static_cast<std::ptrdiff_t>(known),
-                         [&](const PlacedFront& front) {
-                           return front.fixture >= 0 &&
-                                  std::abs(edge_at(front.rect, side) - edge_at(part.rect, side)) <
-                                      kLayout.neighbour_gap_m;
-                         });
+      return std::any_of(known.begin(), known.end(), [&](const PlacedFront& front) {
+        return std::abs(edge_at(front.rect, side) - edge_at(part.rect, side)) < kLayout.neighbour_gap_m;
+      });
+    };
+    const auto ends_row = [&](const PlacedFront& part, size_t side) {
+      return (side == left || side == right) && (is_row(part, bottom) || is_row(part, top)) &&
+             std::none_of(known.begin(), known.end(),
+                          [&](const PlacedFront& front) { return meeting_sides(part, front)[side]; });
     };
     for (const PlacedFront& part : recessed_) {
       bool overhung = true;
       for (const size_t side : {left, right, bottom, top})
-        overhung = overhung && (!is_proud(part.edges[side]) || is_row(part, side));
+        overhung = overhung && (!is_proud(part.edges[side]) || is_row(part, side) || ends_row(part, side));
       if (overhung) result_.fronts.push_back(part);
     }
   }
@@ -316,38 +321,48 @@ class Layout {
     }
   }
 
-  /// Whether resolved lines and borders enclose a part without fixture.
+  /// Whether resolved lines and borders enclose a part without fixture; one of them may be weak.
   static bool encloses(const PlacedFront& part) {
-    return part.rect.width() * part.rect.height() > kLayout.min_bare_m2 &&
-           std::none_of(part.edges.begin(), part.edges.end(), [](const FrontEdge& edge) {
-             return edge.kind != FrontEdge::Kind::border && edge.z < kLayout.min_bare_z;
-           });
+    const auto weak = std::count_if(part.edges.begin(), part.edges.end(), [](const FrontEdge& edge) {
+      return edge.kind != FrontEdge::Kind::border && edge.z < kLayout.min_bare_z;
+    });
+    return part.rect.width() * part.rect.height() > kLayout.min_bare_m2 && weak < 2;
   }
 
   /// Whether the surroundings protrude from a part beyond an edge.
   static bool is_proud(const FrontEdge& edge) {
-    return edge.kind != FrontEdge::Kind::border && edge.rise < -kLayout.proud_m;
+    return edge.kind != FrontEdge::Kind::border && edge.rise < -kLayout.flush_m;
   }
   static bool is_recessed(const PlacedFront& part) {
     return std::any_of(part.edges.begin(), part.edges.end(), is_proud);
   }
 
-  /// The line between two neighbouring fronts: 2 for a seam, 1 for a step, 0 for none.
-  static int bond(const PlacedFront& a, const PlacedFront& b) {
+  /// At which of its sides another front is next to a front.
+  static std::array<bool, 4> meeting_sides(const PlacedFront& a, const PlacedFront& b) {
     const auto overlap = [](double a0, double a1, double b0, double b1) {
       return std::min(a1, b1) - std::max(a0, b0) > kLayout.shared_edge * std::min(a1 - a0, b1 - b0);
     };
     const bool beside = overlap(a.rect.v0, a.rect.v1, b.rect.v0, b.rect.v1);
     const bool stacked = overlap(a.rect.u0, a.rect.u1, b.rect.u0, b.rect.u1);
-    const std::array<bool, 4> meets = {beside && std::abs(a.rect.u0 - b.rect.u1) < kLayout.neighbour_gap_m,
-                                       beside && std::abs(b.rect.u0 - a.rect.u1) < kLayout.neighbour_gap_m,
-                                       stacked && std::abs(a.rect.v0 - b.rect.v1) < kLayout.neighbour_gap_m,
-                                       stacked && std::abs(b.rect.v0 - a.rect.v1) < kLayout.neighbour_gap_m};
-    for (size_t side = 0; side < 4; ++side)
-      if (meets[side] && a.edges[side].kind == FrontEdge::Kind::seam) return 2;
-    for (size_t side = 0; side < 4; ++side)
-      if (meets[side] && a.edges[side].kind == FrontEdge::Kind::step) return 1;
-    return 0;
+    return {beside && std::abs(a.rect.u0 - b.rect.u1) < kLayout.neighbour_gap_m,
+            beside && std::abs(b.rect.u0 - a.rect.u1) < kLayout.neighbour_gap_m,
+            stacked && std::abs(a.rect.v0 - b.rect.v1) < kLayout.neighbour_gap_m,
+            stacked && std::abs(b.rect.v0 - a.rect.v1) < kLayout.neighbour_gap_m};
+  }
+
+  /// The line between two neighbouring fronts: 2 for a seam, also where one panel is a little thicker, 1 for
+  /// a step, 0 for none.
+  static int bond(const PlacedFront& a, const PlacedFront& b) {
+    const std::array<bool, 4> meets = meeting_sides(a, b);
+    int strongest = 0;
+    for (size_t side = 0; side < 4; ++side) {
+      const FrontEdge& edge = a.edges[side];
+      if (!meets[side]) continue;
+      if (edge.kind == FrontEdge::Kind::seam) return 2;
+      if (edge.kind == FrontEdge::Kind::step)
+        strongest = std::max(strongest, std::abs(edge.rise) < kLayout.flush_m ? 2 : 1);
+    }
+    return strongest;
   }
 
   /// Drops parts without fixture that have neither a front across a seam nor fronts on two sides: the side of

@@ -103,13 +103,20 @@ int resolved_edges(const PlacedFront& front) {
   }));
 }
 
+/// Whether a front is the low drawer over the plinth (below an oven): the plinth recedes from it.
+bool is_plinth_drawer(const PlacedFront& front) {
+  const FrontEdge& below = front.edges[2];
+  return front.rect.height() < front.rect.width() && below.kind == FrontEdge::Kind::step &&
+         below.rise > kFronts.min_plinth_m;
+}
+
 /// Whether a front is accepted. On walls (tall furniture may hide the wall and be taken for it) it needs a
 /// certain fixture and resolved edges.
 bool is_accepted(const PlacedFront& front, const std::vector<FaceFixture>& fixtures, bool wall) {
   const FaceRect& rect = front.rect;
   if (rect.width() > kFronts.max_width_m || rect.width() * rect.height() > kFronts.max_area_m2) return false;
   if (std::min(rect.width(), rect.height()) <
-      (front.fixture < 0 ? kFronts.min_bare_side_m : kFronts.min_side_m))
+      (front.fixture < 0 && !is_plinth_drawer(front) ? kFronts.min_bare_side_m : kFronts.min_side_m))
     return false;
   if (!wall) return true;
   return front.fixture >= 0 && resolved_edges(front) >= kFronts.min_wall_edges &&

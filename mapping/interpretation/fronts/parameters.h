@@ -139,11 +139,11 @@ struct LayoutParameters {
   double min_seen_fixed = 0.25;     ///< of one with a fixture, that rays met and is face
   double min_bare_z = 8;            ///< of the seam of a front without fixture
   double min_bare_m2 = 0.02;        ///< of a front without fixture
-  double proud_m = 0.003;           ///< by which the surroundings of such a front protrude at most
-  double fixture_gap_m = 0.004;     ///< one raster cell between a cut and a fixture
-  double max_settle_m = 0.012;      ///< three raster cells
-  double neighbour_gap_m = 0.012;   ///< three raster cells between neighbouring fronts
-  double shared_edge = 0.5;         ///< of the shorter edge of neighbouring fronts
+  double flush_m = 0.005;          ///< between panels of one plane: they are 16 to 20 mm thick, 1 mm of noise
+  double fixture_gap_m = 0.004;    ///< one raster cell between a cut and a fixture
+  double max_settle_m = 0.012;     ///< three raster cells
+  double neighbour_gap_m = 0.012;  ///< three raster cells between neighbouring fronts
+  double shared_edge = 0.5;        ///< of the shorter edge of neighbouring fronts
 };
 inline constexpr LayoutParameters kLayout;
 
@@ -162,14 +162,15 @@ inline constexpr DivisionParameters kDivision;
 
 /// Which faces and fronts are accepted.
 struct FrontParameters {
-  uint64_t seed = 7;                          ///< of the sample consensus
-  double same_wall_m = 0.08;                  ///< between a face and the wall it is a piece of
-  double max_width_m = 1.4;                   ///< wider is no front
-  double max_area_m2 = 2.2;                   ///< larger is no front
-  double min_side_m = 0.07;                   ///< a narrow drawer front
-  double min_bare_side_m = 0.12;              ///< narrower ones without fixture are filler strips
-  double max_sigma_m = 3 * kRangeSigma;       ///< more are corners and clutter, in which handles disappear
-  double min_fixture_confidence = 0.4;        ///< on furniture
+  uint64_t seed = 7;                     ///< of the sample consensus
+  double same_wall_m = 0.08;             ///< between a face and the wall it is a piece of
+  double max_width_m = 1.4;              ///< wider is no front
+  double max_area_m2 = 2.2;              ///< larger is no front
+  double min_side_m = 0.07;              ///< a narrow drawer front
+  double min_bare_side_m = 0.12;         ///< narrower ones without fixture are filler strips …
+  double min_plinth_m = 0.01;            ///< … but for drawers that the plinth recedes below by so much
+  double max_sigma_m = 3 * kRangeSigma;  ///< more are corners and clutter, in which handles disappear
+  double min_fixture_confidence = 0.4;   ///< on furniture
   double min_wall_fixture_confidence = 0.75;  ///< on a possible wall
   size_t min_wall_fronts = 2;                 ///< on a possible wall
   int min_wall_edges = 3;                     ///< resolved, on a possible wall

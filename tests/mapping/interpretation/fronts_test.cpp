@@ -233,6 +233,34 @@ TEST(Fronts, AFrontWithoutHandleBelowTheEdgeOfACounterIsReported) {
   EXPECT_FALSE(plain->fixture.has_value());
 }
 
+TEST(Fronts, AFrontWithoutHandleBesideATallUnitIsReported) {
+  Furniture furniture;
+  furniture.add_body(-0.6, 0.6, 0.1, 0.8);
+  furniture.parts.push_back({{-0.5, -0.6, 0.8}, {0.015, 0.6, 0.84}});
+  furniture.parts.push_back({{-0.5, -0.9, 0}, {0.02, -0.6, 1.1}});  // A higher unit stands proud beside it.
+  for (const double u : {-0.6, -0.2}) {
+    furniture.add_panel(u + 0.004, u + 0.396, 0.1, 0.795);
+    furniture.add_level_bar(u + 0.2, 0.7, 0.14);
+  }
+  furniture.add_panel(0.204, 0.598, 0.1, 0.795);
+  const std::vector<Front> fronts = fronts_of_furniture(furniture, 5);
+  const Front* plain = front_at(fronts, furniture, 0.2, 0.6, 0.1, 0.8);
+  ASSERT_NE(plain, nullptr);
+  EXPECT_FALSE(plain->fixture.has_value());
+}
+
+TEST(Fronts, ALowDrawerWithoutHandleOverThePlinthIsReportedAndACoverOverAFrontIsNot) {
+  Furniture oven;
+  oven.add_body(-0.3, 0.3, 0, 0.8);
+  oven.add_panel(-0.3, 0.3, 0.1, 0.2);
+  oven.add_panel(-0.3, 0.3, 0.208, 0.69);
+  oven.add_panel(-0.3, 0.3, 0.698, 0.8);
+  oven.add_level_bar(0, 0.62, 0.4);
+  const std::vector<Front> fronts = fronts_of_furniture(oven, 6);
+  EXPECT_EQ(fronts.size(), 2U);
+  EXPECT_NE(front_at(fronts, oven, -0.3, 0.3, 0.1, 0.2), nullptr);
+}
+
 TEST(Fronts, TwoScansThatLieApartDoNotDoubleAFront) {
   const Furniture block = drawer_block();
   ScanSet scans = scan_furniture(block, kStandpoints, 1);
