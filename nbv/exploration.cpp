@@ -5,6 +5,7 @@
 #include <octomap/octomap.h>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 #include "mapping/base/files.h"
@@ -18,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kVersion = 3;
+constexpr int kVersion = 4;
 /// Scans are inserted again when registration moved one of them by more than this part of a voxel.
 constexpr double kReinsertShift = 0.5;
 /// Longer paths are driven in stages with a scan at each: odometry alone would lose the robot. Metres.
@@ -35,6 +36,7 @@ mapping::PlanarPose planar_from(const Json& json) {
 Json to_json(const ExplorationStep& step, size_t index, bool registered, const Json& robot) {
   return {{"scan", index},
           {"goal", to_json(step.goal)},
+          {"height", step.height},
           {"odometry", exact_values(step.map_from_scan_odometry)},
           {"reason", step.reason},
           {"expected_overlap", step.expected_overlap},
@@ -54,6 +56,7 @@ Json to_json(const ExplorationStep& step, size_t index, bool registered, const J
 ExplorationStep step_from(const Json& json) {
   ExplorationStep step;
   step.goal = planar_from(json.at("goal"));
+  step.height = json.at("height");
   step.map_from_scan_odometry = pose_from_exact(json.at("odometry").get<std::array<double, 12>>());
   step.reason = json.at("reason");
   step.expected_overlap = json.at("expected_overlap");
@@ -89,10 +92,29 @@ void ExplorationOptions::declare(OptionTable& table) {
   table.integer("max_scans", max_scans, "", "Stop after so many scans.", 1, 1000);
   table.integer("max_failures", max_failures, "", "Stop after so many goals in a row that were not reached.",
                 1, 100);
+  table.text(
+      "height", height,
+      "Heights to which the robot can move its scanner, LOW..HIGH in m; empty: it is carried at 1.25 m.");
   planner.declare(table);
   inspection.declare(table);
   registration.declare(table);
   occupancy.declare(table);
+}
+
+std::vector<double> scanner_heights(const std::string& range, double carried) {
+  if (range.empty()) return {carried};
+  double low = 0, high = 0;
+  int read = 0;
+  if (std::sscanf(range.c_str(), "%lf..%lf%n", &low, &high, &read) != 2 ||
+      static_cast<size_t>(read) != range.size() ||
+      !(low > 0 && low <= carried && carried <= high && high < 5))
+    throw Error(
+        fmt::format("'{}' is no range of heights", range), {"height", 0, {}},
+        fmt::format("give it as LOW..HIGH in metres, around {} m at which the scanner is carried", carried));
+  std::vector<double> heights = {carried};
+  if (low < carried) heights.push_back(low);
+  if (high > carried) heights.push_back(high);
+  return heights;
 }
 
 struct Exploration::Impl {
@@ -109,6 +131,7 @@ struct Exploration::Impl {
     set.sensor = "hokuyo";
     set.levelled = true;
     set.range_max = options.laser.range_max_m;
+    options.inspection.heights = scanner_heights(options.height, options.laser.height_m);
   }
 
   /// Processes a scan: registers all scans anew and updates the occupancy.
@@ -196,9 +219,10 @@ struct Exploration::Impl {
   /// Believed pose of the robot.
   mapping::PlanarPose robot_pose() const { return mapping::planar(set.scans.back().map_from_scan); }
 
-  /// Drives to the goal and scans; false when the robot did not reach it.
-  bool scan_at(const mapping::PlanarPose& goal, ExplorationStep step) {
+  /// Drives to the goal and scans from a height; false when the robot did not reach it.
+  bool scan_at(const mapping::PlanarPose& goal, double height, ExplorationStep step) {
     Stopwatch watch;
+    robot.raise_scanner(height);
     std::optional<mapping::Scan> scan;
     try {
       scan = robot.scan_at(goal);
@@ -211,6 +235,7 @@ struct Exploration::Impl {
       return false;
     }
     step.goal = goal;
+    step.height = height;
     step.scan_seconds = watch.lap();
     take_in(std::move(*scan), step);
     // Beside scans that are not connected themselves the robot is as lost as they are.
@@ -305,6 +330,7 @@ struct Exploration::Impl {
     const NextView closer =
         inspection_view(placed_scans(), map, robot_pose(), options.laser, planner, options.inspection);
     view.pose = closer.pose;
+    view.height_m = closer.height_m;
     view.path = closer.path;
     view.expected_overlap = closer.expected_overlap;
     view.expected_gain = closer.expected_gain;
@@ -368,7 +394,10 @@ struct Exploration::Impl {
       step.expected_gain = view.expected_gain;
       const std::optional<mapping::PlanarPose> stage = stage_of(view.path);
       if (stage) step.reason = "stage: " + step.reason;
-      if (scan_at(stage.value_or(*view.pose), std::move(step))) return;
+      const double carried = options.laser.height_m;
+      if (scan_at(stage.value_or(*view.pose), stage ? carried : view.height_m.value_or(carried),
+                  std::move(step)))
+        return;
     }
     stop_reason = fmt::format("{} goals in a row could not be reached", options.max_failures);
   }
@@ -378,7 +407,7 @@ struct Exploration::Impl {
       progress.check(0, "first scan");
       ExplorationStep first;
       first.reason = "start";
-      scan_at(start, std::move(first));
+      scan_at(start, options.laser.height_m, std::move(first));
     }
     while (stop_reason.empty()) {
       const double most = static_cast<double>(options.max_scans);
@@ -389,6 +418,7 @@ struct Exploration::Impl {
       else
         plan_and_scan();
     }
+    robot.raise_scanner(options.laser.height_m);
     register_again();
     for (size_t i = 0; i < set.scans.size(); ++i)
       if (!connected(i)) warnings.add(fmt::format("scan {} could not be registered and is left out", i));

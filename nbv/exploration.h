@@ -26,6 +26,7 @@ struct ExplorationOptions {
   mapping::OccupancyOptions occupancy;
   mapping::RegistrationOptions registration;
   mapping::LaserModel laser;
+  std::string height = "";  ///< scanner_heights()
   uint64_t seed = 1;
   int threads = 0;  ///< of all stages; 0 = all cores; not declared: the result is the same on any number
 
@@ -39,9 +40,15 @@ struct ExplorationOptions {
   void forward_threads();
 };
 
+/// The heights from which a robot scans, metres: as it carries the scanner, and both ends of the range
+/// "LOW..HIGH" in which it can move it; the first alone where `range` is empty. Error for what is no range
+/// around that height.
+std::vector<double> scanner_heights(const std::string& range, double carried);
+
 /// One scan of an exploration: its reason and its result.
 struct ExplorationStep {
   mapping::PlanarPose goal;
+  double height = 0;                                           ///< of the scanner
   Isometry3d map_from_scan_odometry = Isometry3d::Identity();  ///< as the robot believed before registration
   std::string reason;
   double expected_overlap = 0;  ///< of the plan, unset (0) for the first scan

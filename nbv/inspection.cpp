@@ -20,6 +20,7 @@ constexpr double kWallMargin = 0.15;  ///< m over all furniture, from which a su
 constexpr size_t kMinPoints = 10;     ///< on a patch, to know how it stands
 constexpr double kRoughness = 0.02;   ///< m rms off its plane: more is no surface
 constexpr double kPlaceStep = 0.2;    ///< m between places that are compared
+constexpr double kMinRaise = 1;       ///< patches that a height must show beyond those before it
 
 using Key = std::array<int, 3>;
 
@@ -67,6 +68,23 @@ std::optional<FacePatch> patch_of(const Moments& cell) {
   return FacePatch{mean, normal, 0};
 }
 
+/// The yaw in which most of what a place shows is in the sector, and how much that is.
+ViewSample best_yaw(const Vector3d& from, const std::vector<std::pair<Vector3d, double>>& shown,
+                    const PlannerOptions& planner, const mapping::LaserModel& laser) {
+  ViewSample best;
+  for (int i = 0; i < planner.orientations; ++i) {
+    const double yaw = std::remainder(2 * kPi * i / planner.orientations, 2 * kPi);
+    double sum = 0;
+    for (const auto& [centre, area] : shown)
+      if (in_sector(from, centre, yaw, laser)) sum += area;
+    if (sum > best.score + 1e-9) {
+      best.pose = {from.x(), from.y(), yaw};
+      best.score = sum;
+    }
+  }
+  return best;
+}
+
 /// Points per cm² that a sweep from a place puts on a patch; 0 = too oblique, beyond its tilts, or hidden.
 class Sharpness {
  public:
@@ -85,27 +103,44 @@ class Sharpness {
     return cosine / (spacing_m * line_spacing_m) * 1e-4;
   }
 
+  /// The view from a place that shows most of what is seen too coarsely.
+  ViewSample best_view(const Vector3d& from, const std::vector<FacePatch>& patches,
+                       const PlannerOptions& planner) const {
+    std::vector<std::pair<Vector3d, double>> shown;
+    for (const FacePatch& patch : patches) {
+      if ((patch.centre - from).head<2>().norm() > options_.max_distance_m) continue;
+      const double part = std::min(density(from, patch) / (options_.points_per_cm2 - patch.density), 1.0);
+      // What remains too coarse was not worth the way.
+      if (part > 0.5) shown.emplace_back(patch.centre, part * kPatch * kPatch);
+    }
+    return best_yaw(from, shown, planner, laser_);
+  }
+
  private:
   LineOfSight sight_;
   const mapping::LaserModel& laser_;
   const InspectionOptions& options_;
 };
 
-/// The yaw in which most of what a place shows is in the sector, and how much that is.
-ViewSample best_yaw(const Vector3d& from, const std::vector<std::pair<Vector3d, double>>& shown,
-                    const PlannerOptions& planner, const mapping::LaserModel& laser) {
-  ViewSample best;
-  for (int i = 0; i < planner.orientations; ++i) {
-    const double yaw = std::remainder(2 * kPi * i / planner.orientations, 2 * kPi);
-    double sum = 0;
-    for (const auto& [centre, area] : shown)
-      if (in_sector(from, centre, yaw, laser)) sum += area;
-    if (sum > best.score + 1e-9) {
-      best.pose = {from.x(), from.y(), yaw};
-      best.score = sum;
+/// The best view of patches with the scanner at a height; its score is the area that it shows well.
+ViewSample closest_look(const std::vector<FacePatch>& patches, const Sharpness& sharpness,
+                        const mapping::FloorGrid& floor, const Reachability& reach, double height,
+                        const PlannerOptions& planner) {
+  const int stride = std::max(1, static_cast<int>(std::lround(kPlaceStep / floor.cell)));
+  std::vector<ViewSample> samples(floor.cells());
+  parallel_for(floor.cells(), planner.threads, [&](size_t begin, size_t end) {
+    for (size_t cell = begin; cell < end; ++cell) {
+      const int x = static_cast<int>(cell) % floor.width, y = static_cast<int>(cell) / floor.width;
+      if (x % stride != 0 || y % stride != 0 || !reach.stands(floor, cell)) continue;
+      const Vector2d place = floor.center(x, y);
+      if (!avoided(place, planner))
+        samples[cell] = sharpness.best_view({place.x(), place.y(), height}, patches, planner);
     }
-  }
-  return best;
+  });
+  const auto best =
+      std::max_element(samples.begin(), samples.end(),
+                       [](const ViewSample& a, const ViewSample& b) { return a.score < b.score; });
+  return best == samples.end() ? ViewSample{} : *best;
 }
 
 }  // namespace
@@ -166,43 +201,28 @@ NextView inspection_view(const ScanRefs& scans, const mapping::OccupancyMap& map
   std::erase_if(patches, [&](const FacePatch& patch) {
     return patch.density >= options.points_per_cm2 || !within.contains(patch.centre.head<2>());
   });
-  const mapping::FloorGrid floor = drivable_floor(voxels, robot, laser, planner);
-  const Reachability reach = reachability(floor, robot, planner);
-  const Sharpness sharpness(voxels, laser, options);
-  const int stride = std::max(1, static_cast<int>(std::lround(kPlaceStep / floor.cell)));
-  std::vector<ViewSample> samples(floor.cells());
-  parallel_for(floor.cells(), planner.threads, [&](size_t begin, size_t end) {
-    for (size_t cell = begin; cell < end; ++cell) {
-      const int x = static_cast<int>(cell) % floor.width, y = static_cast<int>(cell) / floor.width;
-      if (x % stride != 0 || y % stride != 0 || !reach.stands(floor, cell)) continue;
-      const Vector2d place = floor.center(x, y);
-      if (avoided(place, planner)) continue;
-      const Vector3d from(place.x(), place.y(), laser.height_m);
-      std::vector<std::pair<Vector3d, double>> shown;
-      for (const FacePatch& patch : patches) {
-        if ((patch.centre.head<2>() - place).norm() > options.max_distance_m) continue;
-        const double lacking = options.points_per_cm2 - patch.density;
-        const double part = std::min(sharpness.density(from, patch) / lacking, 1.0);
-        // What remains too coarse was not worth the way.
-        if (part > 0.5) shown.emplace_back(patch.centre, part * kPatch * kPatch);
-      }
-      samples[cell] = best_yaw(from, shown, planner, laser);
-    }
-  });
-  const auto best =
-      std::max_element(samples.begin(), samples.end(),
-                       [](const ViewSample& a, const ViewSample& b) { return a.score < b.score; });
-  const double most = best == samples.end() ? 0 : best->score;
+  double most = 0;
+  for (const double height : options.heights.empty() ? std::vector{laser.height_m} : options.heights) {
+    mapping::LaserModel raised = laser;  // Where it is lowered, the robot is as high as before.
+    raised.height_m = std::max(laser.height_m, height);
+    const mapping::FloorGrid floor = drivable_floor(voxels, robot, raised, planner);
+    const Reachability reach = reachability(floor, robot, planner);
+    const ViewSample best = closest_look(patches, {voxels, laser, options}, floor, reach, height, planner);
+    if (best.score <= most + kMinRaise * kPatch * kPatch) continue;
+    most = best.score;
+    view.pose = best.pose;
+    view.height_m = height;
+    view.path = path_to(floor, reach, best.pose);
+  }
   if (most < options.min_gain_m2) {
+    view = {};
     view.reason =
         fmt::format("no view shows {} m² of faces better (the best {:.2f})", options.min_gain_m2, most);
     return view;
   }
-  view.pose = best->pose;
   view.expected_overlap = 1;
   view.expected_gain = most;
   view.reason = fmt::format("looks at {:.2f} m² of faces that were seen too coarsely or too obliquely", most);
-  view.path = path_to(floor, reach, best->pose);
   return view;
 }
 

@@ -42,6 +42,7 @@ struct PlannerOptions {
 /// The next view and the reason for it.
 struct NextView {
   std::optional<mapping::PlanarPose> pose;  ///< unset: stop
+  std::optional<double> height_m;           ///< of the scanner there; unset: as it is carried
   std::string reason;                       ///< of the stop, or of the choice
   double expected_overlap = 0;              ///< n_o / (n_o + n_f) of the validated view
   double expected_gain = 0;                 ///< what may be seen anew behind the frontier, m²

@@ -30,6 +30,8 @@ class Robot {
   /// Goes to `goal` as far as it believes, scans there. The scan's pose (map_from_scan, covariance) is the
   /// robot's own estimate, which drifts. Error when it cannot get there; it is then where it was before.
   virtual Scan scan_at(const PlanarPose& goal) = 0;
+  /// Raises or lowers the scanner for the scans that follow: metres above the floor, known exactly.
+  virtual void raise_scanner(double height_m) = 0;
   /// Where the robot believes to be after the scans were registered: corrects its estimate.
   virtual void localize(const PlanarPose& pose) = 0;
 

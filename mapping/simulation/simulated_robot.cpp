@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRobotRadius = 0.25, kRobotBottom = 0.05, kRobotTop = 1.3;
+constexpr double kRobotRadius = 0.25, kRobotBottom = 0.05, kRobotTop = 1.3, kHead = 0.05;
 constexpr double kReach = 0.05;     ///< of the gripper around the point that it is sent to
 constexpr double kHandStep = 0.01;  ///< of the hand path, metres
 
@@ -65,6 +65,7 @@ struct SimulatedRobot::Impl {
   RayScene scene;
   Isometry3d map_from_true, map_from_believed;  ///< the robot's base
   Covariance covariance = Covariance::Zero();
+  double scanner_height;
   Random random;
   size_t scans = 0, pulls = 0;
 
@@ -73,6 +74,7 @@ struct SimulatedRobot::Impl {
         world(read_urdf(urdf)),
         map_from_true(map_from_base(start)),
         map_from_believed(map_from_base(start)),
+        scanner_height(chosen.laser.height_m),
         random(chosen.seed) {
     scene.add(world, {options.package_paths, urdf.parent_path()}, Isometry3d::Identity(), warnings);
     const Eigen::AlignedBox3d box = scene.bounds();
@@ -87,7 +89,7 @@ struct SimulatedRobot::Impl {
 
   Isometry3d base_from_scanner() const {
     Isometry3d pose = Isometry3d::Identity();
-    pose.translation().z() = options.laser.height_m;
+    pose.translation().z() = scanner_height;
     return pose;
   }
   const Joint* moving_joint(const std::string& link) const;
@@ -189,8 +191,9 @@ Scan SimulatedRobot::scan_at(const PlanarPose& goal) {
   Random drawn = robot.random.fork(2 * number);
   const Isometry3d motion = robot.map_from_believed.inverse() * map_from_base(goal);
   const Isometry3d map_from_true = robot.map_from_true * robot.options.odometry.measured(motion, drawn);
-  const int blocking = robot.scene.link_in_cylinder(map_from_true.translation().head<2>(), kRobotRadius,
-                                                    kRobotBottom, kRobotTop);
+  const int blocking =
+      robot.scene.link_in_cylinder(map_from_true.translation().head<2>(), kRobotRadius, kRobotBottom,
+                                   std::max(kRobotTop, robot.scanner_height + kHead));
   if (blocking >= 0)
     throw Error(fmt::format("the robot cannot stand at ({:.2f}, {:.2f}): '{}' is in the way", goal.x, goal.y,
                             robot.scene.link_names()[static_cast<size_t>(blocking)]));
@@ -206,6 +209,10 @@ Scan SimulatedRobot::scan_at(const PlanarPose& goal) {
   scan.map_from_scan = robot.map_from_believed * robot.base_from_scanner();
   scan.covariance = robot.covariance;
   return scan;
+}
+
+void SimulatedRobot::raise_scanner(double height_m) {
+  impl_->scanner_height = height_m;
 }
 
 void SimulatedRobot::localize(const PlanarPose& pose) {
@@ -258,6 +265,7 @@ void SimulatedRobot::close_all() {
 Json SimulatedRobot::state() const {
   return {{"map_from_true", exact_values(impl_->map_from_true)},
           {"map_from_believed", exact_values(impl_->map_from_believed)},
+          {"scanner_height", impl_->scanner_height},
           {"covariance", std::vector<double>(impl_->covariance.data(), impl_->covariance.data() + 36)},
           {"joints", impl_->joints},
           {"scans", impl_->scans},
@@ -270,6 +278,7 @@ void SimulatedRobot::restore(const Json& state) {
   };
   impl_->map_from_true = pose("map_from_true");
   impl_->map_from_believed = pose("map_from_believed");
+  impl_->scanner_height = state.at("scanner_height");
   impl_->covariance = Eigen::Map<const Covariance>(state.at("covariance").get<std::vector<double>>().data());
   impl_->joints = state.at("joints").get<JointState>();
   impl_->scans = state.at("scans");

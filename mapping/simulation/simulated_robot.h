@@ -42,8 +42,9 @@ class SimulatedRobot : public Robot {
   /// The robot ends beside the goal by what its odometry mis-measured on the way, and believes to be there.
   /// The covariance says how far off that may be since the start or the last localize(). Error, with the
   /// robot still where it was, when it would stand in the furniture: a disc of 25 cm radius between 5 cm and
-  /// 1.3 m height must be free. The way there is not looked at.
+  /// 1.3 m height, or 5 cm above a raised scanner, must be free. The way there is not looked at.
   Scan scan_at(const PlanarPose& goal) override;
+  void raise_scanner(double height_m) override;
   void localize(const PlanarPose& pose) override;
 
   /// Takes hold of the surface that is nearest to a point that the robot believes in (its pose error applies,
@@ -58,7 +59,7 @@ class SimulatedRobot : public Robot {
   /// Closes everything.
   void close_all() override;
 
-  /// The true and the believed pose, the joints, how many scans and pulls were made.
+  /// The true and the believed pose, the scanner's height, the joints, how many scans and pulls were made.
   Json state() const override;
   void restore(const Json& state) override;
 

@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+#include "mapping/base/error.h"
+#include "mapping/base/math.h"
+#include "nbv/exploration.h"
 #include "tests/mapping/occupancy/box_room.h"
 
 namespace loci::nbv {
@@ -36,13 +39,14 @@ mapping::ScanSet scans_from(const mapping::BoxRoom& room, const std::vector<mapp
   return set;
 }
 
-NextView inspect(const mapping::ScanSet& scans) {
+NextView inspect(const mapping::ScanSet& scans, const std::vector<double>& heights = {},
+                 const mapping::PlanarPose& robot = {-2, 0, 0}) {
   mapping::OccupancyMap map({0.05, 7, 2});
   for (const mapping::Scan& scan : scans.scans) map.insert(scan);
   InspectionOptions options;
   options.points_per_cm2 = 0.25;  // As with the laser's own steps, four times the points.
-  return inspection_view({scans.scans.begin(), scans.scans.end()}, map, {-2, 0, 0}, coarse_laser(), {},
-                         options);
+  options.heights = heights;
+  return inspection_view({scans.scans.begin(), scans.scans.end()}, map, robot, coarse_laser(), {}, options);
 }
 
 TEST(Inspection, FurnitureSeenFromAfarIsLookedAtFromNear) {
@@ -58,6 +62,26 @@ TEST(Inspection, FurnitureSeenFromNearNeedsNoOtherView) {
   const NextView view = inspect(scans_from(furnished_room(), {{0.9, -0.7, 0}, {0.9, 0.7, 0}, {-2, 0, 0}}));
   EXPECT_FALSE(view.pose) << view.reason;
   EXPECT_FALSE(view.reason.empty());
+}
+
+TEST(Inspection, InANarrowAisleFurnitureIsLookedAtFromALoweredScanner) {
+  mapping::BoxRoom aisle = furnished_room();
+  aisle.room = {Vector3d(1.3, -4, 0), Vector3d(3, 4, 2.8)};  // Leaves 1.1 m before the cupboard.
+  const mapping::ScanSet scans = scans_from(aisle, {{1.85, -3.2, kPi / 2}, {1.85, 3.2, -kPi / 2}});
+  const mapping::PlanarPose robot{1.85, -3.2, kPi / 2};
+  const NextView carried = inspect(scans, {}, robot);
+  const NextView lowered = inspect(scans, {1.25, 0.8}, robot);
+  ASSERT_TRUE(lowered.pose) << lowered.reason;
+  EXPECT_EQ(lowered.height_m, 0.8);
+  EXPECT_GT(lowered.expected_gain, 1.3 * carried.expected_gain);
+}
+
+TEST(Inspection, HeightsOfAScannerAreARangeAroundWhereItIsCarried) {
+  EXPECT_EQ(scanner_heights("", 1.25), std::vector{1.25});
+  EXPECT_EQ(scanner_heights("0.9..1.6", 1.25), (std::vector{1.25, 0.9, 1.6}));
+  EXPECT_EQ(scanner_heights("1.25..1.6", 1.25), (std::vector{1.25, 1.6}));
+  for (const char* wrong : {"1.3..1.6", "0.9", "0.9..", "0.9..1.6 m", "0.9..1.2", "-1..2", "1.25..nan"})
+    EXPECT_THROW(scanner_heights(wrong, 1.25), Error) << wrong;
 }
 
 TEST(Inspection, BareWallsAreNotLookedAt) {
