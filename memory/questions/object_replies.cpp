@@ -428,6 +428,9 @@ void write_reply(const AboutAnswer& answer, const ReplyContext& context, Reply& 
     reply.text = fmt::format("{} is {}.", name, *object.color);
   } else if (property == "size" && object.size) {
     reply.text = fmt::format("{} measures {}.", name, size_text(*object.size));
+  } else if (property == "sightings") {
+    reply.number = first.now.sightings;
+    reply.text = fmt::format("{} was seen in {}.", name, counted(first.now.sightings, "scene"));
   } else if (!property.empty()) {
     reply.not_known = true;
     reply.text = fmt::format("The {} of {} is not known.", property, name);

@@ -180,6 +180,7 @@ std::vector<SentenceForm> about_sentences() {
        about("colour")},
       {"what|bare|order: size <object> [have|tell|give]", property, "", about("size")},
       {"howbig: <object>", property, "How big is the bowl?", about("size")},
+      {"howoften: see <object>", number, "How often was the bowl seen?", about("sightings")},
       {"what: shape|class|kind|brand <object> [of|thing]"},
       {"what: like look <object>"},
       {"what: write|print|say on<object>"},
@@ -221,7 +222,7 @@ std::vector<Question> object_questions() {
                       {.name = "property",
                        .help = "What the reply to a sentence is about",
                        .default_text = "all",
-                       .choices = {"colour", "size", "owner"}}},
+                       .choices = {"colour", "size", "owner", "sightings"}}},
        .examples = {"red", "object_1 --json"},
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), AboutQuestion{.subject = given.text("object"), .as_of = given.as_of()});

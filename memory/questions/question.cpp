@@ -13,6 +13,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
 #include "memory/questions/co_occurrence.h"
+#include "memory/questions/comparison.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/digest.h"
 #include "memory/questions/environment.h"
@@ -268,8 +269,8 @@ const std::vector<Question>& questions() {
     std::vector<Question> result;
     for (const auto& family :
          {location_questions(), presence_questions(), contents_questions(), event_questions(),
-          routine_questions(), co_occurrence_questions(), search_questions(), task_questions(),
-          object_questions(), environment_questions(), digest_questions()})
+          routine_questions(), co_occurrence_questions(), search_questions(), comparison_questions(),
+          task_questions(), object_questions(), environment_questions(), digest_questions()})
       result.insert(result.end(), family.begin(), family.end());
     return result;
   }();

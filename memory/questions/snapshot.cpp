@@ -333,7 +333,7 @@ std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
   return found;
 }
 
-std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
+std::vector<PlaceRow> Snapshot::places_meant(const std::string& asked) const {
   std::vector<std::string> words = lower_case_words(asked);
   while (words.size() > 1 && kFillers.contains(words.front())) words.erase(words.begin());
   std::vector<PlaceRow> found = places_called(phrase(words, 0));
@@ -351,6 +351,11 @@ std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
       last.pop_back();
     found = places_called(phrase(words, 0));
   }
+  return found;
+}
+
+std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
+  std::vector<PlaceRow> found = places_meant(asked);
   if (!found.empty()) return found;
   std::vector<std::string> names;
   for (const PlaceRow& place : places_) names.push_back(place.name);
@@ -501,6 +506,19 @@ std::vector<Id> Snapshot::find_longest_name(const std::vector<std::string>& word
   }
   next += count;
   return matching;
+}
+
+bool Snapshot::means_objects(const std::string& subject) const {
+  std::vector<std::string> words = lower_case_words(subject);
+  std::erase_if(words,
+                [](const std::string& word) { return kFillers.contains(word) || is_superlative(word); });
+  for (size_t next = 0; next < words.size();) {
+    size_t count = std::min<size_t>(4, words.size() - next);
+    while (count > 0 && find_by_word(phrase(words, next, count)).empty()) --count;
+    if (count == 0) return false;
+    next += count;
+  }
+  return !words.empty();
 }
 
 std::vector<Id> Snapshot::find_objects(const std::string& subject) const {

@@ -58,6 +58,10 @@ class Snapshot {
   /// Places that a name means: those called so, else by its last word ("couch table" is any table).
   /// UnknownName with the nearest names when it means nothing.
   std::vector<PlaceRow> find_places(const std::string& name) const;
+  /// As find_places(); empty where the name means nothing.
+  std::vector<PlaceRow> places_meant(const std::string& name) const;
+  /// Whether every word of a name means something by itself or with its neighbours.
+  bool means_objects(const std::string& subject) const;
   /// Places by name ("table_1", "table 1"), alias, the beginning of the name (drawer_3 for drawer_3_bottom),
   /// or class (table for table_1); empty when there are none.
   std::vector<PlaceRow> places_called(const std::string& name) const;

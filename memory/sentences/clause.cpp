@@ -181,6 +181,8 @@ class ClauseReader {
     const bool relative = (lemma() == "which" || lemma() == "who" || mood == "what") && next_ > 0 &&
                           !clause_.mood.empty() && clause_.mood != "bare";
     if (relative) return true;
+    // "Is the jam on the shelf where it was?" does not ask where it is.
+    if (mood == "where" && clause_.mood == "yes" && !clause_.phrases.empty()) return false;
     if (!clause_.mood.empty() && clause_.mood != "yes" && clause_.mood != "order")
       return add_concept(lemma());
     clause_.mood = mood;
@@ -209,9 +211,11 @@ class ClauseReader {
     if (lemma() == "that" && (!name_.empty() || claims.contains(previous()) || previous() == "someone" ||
                               things.contains(previous()))) {
       // "The cup that was on the table" is none that is there now.
-      if (!name_.empty() && !clause_.mood.empty() && clause_.mood != "bare" &&
-          (next == "was" || next == "had" || next == "did"))
-        return false;
+      static const WordSet past = {"stood", "sat",   "lay",         "left",    "came",
+                                   "went",  "moved", "disappeared", "vanished"};
+      const bool ended = next == "was" || next == "had" || next == "did" ||
+                         (next_ + 1 < tokens_.words.size() && past.contains(tokens_.words[next_ + 1]));
+      if (!name_.empty() && !clause_.mood.empty() && clause_.mood != "bare" && ended) return false;
       close();
       return true;
     }
@@ -370,6 +374,11 @@ class ClauseReader {
 
 /// The reading in which a place belongs to the name before it: "the cup on the table".
 std::optional<Clause> with_attached_places(const Clause& clause) {
+  // "on the table or on the counter" are two places of one object.
+  if (std::ranges::any_of(clause.phrases, [](const Phrase& phrase) {
+        return !phrase.joint.empty() && kAtRelations.contains(phrase.relation);
+      }))
+    return std::nullopt;
   Clause attached = clause;
   attached.phrases.clear();
   for (const Phrase& phrase : clause.phrases) {

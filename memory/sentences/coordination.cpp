@@ -104,4 +104,22 @@ Reply combined(const std::vector<Reply>& replies, const Coordination& coordinati
   return all;
 }
 
+Reply in_lines(const std::vector<Reply>& replies) {
+  Reply all = replies.front();
+  for (size_t i = 1; i < replies.size(); ++i) {
+    const Reply& reply = replies[i];
+    all.text += "\n" + reply.text;
+    add_all(reply.objects, all.objects);
+    add_all(reply.places, all.places);
+    if (!all.verdict) all.verdict = reply.verdict;
+    if (!all.number) all.number = reply.number;
+    if (!all.time) all.time = reply.time;
+    if (!all.duration) all.duration = reply.duration;
+    if (!all.probability) all.probability = reply.probability;
+    all.not_known = all.not_known && reply.not_known;
+  }
+  if (replies.size() > 1) all.evidence.clear();
+  return all;
+}
+
 }  // namespace loci::memory

@@ -21,4 +21,8 @@ Coordination coordination_of(const Query& query);
 /// last, the latest is named; of the rest, all are stated. Not for no replies.
 Reply combined(const std::vector<Reply>& replies, const Coordination& coordination);
 
+/// One reply to several questions of a sentence: a line for each; of each type the first states it, and all
+/// objects and places are stated. Not for no replies.
+Reply in_lines(const std::vector<Reply>& replies);
+
 }  // namespace loci::memory

@@ -167,20 +167,28 @@ void begin_embedded(Words& words, size_t count) {
     words.insert(words.begin(), "did");
 }
 
-/// What a statement is about: its first phrase of names after an article. "I put my tea down" → "tea".
+/// What a statement is about: its first phrase of names after an article; one of a household before others.
+/// "My aunt moved my tea" → "tea".
 Words topic_of(const Words& statement, const WordSet& concepts) {
   const Tokens tokens = tokens_of(statement);
-  Words topic;
+  Words first, topic;
+  const auto end = [&] {
+    if (first.empty()) first = topic;
+    const bool household = !topic.empty() && is_household_noun(topic.back());
+    if (!household) topic.clear();
+    return household;
+  };
   for (size_t i = 0; i < tokens.lemmas.size(); ++i) {
-    const bool name = class_of(tokens.lemmas[i]) == WordClass::name && !concepts.contains(tokens.lemmas[i]) &&
-                      !is_pronoun(tokens.lemmas[i]);
     const bool begins = i > 0 && class_of(tokens.lemmas[i - 1]) == WordClass::article;
+    const bool can = tokens.words[i] == "can" && (begins || !topic.empty());
+    const bool name = can || (class_of(tokens.lemmas[i]) == WordClass::name &&
+                              !concepts.contains(tokens.lemmas[i]) && !is_pronoun(tokens.lemmas[i]));
     if (name && (begins || !topic.empty()))
       topic.push_back(tokens.words[i]);
-    else if (!topic.empty())
+    else if (end())
       return topic;
   }
-  return topic;
+  return end() ? topic : first;
 }
 
 /// Fragments without those that only make the sentence polite; topics take the place of their pronouns.
@@ -244,6 +252,8 @@ std::optional<Words> last_question(const Words& words, const WordSet& concepts) 
   for (size_t i = words.size(); i-- > 2;) {
     Words rest(words.begin() + static_cast<std::ptrdiff_t>(i), words.end());
     if (class_of(first_lemma(rest)) != WordClass::question) continue;
+    // "on the shelf where it was" is no question.
+    if (is_pronoun(lemma_of(rest[rest.size() > 1 ? 1 : 0]))) continue;
     const Words topic =
         topic_of(Words(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(i)), concepts);
     if (find_pronoun(rest) && (topic.empty() || !replace_pronoun(rest, topic))) return std::nullopt;
@@ -353,7 +363,101 @@ void strip_politeness(Words& words) {
   }
 }
 
+// ---- Parts.
+
+bool is_joint(const std::string& word) {
+  static const WordSet joints = {"and", "so", "but", "because", "cos", "then"};
+  return joints.contains(word);
+}
+
+/// Whether a word begins a question that needs no answer to what comes before it: "where", "is the", "did I".
+bool begins_part(const Words& words, size_t at) {
+  const Words rest(words.begin() + static_cast<std::ptrdiff_t>(at), words.end());
+  const Tokens tokens = tokens_of(rest);
+  if (tokens.lemmas.size() < 2) return false;
+  const WordClass first = class_of(tokens.lemmas[0]), second = class_of(tokens.lemmas[1]);
+  if (first == WordClass::question) return true;
+  return first == WordClass::auxiliary && tokens.lemmas[0] != "have" &&
+         (second == WordClass::article || second == WordClass::person || second == WordClass::name);
+}
+
+/// A fragment in pieces: "I lost my cup | where is it", "is it open | what is in it".
+std::vector<Words> pieces_of(const Words& words) {
+  std::vector<Words> pieces;
+  size_t begin = 0;
+  const auto cut = [&](size_t end, size_t next) {
+    if (end > begin)
+      pieces.emplace_back(words.begin() + static_cast<std::ptrdiff_t>(begin),
+                          words.begin() + static_cast<std::ptrdiff_t>(end));
+    begin = next;
+  };
+  for (size_t i = 1; i + 1 < words.size(); ++i) {
+    const bool joined = is_joint(words[i]) && begins_part(words, i + 1);
+    if (joined) cut(i, i + 1);
+    const bool after_statement = i > begin + 1 && !joined &&
+                                 class_of(lemma_of(words[i])) == WordClass::question && words[i] != "which" &&
+                                 words[i] != "who" && words[i] != "when" &&
+                                 is_statement(Words(words.begin() + static_cast<std::ptrdiff_t>(begin),
+                                                    words.begin() + static_cast<std::ptrdiff_t>(i)));
+    if (after_statement) cut(i, i);
+  }
+  cut(words.size(), words.size());
+  return pieces;
+}
+
+/// "When I came home", "if it is open": a restriction, not a question.
+bool is_restriction(const Words& words) {
+  static const WordSet beginnings =
+      word_set("if unless except without only before after while since until instead");
+  const Tokens tokens = tokens_of(words);
+  if (!tokens.lemmas.empty() && class_of(tokens.lemmas[0]) == WordClass::question &&
+      tokens.lemmas[0] != "when")
+    return false;  // "since when"
+  if (beginnings.contains(words[0])) return true;
+  return words[0] == "when" && tokens.lemmas.size() > 1 && class_of(tokens.lemmas[1]) != WordClass::auxiliary;
+}
+
+/// "Is it on the shelf where it was this morning" asks whether it is on the shelf.
+void drop_old_place(Words& words) {
+  static const WordSet persons = {"it", "they", "i", "we", "he", "she"};
+  bool at_place = false;
+  for (size_t i = 1; i + 2 < words.size(); ++i) {
+    at_place = at_place || words[i] == "on" || words[i] == "in" || words[i] == "at";
+    if (words[i] != "where" || !persons.contains(words[i + 1])) continue;
+    words.resize(at_place ? i : 0);  // without a place it asks for a comparison, which no question makes
+    return;
+  }
+}
+
 }  // namespace
+
+std::vector<SentencePart> sentence_parts(const std::string& sentence) {
+  std::vector<SentencePart> parts;
+  size_t count = 0;
+  for (const Words& fragment : fragments_of(sentence)) {
+    count += fragment.size();
+    if (!parts.empty() && is_tag(fragment)) {  // "It is not there, is it?"
+      Words& before = parts.back().words;
+      before.insert(before.end(), fragment.begin(), fragment.end());
+      continue;
+    }
+    if (is_polite(fragment)) continue;
+    for (Words& piece : pieces_of(fragment)) {
+      while (piece.size() > 1 && is_joint(piece[0])) piece.erase(piece.begin());
+      if (const auto whether = std::ranges::find(piece, "whether");
+          whether != piece.end() && whether + 1 != piece.end())
+        piece.erase(piece.begin(), whether + 1);
+      if (is_restriction(piece)) return {};
+      strip_surroundings(piece);
+      if (piece.empty()) continue;
+      drop_old_place(piece);
+      if (piece.empty()) return {};
+      const bool asks = begins_question(piece) && !(is_statement(piece) && !begins_part(piece, 0));
+      parts.push_back({std::move(piece), asks});
+    }
+  }
+  return count > kMaxSentenceWords ? std::vector<SentencePart>{} : parts;
+}
 
 void strip_surroundings(Words& words) {
   strip_politeness(words);

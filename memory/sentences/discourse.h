@@ -17,6 +17,16 @@ inline constexpr size_t kMaxSentenceWords = 60;
 /// `concepts` are the lemmas that rules name.
 std::vector<Words> core_words(const std::string& sentence, const std::set<std::string>& concepts);
 
+/// A piece of a sentence.
+struct SentencePart {
+  Words words = {};
+  bool asks = false;  ///< it is a question or an order; else a statement or a name
+};
+/// The questions of a sentence and what is said around them, in order, without politeness. Empty where a
+/// condition or a time clause restricts a question ("if the drawer is open, ..."), and for more than
+/// kMaxSentenceWords.
+std::vector<SentencePart> sentence_parts(const std::string& sentence);
+
 /// Removes politeness and introductions from both ends.
 void strip_surroundings(Words& words);
 

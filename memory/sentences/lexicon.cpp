@@ -233,6 +233,17 @@ bool replace_compounds(Words& words) {
   return replaced;
 }
 
+/// "the milk's on" is "the milk is on"; before a name it is an owner.
+void expand_verbs(Words& words) {
+  for (size_t i = 0; i + 1 < words.size(); ++i) {
+    if (!words[i].ends_with("'s") || words[i].size() < 4) continue;
+    const std::string& next = words[i + 1];
+    if (class_of(lemma_of(next)) == WordClass::name && !lexicon().contains(next)) continue;
+    words[i].resize(words[i].size() - 2);
+    words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 1, "is");
+  }
+}
+
 }  // namespace
 
 const std::map<std::string, std::string>& lexicon() {
@@ -255,6 +266,22 @@ WordClass class_of(const std::string& lemma) {
   return found == classes().end() ? WordClass::name : found->second;
 }
 
+bool is_furniture(const std::string& word) {
+  static const std::set<std::string> words = [] {
+    const Words all = words_of(vocabulary::kFurniture);
+    return std::set<std::string>(all.begin(), all.end());
+  }();
+  return words.contains(word);
+}
+
+bool is_household_noun(const std::string& word) {
+  static const std::set<std::string> words = [] {
+    const Words all = words_of(vocabulary::kHouseholdWords);
+    return std::set<std::string>(all.begin(), all.end());
+  }();
+  return words.contains(word) || is_furniture(word);
+}
+
 Words sentence_words(const std::string& sentence) {
   Words result;
   std::string plain = sentence;  // with the apostrophe of typewriters
@@ -270,6 +297,7 @@ Words sentence_words(const std::string& sentence) {
     for (const std::string& piece : parts_of(word))
       for (std::string& part : expanded(piece)) result.push_back(std::move(part));
   }
+  expand_verbs(result);
   name_by_number(result);
   return result;
 }

@@ -29,6 +29,12 @@ const std::string& lemma_of(const std::string& word);
 /// The class of a lemma, where it is not that of a concept of the rules.
 WordClass class_of(const std::string& lemma);
 
+/// "table", "drawers", "fridge"
+bool is_furniture(const std::string& word);
+
+/// "table", "cup", "tea"
+bool is_household_noun(const std::string& word);
+
 /// The words of a sentence in lower case, without punctuation; "what's" is "what is", "second drawer" is
 /// "drawer 2". Times and names keep their ':', '-', '_' and '.'.
 Words sentence_words(const std::string& sentence);

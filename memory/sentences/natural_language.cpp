@@ -14,6 +14,7 @@
 #include "memory/questions/objects.h"
 #include "memory/questions/snapshot.h"
 #include "memory/sentences/coordination.h"
+#include "memory/sentences/intent_reader.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/sentence_parser.h"
 #include "memory/sentences/spelling.h"
@@ -211,6 +212,18 @@ class Conversation {
       : store_(store), question_(question), times_(store), writer_(store), references_(store, question) {}
 
   NaturalLanguageAnswer answer(const std::string& sentence) {
+    NaturalLanguageAnswer answer = answer_by_rules(sentence);
+    if (!answer.query)
+      if (auto in_parts = answer_in_parts(sentence)) answer = std::move(*in_parts);
+    if (!answer.query) return answer;
+    references_.remember(*answer.query, answer.reply ? answer.reply->objects : std::vector<Id>{});
+    last_ = answer.query;
+    return answer;
+  }
+
+ private:
+  /// What the rules make of a whole sentence.
+  NaturalLanguageAnswer answer_by_rules(const std::string& sentence) {
     NaturalLanguageAnswer answer{.sentence = sentence};
     std::vector<Query> readings;
     std::vector<std::string> notes;
@@ -219,25 +232,53 @@ class Conversation {
       notes = respelling.notes;
       if (!readings.empty()) break;
     }
-    if (readings.empty()) {
-      set_not_understood(answer);
-      return answer;
-    }
     for (const Query& reading : readings)
       if (try_reading(reading, answer)) break;
-    if (answer.why_not && is_strange(*answer.query)) {
+    if (readings.empty() || (answer.why_not && is_strange(*answer.query))) {
       answer = {.sentence = sentence};
       set_not_understood(answer);
       return answer;
     }
     if (answer.why_not) answer.why_not->text = shortened(answer.why_not->text);
     answer.notes.insert(answer.notes.begin(), notes.begin(), notes.end());
-    references_.remember(*answer.query, answer.reply ? answer.reply->objects : std::vector<Id>{});
-    last_ = answer.query;
     return answer;
   }
 
- private:
+  /// Each question of the sentence by itself, in plain words; unset when none is understood.
+  std::optional<NaturalLanguageAnswer> answer_in_parts(const std::string& sentence) {
+    const Snapshot snapshot(store_, question_.as_of);
+    const Respelling spelling = likely_spellings(sentence).front();
+    std::vector<NaturalLanguageAnswer> answers;
+    for (const std::vector<PlainQuestion>& question : plain_questions(spelling.sentence, snapshot, times_))
+      if (auto one = answer_plain(question)) answers.push_back(std::move(*one));
+    if (answers.empty()) return std::nullopt;
+    NaturalLanguageAnswer all = answers.front();
+    all.sentence = sentence;
+    std::vector<Reply> replies;
+    all.understood_as.clear();
+    for (const NaturalLanguageAnswer& one : answers) {
+      all.understood_as += (all.understood_as.empty() ? "" : " ") + one.sentence;
+      if (one.reply) replies.push_back(*one.reply);
+    }
+    if (!replies.empty()) all.reply = in_lines(replies);
+    all.notes.insert(all.notes.begin(), spelling.notes.begin(), spelling.notes.end());
+    return all;
+  }
+
+  /// The first reading that the memory answers. A name that it does not know is only taken for one where the
+  /// reading is certain.
+  std::optional<NaturalLanguageAnswer> answer_plain(const std::vector<PlainQuestion>& readings) {
+    constexpr double kCertain = 0.9;
+    for (const PlainQuestion& reading : readings) {
+      NaturalLanguageAnswer answer = answer_by_rules(reading.text);
+      if (!answer.query) continue;
+      const bool unknown = answer.why_not && !answer.reply;
+      if (unknown && (reading.names_known || reading.probability < kCertain)) continue;
+      return answer;
+    }
+    return std::nullopt;
+  }
+
   static void set_not_understood(NaturalLanguageAnswer& answer) {
     answer.why_not = NoAnswer{
         "not_understood", fmt::format("'{}' is not understood.", shortened(answer.sentence, 80)), {}};
@@ -382,6 +423,7 @@ std::vector<NaturalLanguageAnswer> ask(const Store& store, const NaturalLanguage
 std::string to_text(const NaturalLanguageAnswer& answer, const TimeWriter& times, bool details) {
   std::string text;
   if (details && answer.query) text += "= loci-memory " + answer.query->text() + "\n";
+  if (!answer.understood_as.empty()) text += answer.understood_as + "\n";
   if (answer.reply) text += answer.reply->text + "\n";
   if (answer.why_not && !answer.reply) text += answer.why_not->text + "\n";
   std::vector<std::string> lines = answer.notes;
@@ -389,7 +431,8 @@ std::string to_text(const NaturalLanguageAnswer& answer, const TimeWriter& times
   if (answer.why_not && !answer.why_not->hint.empty()) lines.push_back(answer.why_not->hint);
   if (answer.reply && !details)
     lines.insert(lines.end(), answer.reply->evidence.begin(), answer.reply->evidence.end());
-  if (!details && lines.size() > kMaxEvidenceLines) lines.resize(kMaxEvidenceLines);
+  const size_t lines_left = kMaxEvidenceLines - (answer.understood_as.empty() ? 0 : 1);
+  if (!details && lines.size() > lines_left) lines.resize(lines_left);
   for (const std::string& line : lines) text += "  " + line + "\n";
   if (!answer.nearest.empty()) text += "What is understood, for example:\n";
   for (const std::string& sentence : answer.nearest) text += "  " + sentence + "\n";
@@ -399,6 +442,7 @@ std::string to_text(const NaturalLanguageAnswer& answer, const TimeWriter& times
 Json to_json(const NaturalLanguageAnswer& answer) {
   Json json = {{"sentence", answer.sentence}, {"understood", answer.query.has_value()}};
   if (answer.query) json["command"] = answer.query->text();
+  if (!answer.understood_as.empty()) json["understood_as"] = answer.understood_as;
   if (!answer.notes.empty()) json["notes"] = answer.notes;
   if (answer.reply) json["reply"] = to_json(*answer.reply);
   if (answer.answer) json["answer"] = answer.answer->to_json();

@@ -26,7 +26,8 @@ struct NoAnswer {
 };
 struct NaturalLanguageAnswer {
   std::string sentence = {};
-  std::optional<Query> query = {};      ///< unset = not understood
+  std::optional<Query> query = {};  ///< unset = not understood; of several questions the first
+  std::string understood_as = {};   ///< the questions in plain words, where they are not those that were said
   std::vector<std::string> notes = {};  ///< how words were interpreted
   std::optional<Answer> answer = {};
   std::optional<Reply> reply = {};        ///< of the answer

@@ -147,6 +147,7 @@ void normalize_times(Words& words) {
         {"earlier (today|on today|in the day)", "today"},
         {"some time today|sometime today|in the course of (the|this) day|over the day|(during|in) the day",
          "today"},
+        {"(in|at) the (last|latest|current|final|present) (scene|frame|image|snapshot)", "now"},
         {"(this|the) (very|same) day|on (this|that) day", "today"},
         {"earlier this", "this"},
         {"earlier on", "earlier"},
@@ -204,11 +205,14 @@ void normalize_times(Words& words) {
 
 std::optional<SentencePeriod> cut_longest(Words& words, const TimeReader& times) {
   for (size_t length = std::min(words.size(), kMaxWordsOfTime); length > 0; --length)
-    for (size_t first = words.size() - length + 1; first-- > 0;)
+    for (size_t first = words.size() - length + 1; first-- > 0;) {
+      if (first > 0 && is_digit(words[first][0]) && is_furniture(words[first - 1]))
+        continue;  // "drawer 1 in the morning"
       if (const auto period = PeriodReader(words, first, first + length, times).read()) {
         replace_words(words, first, length, {});
         return period;
       }
+    }
   return std::nullopt;
 }
 

@@ -6,6 +6,7 @@
 
 #include "mapping/base/text.h"
 #include "memory/questions/question.h"
+#include "memory/sentences/intent_model.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/vocabulary.h"
 
@@ -29,14 +30,26 @@ const std::set<std::string>& known_words() {
     for (const auto& [form, by] : vocabulary::compounds()) add(form);
     for (const auto& of_class : vocabulary::classes()) add(of_class.words);
     for (const auto& surrounding : vocabulary::surroundings()) add(surrounding.words);
+    add(vocabulary::kFurniture);
     add(vocabulary::kHouseholdWords);
     add(vocabulary::kOtherWords);
+    for (const std::string& feature : trained_intents().features)
+      if (feature.find_first_of(" '") == std::string::npos) words.insert(feature);
     for (const Question& question : questions())
       for (const SentenceForm& form : question.sentences) {
         for (const std::string& word : sentence_words(form.example)) words.insert(word);
         for (const std::string& word : words_of(form.form, " []<>|:-")) words.insert(word);
       }
     return words;
+  }();
+  return all;
+}
+
+/// Words that are none of the grammar and no typos either.
+const std::set<std::string>& near_words() {
+  static const std::set<std::string> all = [] {
+    const std::vector<std::string> words = words_of(vocabulary::kNearWords);
+    return std::set<std::string>(words.begin(), words.end());
   }();
   return all;
 }
@@ -116,7 +129,8 @@ std::vector<Respelling> respellings(const std::string& sentence, const std::set<
     }
     const std::string word = text.substr(i, end - i);
     std::vector<std::string> meant;
-    if (is_word(word) && !is_known(word, names)) meant = corrections(word, names);
+    if (is_word(word) && !is_known(word, names) && !near_words().contains(word))
+      meant = corrections(word, names);
     if (meant.empty()) {
       append(std::string_view(sentence).substr(i, end - i));
     } else {

@@ -102,6 +102,9 @@ constexpr Lemma kLemmas[] = {
     {"only", "solely merely"},
     {"alone", ""},
     {"nearest", "closest"},
+    {"nearer", "closer"},
+    {"bigger", "larger taller higher greater"},
+    {"smaller", "shorter tinier"},
     {"back", "again"},
     {"away", "aside"},
     // What is asked for.
@@ -158,7 +161,12 @@ constexpr Compound kCompounds[] = {
      "howsure"},
     {"how (big|large|small|tall|high|wide|heavy|broad)", "howbig"},
     {"how (far|wide) open", "howfar open"},
-    {"how far", "howfar"},
+    {"how (far|close) (apart|away)", "howfar apart"},
+    {"(how far|how close)", "howfar"},
+    {"[the] [euclidean] distance", "distance"},
+    {"more (things|objects|items|stuff)", "morethings"},
+    {"(is|are) there more on", "is there morethings on"},
+    {"(is|are) there more in", "is there morethings in"},
     {"how (sure|certain|confident|probable|likely)", "howsure"},
     {"[what is|what are|give|state|report] [the|your] "
      "(probability|chance|chances|likelihood|odds|confidence|certainty|belief) (that|of|for|in|about)",
@@ -226,7 +234,8 @@ constexpr Compound kCompounds[] = {
     {"(is|are|was|were) (supposed|meant) to", "should"},
     // Statements and their claims.
     {"(would|do) you (say|think|believe|reckon) (is|are|was|were)", "is"},
-    {"(one|any|some|either|each|all|both|none|several|which|most) of (the|my|our|your|these|those|them) "
+    {"which of (the|my|our|your|these|those|them) (two|three|four|five|six)", "which"},
+    {"(one|any|some|either|each|all|both|none|several|most) of (the|my|our|your|these|those|them) "
      "(two|three|four|five|six)",
      "any"},
     {"all of (the|my|our|your|these|those|them)", "all the"},
@@ -361,14 +370,14 @@ std::span<const SurroundingWords> surroundings() {
   return kSurroundings;
 }
 
-const char* const kHouseholdWords =
-    // Furniture and appliances.
+const char* const kFurniture =
     "table counter worktop countertop shelf shelves drawer drawers island cupboard cupboards cabinet "
-    "cabinets "
-    "door doors fridge refrigerator freezer oven stove hob cooker microwave dishwasher toaster kettle sink "
-    "tap bin wardrobe pantry larder sideboard bench chair chairs stool sofa couch bed desk window windowsill "
-    "floor wall ceiling hall hallway bathroom bedroom balcony garden garage cellar basement attic lounge "
-    "dining living "
+    "cabinets door doors fridge refrigerator freezer oven stove hob cooker microwave dishwasher toaster "
+    "kettle sink tap bin wardrobe pantry larder sideboard bench chair chairs stool sofa couch bed desk "
+    "window windowsill floor wall ceiling hall hallway bathroom bedroom balcony garden garage cellar "
+    "basement attic lounge dining living";
+
+const char* const kHouseholdWords =
     // Things.
     "cup cups mug mugs glass glasses plate plates bowl bowls dish dishes saucer saucers tray jug jar jars "
     "bottle bottles can cans tin tins box boxes carton cartons packet packets bag bags basket pot pots pan "

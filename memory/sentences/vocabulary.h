@@ -37,9 +37,14 @@ struct SurroundingWords {
 };
 std::span<const SurroundingWords> surroundings();
 
-/// Nouns and adjectives of a home, which no memory need know: they are names, and no typos of other words.
+/// Furniture, appliances and rooms.
+extern const char* const kFurniture;
+/// Other nouns, and adjectives, of a home, which no memory need know: they are names, and no typos of other
+/// words.
 extern const char* const kHouseholdWords;
 /// Words that are no typos, beside all these: pronouns, numbers, times.
 extern const char* const kOtherWords;
+/// English words that would pass for typos of all these (near_words.cpp).
+extern const char* const kNearWords;
 
 }  // namespace loci::memory::vocabulary

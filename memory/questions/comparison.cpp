@@ -1,0 +1,242 @@
+#include "memory/questions/comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "memory/questions/answer_format.h"
+#include "memory/questions/contents.h"
+#include "memory/questions/events.h"
+#include "memory/questions/reply_parts.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci::memory {
+namespace {
+
+bool is_of_size(const std::string& by) {
+  return by == "bigger" || by == "smaller";
+}
+bool is_of_time(const std::string& by) {
+  return by == "left-before" || by == "moved-before";
+}
+
+/// The most probable object that words mean, which has not gone.
+Compared compared_object(const Snapshot& snapshot, const std::string& subject) {
+  const std::vector<Id> found = snapshot.find_objects(subject);
+  const auto there = std::ranges::find_if(found, [&](Id id) {
+    const BeliefRow* belief = snapshot.belief(id);
+    return belief != nullptr && belief->status != ObjectStatus::gone;
+  });
+  const Id id = there == found.end() ? found.front() : *there;
+  return {.name = object_name(id), .object = id};
+}
+
+std::optional<Vector3d> position_of(const Snapshot& snapshot, const Compared& one) {
+  const BeliefRow* belief = snapshot.belief(*one.object);
+  return belief == nullptr || belief->status == ObjectStatus::gone ? std::nullopt : belief->position;
+}
+
+std::optional<double> volume_of(const Snapshot& snapshot, const Compared& one) {
+  const auto size = snapshot.object_ref(*one.object).size;
+  return size ? std::optional(size->prod()) : std::nullopt;
+}
+
+/// The last time that it left or was moved; of several objects the last of all.
+std::optional<TimeSpan> last_change(const Store& store, const std::string& subject, const std::string& kind,
+                                    AsOf as_of) {
+  std::optional<TimeSpan> last;
+  for (const Change& change :
+       ask(store, ChangesQuestion{.subject = subject, .as_of = as_of, .kind = kind}).changes)
+    if (!last || change.time >= last->last)
+      last = TimeSpan{change.since.value_or(std::numeric_limits<TimeNs>::min()), change.time};
+  return last;
+}
+
+size_t number_on(const Store& store, const std::string& place, AsOf as_of) {
+  size_t number = 0;
+  for (const PlaceContents& contents : ask(store, ContentsQuestion{.place = place, .as_of = as_of}).places)
+    number += static_cast<size_t>(std::ranges::count_if(contents.there, replies::is_there));
+  return number;
+}
+
+Verdict verdict_of(bool is) {
+  return is ? Verdict::yes : Verdict::no;
+}
+
+/// From the values of those compared.
+Verdict verdict_of(const ComparisonAnswer& answer) {
+  const std::vector<Compared>& all = answer.compared;
+  if (is_of_time(answer.by)) {
+    if (!all[0].time || !all[1].time) return Verdict::not_observed;
+    if (all[0].time->last <= all[1].time->first) return Verdict::yes;
+    return all[1].time->last <= all[0].time->first ? Verdict::no : Verdict::not_observed;
+  }
+  if (answer.by == "distance") return all[1].value ? Verdict::yes : Verdict::not_observed;
+  const Compared &a = all[answer.by == "nearer" ? 1 : 0], &b = all[answer.by == "nearer" ? 2 : 1];
+  if (!a.value || !b.value) return Verdict::not_observed;
+  return verdict_of(answer.by == "bigger" || answer.by == "more" ? *a.value > *b.value : *a.value < *b.value);
+}
+
+/// "56 cm", "1.2 l", "3 objects", "between 08:00 and 09:30".
+std::string value_text(const std::string& by, const Compared& one, const TimeWriter& times) {
+  constexpr double kLitres = 1000;
+  if (one.time) {
+    const bool open = one.time->first == std::numeric_limits<TimeNs>::min();
+    return open ? "by " + times.text(one.time->last)
+                : fmt::format("between {} and {}", times.text(one.time->first), times.text(one.time->last));
+  }
+  if (!one.value) return "not known";
+  if (is_of_size(by)) return fmt::format("{:.2g} l", kLitres * *one.value);
+  if (by == "more") return fmt::format("{:.0f} {}", *one.value, *one.value == 1 ? "object" : "objects");
+  return fmt::format("{:.0f} cm", 100 * *one.value);
+}
+
+/// "the tea is 56 cm from the oil"
+std::string statement(const ComparisonAnswer& answer, const std::vector<std::string>& names,
+                      const TimeWriter& times) {
+  const std::vector<Compared>& all = answer.compared;
+  const auto value = [&](size_t i) { return value_text(answer.by, all[i], times); };
+  if (answer.by == "distance") return fmt::format("{} is {} from {}", names[0], value(1), names[1]);
+  if (answer.by == "nearer")
+    return fmt::format("{} is {} from {} and {} from {}", names[0], value(1), names[1], value(2), names[2]);
+  if (answer.by == "more") return fmt::format("{} on {}, {} on {}", value(0), names[0], value(1), names[1]);
+  const std::string verb = answer.by == "left-before"    ? "left"
+                           : answer.by == "moved-before" ? "moved"
+                                                         : "takes up";
+  return fmt::format("{} {} {}, {} {}", names[0], verb, value(0), names[1], value(1));
+}
+
+std::vector<std::string> plain_names(const ComparisonAnswer& answer) {
+  std::vector<std::string> names;
+  for (const Compared& one : answer.compared) names.push_back(one.name);
+  return names;
+}
+
+}  // namespace
+
+ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  ComparisonAnswer answer{.by = question.by};
+  if (question.by == "nearer" && question.than.empty())
+    throw Error("'nearer' compares two distances", {}, "name the other object with --than");
+  std::vector<std::string> subjects = {question.subject, question.with};
+  if (question.by == "nearer") subjects.push_back(question.than);
+  for (const std::string& subject : subjects) {
+    if (question.by == "more") {
+      answer.compared.push_back({.name = name_in_words(snapshot.find_places(subject).front().name)});
+      answer.compared.back().value = static_cast<double>(number_on(store, subject, question.as_of));
+      continue;
+    }
+    Compared one = compared_object(snapshot, subject);
+    if (is_of_size(question.by)) one.value = volume_of(snapshot, one);
+    if (is_of_time(question.by))
+      one.time =
+          last_change(store, subject, question.by == "left-before" ? "left" : "handled", question.as_of);
+    answer.compared.push_back(std::move(one));
+  }
+  if (question.by == "distance" || question.by == "nearer") {
+    const auto from = position_of(snapshot, answer.compared[0]);
+    for (size_t i = 1; i < answer.compared.size(); ++i)
+      if (const auto to = position_of(snapshot, answer.compared[i]); from && to)
+        answer.compared[i].value = (*to - *from).norm();
+  }
+  answer.verdict = verdict_of(answer);
+  return answer;
+}
+
+std::string to_text(const ComparisonAnswer& answer, const TimeWriter& times) {
+  return (answer.by == "distance" ? "" : to_text(answer.verdict) + ": ") +
+         statement(answer, plain_names(answer), times) + "\n";
+}
+
+Json to_json(const ComparisonAnswer& answer) {
+  Json compared = Json::array();
+  for (const Compared& one : answer.compared) {
+    Json json = {{"name", one.name}};
+    if (one.value) json["value"] = *one.value;
+    if (one.time) json["until"] = format_time(one.time->last);
+    compared.push_back(json);
+  }
+  return {{"by", answer.by}, {"verdict", to_text(answer.verdict)}, {"compared", compared}};
+}
+
+void write_reply(const ComparisonAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  std::vector<std::string> said;
+  for (const Compared& one : answer.compared)
+    said.push_back(one.object ? names.subject(snapshot.object_ref(*one.object)) : one.name);
+  const std::string text = statement(answer, said, context.times);
+  reply.not_known = answer.verdict == Verdict::not_observed;
+  if (answer.by == "distance") {
+    reply.text =
+        reply.not_known ? fmt::format("Not known: where {} and {} both are.", said[0], said[1]) : text + ".";
+    return;
+  }
+  // "Which is bigger?" names one.
+  const bool which = context.query.asks == Asks::objects;
+  if (which && !reply.not_known) {
+    const size_t one = answer.verdict == Verdict::yes ? 0 : 1;
+    if (answer.compared[one].object) reply.objects = {*answer.compared[one].object};
+    reply.text = fmt::format("{}: {}.", said[one], text);
+    return;
+  }
+  reply.verdict = answer.verdict;
+  reply.text = fmt::format("{}: {}.",
+                           answer.verdict == Verdict::yes  ? "Yes"
+                           : answer.verdict == Verdict::no ? "No"
+                                                           : "Not observed",
+                           text);
+}
+
+std::vector<Question> comparison_questions() {
+  const auto by = [](const char* what) { return std::map<std::string, std::string>{{"by", what}}; };
+  using enum Asks;
+  return {
+      {.name = "compare",
+       .description =
+           "Two objects against each other: distance, size, what left or moved first; or two places",
+       .parameters =
+           {{.name = "object",
+             .type = ParameterType::spot,
+             .help = "An object; for more a place",
+             .positional = true,
+             .required = true},
+            {.name = "with", .type = ParameterType::spot, .help = "The other one", .required = true},
+            {.name = "than", .type = ParameterType::object, .help = "Nearer than to this object"},
+            {.name = "by",
+             .help = "What is compared",
+             .default_text = "distance",
+             .choices = {"distance", "nearer", "bigger", "smaller", "left-before", "moved-before", "more"}}},
+       .asks = verdict,
+       .examples = {"blue --with red", "blue --with red --by bigger --json"},
+       .run = [](const Arguments& given) -> Answer {
+         ComparisonQuestion question{.subject = given.text("object"),
+                                     .with = given.text("with"),
+                                     .than = given.text("than"),
+                                     .as_of = given.as_of()};
+         if (!given.text("by").empty()) question.by = given.text("by");
+         return ask(given.store(), question);
+       },
+       .sentences = {
+           {"howfar: <object> from<with> [away|apart]", property, "How far is the tea from the oil?",
+            by("distance")},
+           {"howfar: <object> and<with> [apart|away|from]", property, "", by("distance")},
+           {"what|bare: distance between<object> and<with>", property, "", by("distance")},
+           {"what|bare: distance from<object> to<with>", property, "", by("distance")},
+           {"what|bare: distance of<object> to<with>", property, "", by("distance")},
+           {"yes|bare: nearer|nearest <object> to<with> than<than>", verdict,
+            "Is the tea nearer to the oil than the pot?", by("nearer")},
+           {"yes|bare: bigger <object> than<with>", verdict, "Is the pot bigger than the cup?", by("bigger")},
+           {"yes|bare: smaller <object> than<with>", verdict, "", by("smaller")},
+           {"what: bigger <object> and<with>", objects, "", by("bigger")},
+           {"what: smaller <object> and<with>", objects, "", by("smaller")},
+           {"yes: vanish|go|leave|take <object> before<with> [away]", verdict,
+            "Did the plate disappear before the bowl?", by("left-before")},
+           {"yes: move <object> before<with>", verdict, "", by("moved-before")},
+           {"yes|bare: morethings than at<object> at<with>", verdict,
+            "Is there more on the counter than on the table?", by("more")}}}};
+}
+
+}  // namespace loci::memory

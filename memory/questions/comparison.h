@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "memory/questions/question.h"
+#include "memory/questions/reply.h"
+
+namespace loci::memory {
+
+// ---- compare
+
+/// Two objects or places against each other.
+struct ComparisonQuestion {
+  std::string subject = {};  ///< an object; for "more" a place
+  std::string with = {};     ///< likewise
+  std::string than = {};     ///< "nearer" to `with` than to this object
+  /// "distance" between them; whether the first is "nearer", "bigger" (by volume), "smaller", "left-before"
+  /// or "moved-before" (the last time), or whether "more" is on it.
+  std::string by = "distance";
+  AsOf as_of = {};
+};
+struct Compared {
+  std::string name = {};  ///< "object_3" or "table_1"
+  std::optional<Id> object = {};
+  std::optional<double> value = {};   ///< distance from the first (m), volume (m^3) or number of objects
+  std::optional<TimeSpan> time = {};  ///< when it left or moved
+};
+struct ComparisonAnswer {
+  std::string by = {};
+  std::vector<Compared> compared = {};      ///< in the order of the question
+  Verdict verdict = Verdict::not_observed;  ///< also where a value is not known; of "distance" yes = known
+};
+ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question);
+std::string to_text(const ComparisonAnswer& answer, const TimeWriter& times);
+void write_reply(const ComparisonAnswer& answer, const ReplyContext& context, Reply& reply);
+Json to_json(const ComparisonAnswer& answer);
+
+std::vector<Question> comparison_questions();
+
+}  // namespace loci::memory

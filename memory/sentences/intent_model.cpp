@@ -1,0 +1,208 @@
+#include "memory/sentences/intent_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "mapping/base/error.h"
+#include "mapping/base/text.h"
+
+namespace loci::memory {
+namespace {
+
+bool is_name_of_placeholder(const std::string& word) {
+  static const std::set<std::string> names = {"OBJECT", "OTHER", "THIRD", "PLACE", "SECOND"};
+  return names.contains(word);
+}
+
+/// OTHER and THIRD are objects, SECOND is a place.
+Words with_kinds(Words words) {
+  for (std::string& word : words) {
+    if (word == "OTHER" || word == "THIRD") word = "OBJECT";
+    if (word == "SECOND") word = "PLACE";
+  }
+  return words;
+}
+
+bool is_placeholder(const std::string& lemma) {
+  return lemma == "OBJECT" || lemma == "PLACE";
+}
+
+/// Rows of weights of the features that a sentence has.
+std::vector<size_t> rows_of(const std::vector<std::string>& features, const Tokens& tokens) {
+  std::vector<size_t> rows;
+  for (const std::string& feature : intent_features(tokens)) {
+    const auto found = std::ranges::lower_bound(features, feature);
+    if (found != features.end() && *found == feature)
+      rows.push_back(static_cast<size_t>(found - features.begin()));
+  }
+  return rows;
+}
+
+/// exp(scores) / their sum, in place.
+void normalize(std::vector<double>& scores) {
+  const double highest = std::ranges::max(scores);
+  double sum = 0;
+  for (double& score : scores) sum += score = std::exp(score - highest);
+  for (double& score : scores) score /= sum;
+}
+
+std::vector<double> scores_of(const std::vector<float>& weights, const std::vector<size_t>& rows,
+                              size_t forms) {
+  std::vector<double> scores(forms, 0);
+  for (const size_t row : rows)
+    for (size_t form = 0; form < forms; ++form)
+      scores[form] += static_cast<double>(weights[row * forms + form]);
+  return scores;
+}
+
+}  // namespace
+
+Tokens intent_tokens(const Words& words) {
+  Tokens all = tokens_of(with_kinds(words)), tokens;
+  for (size_t i = 0; i < all.lemmas.size(); ++i) {
+    const WordClass word_class = class_of(all.lemmas[i]);
+    if (word_class == WordClass::article || word_class == WordClass::empty) continue;
+    tokens.words.push_back(std::move(all.words[i]));
+    tokens.lemmas.push_back(std::move(all.lemmas[i]));
+  }
+  return tokens;
+}
+
+std::vector<std::string> intent_features(const Tokens& tokens) {
+  std::vector<std::string> features;
+  std::string question = "-";
+  for (const std::string& lemma : tokens.lemmas)
+    if (question == "-" && class_of(lemma) == WordClass::question) question = lemma;
+  std::string before = "^";
+  for (size_t i = 0; i < tokens.lemmas.size(); ++i) {
+    const std::string& lemma = tokens.lemmas[i];
+    features.push_back(lemma);
+    features.push_back(before + " " + lemma);
+    features.push_back(question + " ~ " + lemma);
+    if (tokens.words[i] != lemma) features.push_back("'" + tokens.words[i]);
+    before = lemma;
+  }
+  features.push_back(before + " $");
+  std::ranges::sort(features);
+  features.erase(std::ranges::unique(features).begin(), features.end());
+  return features;
+}
+
+std::string placeholder_signature(const Tokens& tokens) {
+  Words kinds;
+  for (const std::string& lemma : tokens.lemmas)
+    if (is_placeholder(lemma)) kinds.push_back(lemma);
+  std::ranges::sort(kinds);
+  return joined(kinds, " ");
+}
+
+IntentModel train_intents(const std::vector<std::string>& forms, const std::vector<IntentSample>& samples) {
+  constexpr int kSteps = 120;
+  constexpr double kPrior = 0.3;  // precision of the weights
+  constexpr double kRate = 0.35;
+  IntentModel model{.forms = forms};
+  for (const IntentSample& sample : samples)
+    for (std::string& feature : intent_features(sample.tokens)) model.features.push_back(std::move(feature));
+  std::vector<std::set<std::string>> words(forms.size());
+  for (const IntentSample& sample : samples)
+    words[sample.form].insert(sample.tokens.lemmas.begin(), sample.tokens.lemmas.end());
+  for (const std::set<std::string>& of_form : words)
+    model.words.push_back(" " + joined(Words(of_form.begin(), of_form.end()), " ") + " ");
+  std::ranges::sort(model.features);
+  model.features.erase(std::ranges::unique(model.features).begin(), model.features.end());
+  model.weights.assign(model.features.size() * forms.size(), 0);
+  std::vector<std::vector<size_t>> rows;
+  for (const IntentSample& sample : samples) rows.push_back(rows_of(model.features, sample.tokens));
+  // Gradient ascent with a step per weight that shrinks as its gradients add up (AdaGrad).
+  std::vector<float> gradient(model.weights.size()), squares(model.weights.size(), 1e-6F);
+  for (int step = 0; step < kSteps; ++step) {
+    for (size_t i = 0; i < gradient.size(); ++i) gradient[i] = static_cast<float>(-kPrior) * model.weights[i];
+    for (size_t i = 0; i < samples.size(); ++i) {
+      std::vector<double> probabilities = scores_of(model.weights, rows[i], forms.size());
+      normalize(probabilities);
+      for (const size_t row : rows[i])
+        for (size_t form = 0; form < forms.size(); ++form)
+          gradient[row * forms.size() + form] +=
+              static_cast<float>((form == samples[i].form ? 1.0 : 0.0) - probabilities[form]);
+    }
+    for (size_t i = 0; i < gradient.size(); ++i) {
+      squares[i] += gradient[i] * gradient[i];
+      model.weights[i] += static_cast<float>(kRate) * gradient[i] / std::sqrt(squares[i]);
+    }
+  }
+  return model;
+}
+
+IntentModel quantized_intents(std::span<const char* const> forms, std::span<const char* const> features,
+                              std::span<const short> weights, std::span<const char* const> words) {
+  IntentModel model{.forms = {forms.begin(), forms.end()},
+                    .features = {features.begin(), features.end()},
+                    .words = {words.begin(), words.end()}};
+  model.weights.reserve(weights.size());
+  for (const short weight : weights) model.weights.push_back(static_cast<float>(weight) * kIntentWeightStep);
+  return model;
+}
+
+std::vector<std::string> signatures_of(const std::vector<std::string>& forms) {
+  std::vector<std::string> signatures;
+  for (const std::string& form : forms)
+    signatures.push_back(form == kNoIntent ? "*"
+                                           : placeholder_signature(intent_tokens(words_of(form, " ?,"))));
+  return signatures;
+}
+
+IntentReading best_intent(const IntentModel& model, const std::vector<std::string>& signatures,
+                          const Tokens& tokens) {
+  std::vector<double> scores = scores_of(model.weights, rows_of(model.features, tokens), model.forms.size());
+  const std::string signature = placeholder_signature(tokens);
+  constexpr double kNever = -1e9;
+  for (size_t form = 0; form < scores.size(); ++form)
+    if (signatures[form] != "*" && signatures[form] != signature) scores[form] = kNever;
+  normalize(scores);
+  const auto best = std::ranges::max_element(scores);
+  return {static_cast<size_t>(best - scores.begin()), *best};
+}
+
+Words uncovered_words(const IntentModel& model, size_t form, const Tokens& tokens) {
+  Words uncovered;
+  for (const std::string& lemma : tokens.lemmas) {
+    const WordClass word_class = class_of(lemma);
+    const bool neutral = word_class == WordClass::person ||
+                         (word_class == WordClass::auxiliary && lemma != "will" && lemma != "should");
+    if (!neutral && model.words[form].find(" " + lemma + " ") == std::string::npos)
+      uncovered.push_back(lemma);
+  }
+  return uncovered;
+}
+
+Paraphrases read_paraphrases(const std::string& text, const std::string& file) {
+  Paraphrases read;
+  std::string signature;
+  std::istringstream lines(text);
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    if (line.empty() || line[0] == '#') continue;
+    const bool is_form = line.starts_with("= ");
+    if (is_form) read.forms.push_back(line.substr(2));
+    Words words = words_of(is_form ? line.substr(2) : line, " ?,");
+    for (std::string& word : words)
+      if (!is_name_of_placeholder(word)) word = lower_case(word);
+    const Tokens tokens = intent_tokens(words);
+    if (is_form) signature = placeholder_signature(tokens);
+    if (read.forms.empty())
+      throw Error("a paraphrase without a form", {file, number, {}}, "begin with '= FORM'");
+    if (read.forms.back() == "none" && is_form) continue;
+    if (read.forms.back() != "none" && placeholder_signature(tokens) != signature)
+      throw Error(fmt::format("'{}' does not name what '{}' names", line, read.forms.back()),
+                  {file, number, {}}, "use the same placeholders");
+    read.samples.push_back({read.forms.size() - 1, tokens});
+  }
+  return read;
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,236 @@
+#include "memory/sentences/intent_reader.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "mapping/base/text.h"
+#include "memory/sentences/discourse.h"
+#include "memory/sentences/intent_model.h"
+#include "memory/sentences/mentions.h"
+#include "memory/sentences/relative_clause.h"
+#include "memory/sentences/sentence_time.h"
+
+namespace loci::memory {
+namespace {
+
+// Set by `loci_train_intents paraphrases.txt --cross-validate`.
+/// Where a paraphrase of the form has every word: 95 % of the forms are right.
+constexpr double kMinProbability = 0.5;
+/// Where none has one of the words: 91 % are right.
+constexpr double kMinProbabilityBeyond = 0.9;
+
+/// A part of a sentence with its names found.
+struct Named {
+  Tokens tokens;
+  std::vector<Mention> mentions;
+  std::string time;         ///< as people write it; "" = none
+  bool throughout = false;  ///< "the whole day": more than a time
+
+  const Mention* first(bool place) const {
+    const auto found = std::ranges::find(mentions, place, &Mention::place);
+    return found == mentions.end() ? nullptr : &*found;
+  }
+};
+
+/// A sentence with placeholders, and what they stand for.
+struct Delexicalised {
+  Words words;
+  std::vector<std::string> objects, places;
+  bool known = true;
+};
+
+std::string text_of(const SentencePeriod& period) {
+  if (period.from.empty()) return "before " + period.to;
+  if (period.to.empty()) return "since " + period.from;
+  return period.from == period.to ? period.from : "between " + period.from + " and " + period.to;
+}
+
+bool is_word(const std::string& lemma) {
+  return std::ranges::binary_search(trained_intents().features, lemma);
+}
+
+Named named(const SentencePart& part, const Snapshot& snapshot, const TimeReader& times) {
+  Words words = part.words;
+  const auto period = cut_time(words, times);
+  Named result{.tokens = tokens_of(std::move(words)),
+               .mentions = {},
+               .time = period ? text_of(*period) : "",
+               .throughout = period && period->throughout};
+  result.mentions = find_mentions(result.tokens, snapshot, is_word);
+  return result;
+}
+
+/// Joins mentions that one name may be: "the oil and the pot", "the cup on the counter".
+std::vector<Mention> joined_mentions(const Named& part, bool coordinated, bool attached) {
+  std::vector<Mention> joined;
+  for (const Mention& mention : part.mentions) {
+    Mention* before = joined.empty() ? nullptr : &joined.back();
+    std::string joint;
+    for (size_t i = before == nullptr ? mention.first : before->last; i < mention.first; ++i)
+      if (class_of(part.tokens.lemmas[i]) != WordClass::article)
+        joint += (joint.empty() ? "" : " ") + part.tokens.lemmas[i];
+    const bool same =
+        before != nullptr && before->place == mention.place && (joint == "and" || joint == "or");
+    const bool at = before != nullptr && !before->place && mention.place && (joint == "on" || joint == "in");
+    if ((coordinated && same) || (attached && at)) {
+      before->text += " " + joint + " " + mention.text;
+      before->last = mention.last;
+      before->known = before->known && mention.known;
+    } else {
+      joined.push_back(mention);
+    }
+  }
+  return joined;
+}
+
+/// What other parts speak of: before this one, else after it.
+struct Topic {
+  const Mention *object = nullptr, *place = nullptr;
+
+  /// What the pronoun at a word stands for; nullptr where it is none. "In it" is in a place.
+  const Mention* meant_at(const Tokens& tokens, size_t i) const {
+    const bool inside = i > 0 && (tokens.lemmas[i - 1] == "in" || tokens.lemmas[i - 1] == "on");
+    if (tokens.lemmas[i] == "there") return place;
+    if (!is_pronoun(tokens.lemmas[i])) return nullptr;
+    return (inside && place != nullptr) || object == nullptr ? place : object;
+  }
+};
+
+Topic topic_for(const std::vector<Named>& parts, size_t at) {
+  Topic topic;
+  const auto take = [&](const Named& part) {
+    if (topic.object == nullptr) topic.object = part.first(false);
+    if (topic.place == nullptr) topic.place = part.first(true);
+  };
+  for (size_t i = at; i-- > 0;) take(parts[i]);
+  for (size_t i = at + 1; i < parts.size(); ++i) take(parts[i]);
+  return topic;
+}
+
+/// With placeholders for the mentions; a pronoun stands for the topic.
+Delexicalised delexicalised(const Named& part, const std::vector<Mention>& mentions, const Topic& topic) {
+  Delexicalised result;
+  const auto add = [&](const std::string& text, bool place, bool known) {
+    result.words.push_back(place ? "PLACE" : "OBJECT");
+    (place ? result.places : result.objects).push_back(text);
+    result.known = result.known && known;
+  };
+  auto next = mentions.begin();
+  for (size_t i = 0; i < part.tokens.words.size(); ++i) {
+    if (next != mentions.end() && next->first == i) {
+      if (next->place && !result.words.empty() && lemma_of(result.words.back()) == "room")
+        result.words.pop_back();
+      add(next->text, next->place, next->known);
+      i = next->last - 1;
+      ++next;
+    } else if (const Mention* meant = topic.meant_at(part.tokens, i)) {
+      if (part.tokens.lemmas[i] == "there") result.words.emplace_back("on");
+      add(meant->text, meant->place, meant->known);
+    } else {
+      result.words.push_back(part.tokens.words[i]);
+    }
+  }
+  return result;
+}
+
+/// "Where is OBJECT?" with its names; an article where it reads well.
+std::string filled(const std::string& form, const Delexicalised& names, const std::string& time) {
+  static const std::set<std::string> bare = {"any", "many", "which"};
+  std::string text, before;
+  size_t object = 0, place = 0;
+  for (const std::string& word : words_of(form, " ?")) {
+    const std::string comma = word.ends_with(",") ? "," : "";
+    const std::string name = word.substr(0, word.size() - comma.size());
+    const bool is_object = name == "OBJECT" || name == "OTHER" || name == "THIRD";
+    std::string said = name;
+    if (is_object || name == "PLACE" || name == "SECOND") {
+      said = is_object ? names.objects.at(object++) : names.places.at(place++);
+      const bool named = said.find('_') != std::string::npos || said.find('\'') != std::string::npos ||
+                         said == "it" || is_digit(said.back());
+      if (!named && !bare.contains(lower_case(before))) said = "the " + said;
+    }
+    text += (text.empty() ? "" : " ") + said + comma;
+    before = name;
+  }
+  return text + (time.empty() ? "" : " " + time) + "?";
+}
+
+std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std::string& time) {
+  static const std::vector<std::string> signatures = signatures_of(trained_intents().forms);
+  const Tokens tokens = intent_tokens(sentence.words);
+  const IntentReading best = best_intent(trained_intents(), signatures, tokens);
+  const std::string& form = trained_intents().forms[best.form];
+  const Words beyond = uncovered_words(trained_intents(), best.form, tokens);
+  const double least = beyond.empty() ? kMinProbability : kMinProbabilityBeyond;
+  // "How many?" says too little.
+  const bool restricts = std::ranges::any_of(beyond, [](const std::string& lemma) {
+    return is_word(lemma) || class_of(lemma) == WordClass::ordinary;  // "last", "more", "tomorrow"
+  });
+  if (tokens.lemmas.size() < 2 || beyond.size() > 1 || restricts || best.probability < least ||
+      form == kNoIntent)
+    return std::nullopt;
+  return PlainQuestion{filled(form, sentence, time), true, best.probability, sentence.known};
+}
+
+/// What was said, with the topic in place of its pronoun.
+std::string literal(const SentencePart& part, const Topic& topic) {
+  Words words = part.words;
+  Tokens plain{words, {}};
+  for (const std::string& word : words) plain.lemmas.push_back(lemma_of(word));
+  for (size_t i = 0; i < words.size(); ++i)
+    if (const Mention* meant = topic.meant_at(plain, i); meant != nullptr && words[i] != "there")
+      words[i] = meant->text;
+  return join_words(words, 0, words.size()) + "?";
+}
+
+bool has_verb(const SentencePart& part) {
+  return std::ranges::any_of(tokens_of(part.words).lemmas, [](const std::string& lemma) {
+    return class_of(lemma) == WordClass::auxiliary;
+  });
+}
+
+}  // namespace
+
+std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sentence, const Snapshot& snapshot,
+                                                        const TimeReader& times) {
+  std::vector<SentencePart> parts = sentence_parts(sentence);
+  std::vector<Named> all;
+  for (SentencePart& part : parts) {
+    part.words = without_relative_clauses(std::move(part.words), snapshot, times);
+    all.push_back(named(part, snapshot, times));
+  }
+  // A statement asks whether it is so, where nothing else is asked; names alone ask nothing.
+  if (std::ranges::none_of(parts, &SentencePart::asks)) {
+    const auto stated = std::ranges::find_if(parts.rbegin(), parts.rend(), [&](const SentencePart& part) {
+      return parts.size() == 1 || has_verb(part);
+    });
+    if (stated != parts.rend()) stated->asks = true;
+  }
+  std::vector<std::vector<PlainQuestion>> questions;
+  for (size_t i = 0; i < parts.size(); ++i) {
+    if (!parts[i].asks) continue;
+    const Topic topic = topic_for(all, i);
+    std::vector<PlainQuestion> readings = {{literal(parts[i], topic)}};
+    if (all[i].throughout) {
+      questions.push_back(std::move(readings));
+      continue;
+    }
+    for (const auto& [coordinated, attached] :
+         {std::pair(false, false), {true, false}, {false, true}, {true, true}}) {
+      const auto mentions = joined_mentions(all[i], coordinated, attached);
+      if ((coordinated || attached) && mentions.size() == all[i].mentions.size()) continue;
+      Delexicalised sentence_of = delexicalised(all[i], mentions, topic);
+      if (auto reading = classified(sentence_of, all[i].time)) readings.push_back(std::move(*reading));
+      if (topic.object == nullptr || !sentence_of.objects.empty()) continue;
+      // "I need the milk, any idea where?"
+      sentence_of.words.emplace_back("OBJECT");
+      sentence_of.objects.push_back(topic.object->text);
+      if (auto reading = classified(sentence_of, all[i].time)) readings.push_back(std::move(*reading));
+    }
+    questions.push_back(std::move(readings));
+  }
+  return questions;
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,129 @@
+#include "memory/sentences/mentions.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include "mapping/base/text.h"
+#include "memory/sentences/vocabulary.h"
+
+namespace loci::memory {
+namespace {
+
+std::set<std::string> word_set_of(const char* words) {
+  const Words all = words_of(words);
+  return {all.begin(), all.end()};
+}
+
+/// "red", "big": they qualify a name and are none alone.
+bool is_size(const std::string& word) {
+  static const std::set<std::string> sizes = word_set_of(
+      "big small large little tall short long flat round square wooden plastic metal ceramic medium tiny "
+      "huge upper lower "
+      "top bottom left right middle empty full own");
+  return sizes.contains(word);
+}
+
+class MentionFinder {
+ public:
+  MentionFinder(const Tokens& tokens, const Snapshot& snapshot,
+                const std::function<bool(const std::string&)>& is_word)
+      : tokens_(tokens), snapshot_(snapshot), is_word_(is_word) {}
+
+  std::vector<Mention> find() const {
+    std::vector<Mention> mentions;
+    for (size_t i = 0; i < tokens_.words.size();) {
+      auto mention = known_at(i);
+      if (!mention) mention = unknown_at(i);
+      if (mention) mentions.push_back(*mention);
+      i = mention ? mention->last : i + 1;
+    }
+    return mentions;
+  }
+
+ private:
+  /// A word of the grammar is no name; "can" is one after an article or a colour.
+  bool may_be_name(size_t i) const {
+    const std::string &word = tokens_.words[i], &lemma = tokens_.lemmas[i];
+    if (word == "can" || word == "cans")
+      return i > 0 && (class_of(tokens_.lemmas[i - 1]) == WordClass::article ||
+                       is_household_noun(tokens_.words[i - 1]));
+    return class_of(lemma) == WordClass::name && !lexicon().contains(word) &&
+           lemma_words().count(lemma) == 0 && lemma != "it" && lemma != "they" && lemma != "them" &&
+           lemma != "there" && lemma != "this" && lemma != "that";
+  }
+  static const std::set<std::string>& lemma_words() {
+    static const std::set<std::string> all = [] {
+      std::set<std::string> lemmas;
+      for (const auto& [lemma, words] : vocabulary::lemmas()) lemmas.insert(lemma);
+      return lemmas;
+    }();
+    return all;
+  }
+
+  Mention mention(size_t first, size_t last, bool place, bool known) const {
+    return {first, last, place, known, join_words(tokens_.words, first, last)};
+  }
+
+  std::optional<Mention> known_at(size_t first) const {
+    constexpr size_t kMaxWords = 4;
+    size_t end = first;
+    while (end < tokens_.words.size() && end < first + kMaxWords &&
+           (may_be_name(end) || (end > first && is_digit(tokens_.words[end][0]))))
+      ++end;
+    for (size_t last = end; last > first; --last) {
+      const std::string text = join_words(tokens_.words, first, last);
+      if (std::all_of(tokens_.words.begin() + static_cast<std::ptrdiff_t>(first),
+                      tokens_.words.begin() + static_cast<std::ptrdiff_t>(last), is_size))
+        return std::nullopt;
+      // "milk table" is an object and a place, "couch table" a place.
+      const bool two = last > first + 1 && is_object(tokens_.words[first]);
+      if (!two && is_place(text)) return mention(first, last, true, true);
+      if (is_object(text)) return mention(first, with_thing(last), false, true);
+    }
+    return std::nullopt;
+  }
+
+  /// "purple objects"
+  size_t with_thing(size_t last) const {
+    return last < tokens_.words.size() && tokens_.lemmas[last] == "thing" ? last + 1 : last;
+  }
+  bool is_place(const std::string& text) const { return !snapshot_.places_meant(text).empty(); }
+  bool is_object(const std::string& text) const {
+    try {
+      return snapshot_.means_objects(text);
+    } catch (const UnknownName&) {  // an object that was forgotten
+      return false;
+    }
+  }
+
+  std::optional<Mention> unknown_at(size_t first) const {
+    const bool introduced = first > 0 && class_of(tokens_.lemmas[first - 1]) == WordClass::article;
+    const auto is_noun = [&](size_t i) {
+      return i < tokens_.words.size() && may_be_name(i) && !is_digit(tokens_.words[i][0]) &&
+             (is_household_noun(tokens_.words[i]) || (introduced && !is_word_(tokens_.lemmas[i])));
+    };
+    size_t last = first;
+    while (is_noun(last)) ++last;
+    if (last < tokens_.words.size() && last > first && is_digit(tokens_.words[last][0]))
+      ++last;  // "drawer 9"
+    if (last == first || std::all_of(tokens_.words.begin() + static_cast<std::ptrdiff_t>(first),
+                                     tokens_.words.begin() + static_cast<std::ptrdiff_t>(last), is_size))
+      return std::nullopt;
+    const std::string& noun = tokens_.words[last - 1];
+    return mention(first, last, is_furniture(is_digit(noun[0]) ? tokens_.words[last - 2] : noun), false);
+  }
+
+  const Tokens& tokens_;
+  const Snapshot& snapshot_;
+  const std::function<bool(const std::string&)>& is_word_;
+};
+
+}  // namespace
+
+std::vector<Mention> find_mentions(const Tokens& tokens, const Snapshot& snapshot,
+                                   const std::function<bool(const std::string& lemma)>& is_word) {
+  return MentionFinder(tokens, snapshot, is_word).find();
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,43 @@
+#include "memory/questions/comparison.h"
+
+#include "mapping/base/error.h"
+#include "tests/memory/questions/day_fixture.h"
+
+namespace loci::memory {
+namespace {
+
+class Comparison : public testing_support::DayFixture {
+ protected:
+  ComparisonAnswer compare(const std::string& a, const std::string& b, const std::string& by,
+                           const std::string& than = "") const {
+    return ask(*store_, ComparisonQuestion{.subject = a, .with = b, .than = than, .by = by});
+  }
+};
+
+TEST_F(Comparison, DistancesAreThoseOfNear) {
+  const ComparisonAnswer answer = compare("red", "green", "distance");
+  ASSERT_TRUE(answer.compared.at(1).value);
+  EXPECT_EQ(compare("green", "red", "distance").compared[1].value, answer.compared[1].value);
+  EXPECT_EQ(compare("red", "green", "nearer", "green").verdict, Verdict::no);
+  EXPECT_THROW(compare("red", "green", "nearer"), Error);
+}
+
+TEST_F(Comparison, BiggerAndSmallerExcludeEachOther) {
+  const Verdict bigger = compare("red", "green", "bigger").verdict;
+  EXPECT_NE(bigger, Verdict::not_observed);
+  EXPECT_EQ(compare("green", "red", "smaller").verdict, bigger);
+}
+
+TEST_F(Comparison, MoreCountsWhatIsBelievedToBeThere) {
+  const ComparisonAnswer answer = compare("counter_1", "drawer_1", "more");
+  EXPECT_EQ(answer.compared.at(0).value, 2);
+  EXPECT_EQ(answer.compared.at(1).value, 1);
+  EXPECT_EQ(answer.verdict, Verdict::yes);
+}
+
+TEST_F(Comparison, WhatNeverLeftIsNotKnownToHaveLeftFirst) {
+  EXPECT_EQ(compare("blue", "green", "left-before").verdict, Verdict::not_observed);
+}
+
+}  // namespace
+}  // namespace loci::memory

@@ -1,0 +1,137 @@
+#include "mapping/base/error.h"
+#include "memory/sentences/discourse.h"
+#include "memory/sentences/intent_model.h"
+#include "memory/sentences/natural_language.h"
+#include "memory/sentences/sentence_parser.h"
+#include "tests/memory/questions/day_fixture.h"
+
+namespace loci::memory {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+Paraphrases few_paraphrases() {
+  return read_paraphrases(
+      "= Where is OBJECT?\nwhere did i leave OBJECT\nseen OBJECT\n= Is OBJECT on PLACE?\nOBJECT still on "
+      "PLACE\n"
+      "= none\nis OBJECT fresh\n",
+      "few.txt");
+}
+
+TEST(Intents, AreTrainedFromParaphrases) {
+  const Paraphrases paraphrases = few_paraphrases();
+  EXPECT_THAT(paraphrases.forms, ElementsAre("Where is OBJECT?", "Is OBJECT on PLACE?", "none"));
+  const IntentModel model = train_intents(paraphrases.forms, paraphrases.samples);
+  EXPECT_EQ(model.weights, train_intents(paraphrases.forms, paraphrases.samples).weights);
+  const auto signatures = signatures_of(model.forms);
+  EXPECT_THAT(signatures, ElementsAre("OBJECT", "OBJECT PLACE", "*"));
+  const auto form_of = [&](const Words& words) {
+    return model.forms[best_intent(model, signatures, intent_tokens(words)).form];
+  };
+  EXPECT_EQ(form_of({"where", "did", "she", "put", "OBJECT"}), "Where is OBJECT?");
+  EXPECT_EQ(form_of({"OBJECT", "on", "PLACE"}), "Is OBJECT on PLACE?");
+  EXPECT_EQ(form_of({"is", "OBJECT", "fresh"}), "none");
+  EXPECT_THAT(uncovered_words(model, 0, intent_tokens({"where", "else", "is", "OBJECT"})),
+              ElementsAre("else"));
+}
+
+TEST(Intents, AParaphraseNamesWhatItsFormNames) {
+  try {
+    read_paraphrases("= Where is OBJECT?\nwhere is it\n", "few.txt");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("few.txt:2"));
+  }
+}
+
+TEST(Intents, EveryFormIsReadByTheGrammar) {
+  const TimeReader times(parse_time("2026-05-01T10:30:00Z"), TimeZone());
+  const std::map<std::string, std::string> names = {
+      {"OBJECT", "milk"}, {"OTHER", "jam"}, {"THIRD", "oil"}, {"PLACE", "drawer_1"}, {"SECOND", "table_1"}};
+  for (std::string form : trained_intents().forms) {
+    if (form == kNoIntent) continue;
+    for (const auto& [placeholder, name] : names)
+      if (const size_t at = form.find(placeholder); at != std::string::npos)
+        form.replace(at, placeholder.size(), name);
+    EXPECT_TRUE(parse_sentence(form, times)) << form;
+  }
+}
+
+TEST(SentenceParts, QuestionsStandApartFromStories) {
+  const auto parts = [](const char* sentence) {
+    std::vector<std::string> asked;
+    for (const SentencePart& part : sentence_parts(sentence))
+      asked.push_back((part.asks ? "? " : "") + join_words(part.words, 0, part.words.size()));
+    return asked;
+  };
+  EXPECT_THAT(parts("My aunt came to tea, so where is the jam?"),
+              ElementsAre("my aunt came to tea", "? where is the jam"));
+  EXPECT_THAT(parts("Is drawer 1 open and what is in it?"),
+              ElementsAre("? is drawer 1 open", "? what is in it"));
+  EXPECT_THAT(parts("If the drawer is open, where is the jam?"), ElementsAre());
+}
+
+class SecondReader : public testing_support::DayFixture {
+ protected:
+  NaturalLanguageAnswer say(const std::string& sentence) const {
+    return ask(*store_, NaturalLanguageQuestion{{sentence}, {}}).at(0);
+  }
+};
+
+TEST_F(SecondReader, SaysWhatItUnderstood) {
+  const NaturalLanguageAnswer answer = say("whatever became of the yellow thing");
+  ASSERT_TRUE(answer.query);
+  EXPECT_EQ(answer.understood_as, "What happened to the yellow thing?");
+  EXPECT_THAT(text(answer), testing::StartsWith("What happened to the yellow thing?\n"));
+  EXPECT_EQ(to_json(answer)["understood_as"], "What happened to the yellow thing?");
+}
+
+TEST_F(SecondReader, LeavesStoriesOut) {
+  EXPECT_EQ(say("My aunt is coming at nine and I want to hide the tea cup, so is it still on the counter?")
+                .reply->verdict,
+            Verdict::yes);
+  EXPECT_EQ(
+      say("Nobody here remembers what became of the tea cup after the washing up, when did you see it last?")
+          .query->text(),
+      "where 'tea cup'");
+}
+
+TEST_F(SecondReader, AnswersEachQuestionOfASentence) {
+  const NaturalLanguageAnswer answer = say("Where is the tea cup and is the counter empty?");
+  EXPECT_EQ(answer.understood_as, "where is the tea cup? is the counter empty?");
+  EXPECT_EQ(std::ranges::count(answer.reply->text, '\n'), 1) << text(answer);
+  EXPECT_TRUE(answer.reply->verdict) << text(answer);
+  EXPECT_EQ(answer.reply->places.front(), "counter_1");
+}
+
+TEST_F(SecondReader, AClauseTellsWhichObjectIsMeant) {
+  EXPECT_EQ(say("Where is the red thing that stood on the table?").query->text(), "where object_1");
+}
+
+TEST_F(SecondReader, ComparesObjects) {
+  EXPECT_THAT(say("how far apart are the blue thing and the red thing").query->text(),
+              HasSubstr("compare 'blue thing' --by distance"));
+  EXPECT_TRUE(say("Is the red thing bigger than the blue thing?").reply->verdict);
+  EXPECT_EQ(say("Are there more things on the counter than in the drawer?").reply->verdict, Verdict::yes);
+}
+
+TEST_F(SecondReader, DoesNotUnderstandWhatTheMemoryCannotKnow) {
+  for (const char* sentence :
+       {"who is the president", "is the red thing tasty", "what does the red thing cost", "blah blah blah",
+        "where was the red thing when the drawer was opened", "can you open the drawer",
+        "is the counter a mess", "will the red thing be on the counter tomorrow",
+        "what should I cook with the red thing", "the red thing is nicer than the blue thing",
+        "how do I get to the station", "which thing do you like best"}) {
+    const NaturalLanguageAnswer answer = say(sentence);
+    EXPECT_FALSE(answer.query) << sentence << ": " << text(answer);
+  }
+}
+
+TEST_F(SecondReader, AnUnknownObjectIsUnknown) {
+  const NaturalLanguageAnswer answer = say("My flight leaves at ten, so where on earth is my passport?");
+  EXPECT_FALSE(answer.reply) << text(answer);
+}
+
+}  // namespace
+}  // namespace loci::memory
