@@ -15,6 +15,7 @@
 #include "perception/annotators/segmentation/plane_cluster_extractor.h"
 #include "perception/annotators/segmentation/superpixels.h"
 #include "perception/annotators/segmentation/transparent_objects.h"
+#include "perception/annotators/segmentation/unsupported_objects.h"
 #include "perception/annotators/structure/known_structure.h"
 #include "perception/annotators/structure/normals.h"
 
@@ -26,6 +27,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<KnownStructureFilter>();
   registry.add<PlaneClusterExtractor>();
   registry.add<FlatObjectExtractor>();
+  registry.add<UnsupportedObjectExtractor>();
   registry.add<TransparentExtractor>();
   registry.add<Detections2D>();
   registry.add<NetworkDetector>();
@@ -62,6 +64,7 @@ flow:
   - KnownStructureFilter     # removes map-explained points (no effect without a map)
   - PlaneClusterExtractor    # supports, and one cluster per object
   - FlatObjectExtractor      # objects too low to be separated from their support by height alone
+  - UnsupportedObjectExtractor  # objects in bins and on shelves, in close-ups without a support
   - PlaceNaming              # without a map: stable names plane_1, plane_2, ...
   - ColorHistogram
   - ColorName

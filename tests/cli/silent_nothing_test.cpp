@@ -116,11 +116,11 @@ TEST_F(SilentNothing, FramesOutsideTheMapAreNamed) {
   EXPECT_NE(outcome.error.find("nothing of the map in view in 3"), std::string::npos) << outcome.error;
 }
 
-TEST(SilentNothingReal, ShelfBinSaysWhy) {
+TEST(SilentNothingReal, ABinWithoutASupportIsSeenAllTheSame) {
   LOCI_NEEDS_SHARED("data/shelf_bin");
   const Outcome outcome = run("loci-perceive run " + shared("data/shelf_bin"));
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_NE(outcome.error.find("no object found in 15 frames: "), std::string::npos) << outcome.error;
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(outcome.error.find("no object found"), std::string::npos) << outcome.error;
 }
 
 }  // namespace

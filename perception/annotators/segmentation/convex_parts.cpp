@@ -10,6 +10,8 @@
 #include <span>
 
 #include "mapping/base/math.h"
+#include "mapping/base/parallel.h"
+#include "perception/annotators/structure/supports.h"
 
 namespace loci::perception {
 namespace {
@@ -366,6 +368,44 @@ ConvexParts split_at_concave_edges(const std::vector<Vector3f>& points, const st
     if (a != b) contacts[{std::min(a, b), std::max(a, b)}] += contact;
   }
   parts.contacts.assign(contacts.begin(), contacts.end());
+  return parts;
+}
+
+std::vector<std::vector<size_t>> members_of(const std::vector<int>& group_of, int count) {
+  std::vector<std::vector<size_t>> members(static_cast<size_t>(count));
+  for (size_t i = 0; i < group_of.size(); ++i) members[static_cast<size_t>(group_of[i])].push_back(i);
+  return members;
+}
+
+ConvexParts split_groups(const std::vector<Eigen::Vector3f>& points,
+                         const std::vector<Eigen::Vector3f>& normals, float reach,
+                         const ConvexPartsOptions& options, int threads) {
+  int groups = 0;
+  const std::vector<int> group_of = euclidean_groups(points, reach, groups);
+  const std::vector<std::vector<size_t>> members = members_of(group_of, groups);
+  std::vector<ConvexParts> of_group(members.size());
+  parallel_each(members.size(), threads, [&](size_t g) {
+    std::vector<Eigen::Vector3f> own_points, own_normals;
+    std::vector<float> depths;
+    for (const size_t i : members[g]) {
+      own_points.push_back(points[i]);
+      own_normals.push_back(normals[i]);
+      depths.push_back(points[i].z());
+    }
+    const auto depth = static_cast<double>(median(std::move(depths)));
+    const double scale = std::max(1.0, depth_noise(depth) / depth_noise(1.0));
+    of_group[g] = split_at_concave_edges(own_points, own_normals, scale, options);
+  });
+  ConvexParts parts;
+  parts.part_of_point.assign(points.size(), -1);
+  for (size_t g = 0; g < members.size(); ++g) {
+    const ConvexParts& own = of_group[g];
+    for (size_t i = 0; i < members[g].size(); ++i)
+      parts.part_of_point[members[g][i]] = parts.count + own.part_of_point[i];
+    for (const auto& [pair, contact] : own.contacts)
+      parts.contacts.push_back({{pair[0] + parts.count, pair[1] + parts.count}, contact});
+    parts.count += own.count;
+  }
   return parts;
 }
 

@@ -65,4 +65,13 @@ ConvexParts split_at_concave_edges(const std::vector<Eigen::Vector3f>& points,
                                    const std::vector<Eigen::Vector3f>& normals, double scale,
                                    const ConvexPartsOptions& options);
 
+/// Connected groups of points as euclidean_groups() makes them, each split at its concave edges, at a scale
+/// that follows the depth noise at its distance. `points`: camera frame. The same on any number of threads.
+ConvexParts split_groups(const std::vector<Eigen::Vector3f>& points,
+                         const std::vector<Eigen::Vector3f>& normals, float reach,
+                         const ConvexPartsOptions& options, int threads);
+
+/// The numbers of the points of each group, in order.
+std::vector<std::vector<size_t>> members_of(const std::vector<int>& group_of, int count);
+
 }  // namespace loci::perception

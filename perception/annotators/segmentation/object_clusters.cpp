@@ -166,12 +166,6 @@ Standing subset(const Standing& all, const std::vector<size_t>& members) {
   return part;
 }
 
-std::vector<std::vector<size_t>> members_of(const std::vector<int>& group_of, int count) {
-  std::vector<std::vector<size_t>> members(static_cast<size_t>(count));
-  for (size_t i = 0; i < group_of.size(); ++i) members[static_cast<size_t>(group_of[i])].push_back(i);
-  return members;
-}
-
 class ClusterMaker {
  public:
   ClusterMaker(const ClusterImages& images, const mapping::PinholeCamera& camera, const SupportGround& ground,
@@ -408,41 +402,13 @@ class ClusterMaker {
   const ClusterOptions& options_;
 };
 
-ConvexParts parts_of_group(const Standing& group, const ClusterOptions& options) {
-  ConvexParts parts;
-  if (!options.split) {
-    parts.part_of_point.assign(group.pixels.size(), 0);
-    parts.count = 1;
-    return parts;
-  }
-  std::vector<float> depths;
-  depths.reserve(group.points.size());
-  for (const Vector3f& p : group.points) depths.push_back(p.z());
-  const auto depth = static_cast<double>(median(std::move(depths)));
-  const double scale = std::max(1.0, depth_noise(depth) / depth_noise(1.0));
-  return split_at_concave_edges(group.points, group.normals, scale, options.parts);
-}
-
-/// Convex parts of everything on a support: connected groups first, then each split at its concave edges.
+/// Convex parts of everything on a support.
 ConvexParts parts_of(const Standing& all, const ClusterOptions& options, int threads) {
-  int groups = 0;
-  const std::vector<int> group_of =
-      euclidean_groups(all.points, static_cast<float>(options.tolerance_m * 0.6), groups);
-  const std::vector<std::vector<size_t>> members = members_of(group_of, groups);
-  std::vector<ConvexParts> of_group(members.size());
-  parallel_each(members.size(), threads,
-                [&](size_t g) { of_group[g] = parts_of_group(subset(all, members[g]), options); });
-  ConvexParts parts;
-  parts.part_of_point.assign(all.pixels.size(), -1);
-  for (size_t g = 0; g < members.size(); ++g) {
-    const ConvexParts& own = of_group[g];
-    for (size_t i = 0; i < members[g].size(); ++i)
-      parts.part_of_point[members[g][i]] = parts.count + own.part_of_point[i];
-    for (const auto& [pair, contact] : own.contacts)
-      parts.contacts.push_back({{pair[0] + parts.count, pair[1] + parts.count}, contact});
-    parts.count += own.count;
-  }
-  return parts;
+  const auto reach = static_cast<float>(options.tolerance_m * 0.6);
+  if (options.split) return split_groups(all.points, all.normals, reach, options.parts, threads);
+  ConvexParts groups;
+  groups.part_of_point = euclidean_groups(all.points, reach, groups.count);
+  return groups;
 }
 
 /// Leaves out pieces of the surroundings: what goes on beyond their outline goes on in them. What is left out
