@@ -101,7 +101,7 @@ int support_below(const Vector3f& p, int label, const std::vector<SupportGround>
     if (at.z() < -floor || (best >= 0 && at.z() > floor && at.z() >= position.z())) continue;
     const double inside = grounds[s].outline.inside(at.head<2>());
     if (inside < -kAround) continue;
-    if (std::abs(at.z()) <= floor && inside > -options.margin_m) return kOnSupport;
+    if (std::abs(at.z()) <= floor) return kOnSupport;
     if (at.z() <= floor) continue;
     best = static_cast<int>(s);
     position = at;
@@ -372,19 +372,35 @@ class ClusterMaker {
     return a.dot(b) > kMinCosine && std::abs(a.dot(apart)) < reach && std::abs(b.dot(apart)) < reach;
   }
 
-  /// Most of an object is over the support; a chair or a wall behind it is not. Notes whether it reaches
-  /// over.
+  /// Most of an object is over the support, as far as one can see; a chair or a wall behind it is not. The
+  /// support reaches at least as far as it was measured, and may go on below what hides it. Notes whether the
+  /// object reaches over what was measured.
   bool over_support(const Standing& object, ObjectCluster& cluster) const {
-    size_t over = 0;
-    size_t beyond = 0;
+    constexpr double kMinOver = 0.2, kMinPossible = 0.6;
+    size_t over = 0, beyond = 0, hidden = 0;
     for (const Vector3f& p : object.in_plane) {
       const double inside = outline_.inside(p.head<2>().cast<double>());
-      over += inside > -options_.margin_m ? 1 : 0;
+      if (inside > -options_.margin_m)
+        ++over;
+      else
+        hidden += is_hidden(p) ? 1 : 0;
       beyond += inside < 0 ? 1 : 0;
     }
     const auto count = static_cast<double>(object.in_plane.size());
     cluster.at_region_border = static_cast<double>(beyond) > 0.02 * count;
-    return static_cast<double>(over) >= 0.6 * count;
+    return static_cast<double>(over) >= kMinOver * count &&
+           static_cast<double>(over + hidden) >= kMinPossible * count;
+  }
+
+  /// Whether the support's plane below a point (in the plane's frame) is out of view or behind something.
+  bool is_hidden(const Vector3f& p) const {
+    const Vector3d foot = support_.camera_from_plane * Vector3d(double(p.x()), double(p.y()), 0);
+    if (!(foot.z() > 0.1)) return true;
+    const Vector2d pixel = camera_.project(foot);
+    if (!camera_.contains(pixel)) return true;
+    const float depth = points_.at<cv::Vec3f>(static_cast<int>(std::lround(pixel.y())),
+                                              static_cast<int>(std::lround(pixel.x())))[2];
+    return static_cast<double>(depth) < foot.z() - 3 * depth_noise(foot.z());
   }
 
   void set_box(ObjectCluster& cluster) const {

@@ -73,6 +73,19 @@ TEST(Clusters, EveryBoxIsOneObjectAndNothingElseIs) {
   for (int label = 1; label <= 3; ++label) EXPECT_GT(best_overlap(found, label), 0.8) << label;
 }
 
+TEST(Clusters, ABookMayHideTheCornerOfTheTableThatItLiesOn) {
+  SyntheticTable table;
+  table.camera = {320, 240, 220, 220, 160, 120};  // sees the whole table
+  table.boxes = {{{-0.49, -0.29, 0.02}, {0.22, 0.22, 0.04}}};
+  const Found found = find(table, 0.1, table.up());
+  ASSERT_EQ(found.clusters.size(), 1U);
+  EXPECT_GT(best_overlap(found, 1), 0.8);
+  EXPECT_TRUE(found.clusters[0].at_region_border);
+  // What stands beside the table, as high as it is, does not lie on it.
+  table.boxes = {{{-0.73, 0.0, -0.02}, {0.22, 0.22, 0.14}}};
+  EXPECT_TRUE(find(table, 0.1, table.up()).clusters.empty());
+}
+
 TEST(Clusters, AreTheSameOnAnyNumberOfThreads) {
   const SyntheticTable table = table_with_boxes();
   cv::Mat labels;
