@@ -53,7 +53,8 @@ Command ingest_command() {
             table.options(table_of(arguments->options), "Import");
             return [arguments](Session& session) {
               memory::WriteOptions write;
-              write.time_zone = arguments->time_zone.empty() ? machine_time_zone() : arguments->time_zone;
+              write.time_zone = arguments->time_zone;
+              arguments->options.default_time_zone = machine_time_zone();
               if (!arguments->now.empty()) write.now = parse_time(arguments->now);
               arguments->options.map = arguments->map;
               arguments->options.recording = arguments->recording;

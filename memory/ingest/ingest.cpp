@@ -300,7 +300,10 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
     places = places_of_map(options.map);
     if (places.empty()) warnings.add("the map has no places", {options.map.string(), 0, {}});
   }
-  Store store = Store::open_write(memory, write);
+  WriteOptions zoned = write;
+  if (zoned.time_zone.empty() && input.recording) zoned.time_zone = input.recording->info().time_zone;
+  if (zoned.time_zone.empty()) zoned.time_zone = options.default_time_zone;
+  Store store = Store::open_write(memory, zoned);
   if (!store.kept_before_migration().empty())
     warnings.add("was migrated; as it was it is kept in " + store.kept_before_migration().string(),
                  {memory.string(), 0, {}});

@@ -67,6 +67,17 @@ class Lifted : public testing::Test {
   Warnings warnings_;
 };
 
+TEST_F(Lifted, ANewMemoryTakesTheTimeZoneOfTheRecordingBeforeTheMachines) {
+  options_.default_time_zone = "Asia/Kathmandu";
+  take("d.jsonl", line(0, bbox()));
+  EXPECT_EQ(Store::open_read(folder_ / "memory.loci").time_zone().name(), "Asia/Kathmandu");
+  fs::remove(folder_ / "memory.loci");
+  const fs::path yaml = folder_ / "recording/recording.yaml";
+  write_file_atomically(yaml, read_file(yaml) + "time_zone: Europe/Berlin\n");
+  take("d.jsonl", line(0, bbox()));
+  EXPECT_EQ(Store::open_read(folder_ / "memory.loci").time_zone().name(), "Europe/Berlin");
+}
+
 TEST_F(Lifted, BoxOfALineBecomesAnObjectWithPlaceSizeAndColour) {
   const IngestResult result = take("d.jsonl", line(0, bbox()) + line(1, bbox()));
   EXPECT_EQ(result.detections, 2U);
