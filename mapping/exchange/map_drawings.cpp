@@ -1,4 +1,5 @@
 #include "mapping/exchange/map_drawings.h"
+#include "mapping/interpretation/furniture/cabinets.h"
 
 #include <fmt/format.h>
 
@@ -182,7 +183,7 @@ std::string elevation_svg(const InterpretedMap& map, const FurnitureRun& run) {
   drawing.line({box.min().x() - 0.2, 0}, {box.max().x() + 0.2, 0}, "stroke=\"#111\" stroke-width=\"3\"");
   for (const auto& [name, link] : map.semantics.links) {
     const std::vector<Vector2d> outline = outline_of(link);
-    if (!is_support_class(link.class_name) || outline.empty()) continue;
+    if (!is_support_class(link.class_name) || is_inferred_cabinet(link) || outline.empty()) continue;
     double from = 1e9, to = -1e9, nearest = 1e9;
     for (const Vector2d& corner : outline) {
       from = std::min(from, corner.dot(right.head<2>()));
@@ -214,7 +215,7 @@ std::string plan_svg(const InterpretedMap& map) {
   Drawing drawing(box, kPlanScale, "Plan");
   for (const auto& [name, link] : map.semantics.links) {
     const std::vector<Vector2d> outline = outline_of(link);
-    if (outline.empty() || link.class_name == "drawer_bottom") continue;
+    if (outline.empty() || link.class_name == "drawer_bottom" || is_inferred_cabinet(link)) continue;
     if (link.class_name == "wall") {
       drawing.line(outline[0], outline[1 % outline.size()], "stroke=\"#1f2937\" stroke-width=\"6\"");
     } else if (is_support_class(link.class_name)) {

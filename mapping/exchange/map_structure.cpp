@@ -1,4 +1,5 @@
 #include "mapping/exchange/map_structure.h"
+#include "mapping/interpretation/furniture/cabinets.h"
 
 #include <cmath>
 
@@ -54,7 +55,7 @@ MapStructure structure_from_sidecar(const SemanticMap& sidecar, const World& wor
     const Json& geometry = link.geometry;
     try {
       if (link.class_name == "floor") structure.floor_height = geometry.at("height").get<double>();
-      if (is_support_class(link.class_name) && geometry.contains("outline"))
+      if (is_support_class(link.class_name) && !is_inferred_cabinet(link) && geometry.contains("outline"))
         structure.supports.push_back({name,
                                       link.class_name,
                                       "",

@@ -1,4 +1,5 @@
 #include "mapping/update/pieces.h"
+#include "mapping/interpretation/furniture/cabinets.h"
 
 #include <fmt/format.h>
 
@@ -294,7 +295,7 @@ MapOutlines outlines_of(const SemanticMap& semantics) {
       map.walls.push_back(wall);
       continue;
     }
-    if (!is_support_class(link.class_name)) continue;
+    if (!is_support_class(link.class_name) || is_inferred_cabinet(link)) continue;
     MapOutlines::Support support;
     support.name = name;
     support.class_name = link.class_name;

@@ -321,12 +321,15 @@ class Layout {
     }
   }
 
-  /// Whether resolved lines and borders enclose a part without fixture; one of them may be weak.
+  /// Whether resolved lines and borders enclose a part without fixture. A level seam may be weak: fronts of a
+  /// column are parted by short ones. An upright one may be a shadow on a single front.
   static bool encloses(const PlacedFront& part) {
-    const auto weak = std::count_if(part.edges.begin(), part.edges.end(), [](const FrontEdge& edge) {
+    const auto weak = [&](size_t side) {
+      const FrontEdge& edge = part.edges[side];
       return edge.kind != FrontEdge::Kind::border && edge.z < kLayout.min_bare_z;
-    });
-    return part.rect.width() * part.rect.height() > kLayout.min_bare_m2 && weak < 2;
+    };
+    return part.rect.width() * part.rect.height() > kLayout.min_bare_m2 && !weak(left) && !weak(right) &&
+           !(weak(bottom) && weak(top));
   }
 
   /// Whether the surroundings protrude from a part beyond an edge.
@@ -350,8 +353,8 @@ class Layout {
             stacked && std::abs(b.rect.v0 - a.rect.v1) < kLayout.neighbour_gap_m};
   }
 
-  /// The line between two neighbouring fronts: 2 for a seam, also where one panel is a little thicker, 1 for
-  /// a step, 0 for none.
+  /// The line between two neighbouring fronts: 2 for a seam, also where one panel is a little thicker and the
+  /// other front has a fixture, 1 for another step, 0 for none.
   static int bond(const PlacedFront& a, const PlacedFront& b) {
     const std::array<bool, 4> meets = meeting_sides(a, b);
     int strongest = 0;
@@ -360,7 +363,7 @@ class Layout {
       if (!meets[side]) continue;
       if (edge.kind == FrontEdge::Kind::seam) return 2;
       if (edge.kind == FrontEdge::Kind::step)
-        strongest = std::max(strongest, std::abs(edge.rise) < kLayout.flush_m ? 2 : 1);
+        strongest = std::max(strongest, b.fixture >= 0 && std::abs(edge.rise) < kLayout.flush_m ? 2 : 1);
     }
     return strongest;
   }

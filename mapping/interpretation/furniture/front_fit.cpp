@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "mapping/interpretation/furniture/cabinets.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/parameters.h"
@@ -106,8 +107,28 @@ FrontBody measured_body(const Front& front) {
   return body;
 }
 
-/// The boxes that remain of one when another is cut out of it.
-void subtract(const Bounds& cut, const Bounds& from, std::vector<Bounds>& rest) {
+/// Cuts the solids of fronts, given in the slab's frame (its top is z = 0), out of the slab.
+std::vector<Bounds> cut_slab(std::vector<Bounds> slab, const std::vector<Bounds>& solids) {
+  double underside = 0;
+  for (const Bounds& part : slab) underside = std::min(underside, part.min().z());
+  for (const Bounds& solid : solids) {
+    const double free = solid.max().z() + kFurniture.gap_m;
+    const bool below = std::ranges::any_of(
+        slab, [&](const Bounds& part) { return grown(part, kFurniture.gap_m / 2).intersects(solid); });
+    if (below && free <= -kFurniture.min_slab_m) underside = std::max(underside, free);
+  }
+  for (Bounds& part : slab) part.min().z() = underside;
+  for (const Bounds& solid : solids) {
+    std::vector<Bounds> rest;
+    for (const Bounds& part : slab) cut_out(grown(solid, kFurniture.gap_m), part, rest);
+    slab = std::move(rest);
+  }
+  return slab;
+}
+
+}  // namespace
+
+void cut_out(const Bounds& cut, const Bounds& from, std::vector<Bounds>& rest) {
   if (!cut.intersects(from)) {
     rest.push_back(from);
     return;
@@ -123,27 +144,6 @@ void subtract(const Bounds& cut, const Bounds& from, std::vector<Bounds>& rest) 
     left.max()[axis] = std::min(left.max()[axis], cut.max()[axis]);
   }
 }
-
-/// Cuts the solids of fronts, given in the slab's frame (its top is z = 0), out of the slab.
-std::vector<Bounds> cut_slab(std::vector<Bounds> slab, const std::vector<Bounds>& solids) {
-  double underside = 0;
-  for (const Bounds& part : slab) underside = std::min(underside, part.min().z());
-  for (const Bounds& solid : solids) {
-    const double free = solid.max().z() + kFurniture.gap_m;
-    const bool below = std::ranges::any_of(
-        slab, [&](const Bounds& part) { return grown(part, kFurniture.gap_m / 2).intersects(solid); });
-    if (below && free <= -kFurniture.min_slab_m) underside = std::max(underside, free);
-  }
-  for (Bounds& part : slab) part.min().z() = underside;
-  for (const Bounds& solid : solids) {
-    std::vector<Bounds> rest;
-    for (const Bounds& part : slab) subtract(grown(solid, kFurniture.gap_m), part, rest);
-    slab = std::move(rest);
-  }
-  return slab;
-}
-
-}  // namespace
 
 Isometry3d map_from_front(const Front& front) {
   Isometry3d pose = Isometry3d::Identity();
@@ -248,7 +248,7 @@ void cut_supports(const std::vector<Front>& fronts, const std::vector<FrontBody>
   const std::vector<Isometry3d> map_from_link = root_from_links(world, {});
   for (size_t l = 0; l < world.links.size(); ++l) {
     Link& link = world.links[l];
-    if (!is_support(semantics, link.name)) continue;
+    if (!is_support(semantics, link.name) || is_inferred_cabinet(semantics.links.at(link.name))) continue;
     std::vector<Bounds> slab;
     bool turned = false;  // round or askew shapes stay as they are
     for (const Collision& shape : link.collisions) {

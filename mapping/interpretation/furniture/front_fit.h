@@ -23,6 +23,10 @@ Vector3d fitted_hinge(const Front& front, const FrontBody& body);
 /// The bar or knob as it fits on its panel: no longer than it, and within it.
 Fixture fitted_fixture(const Front& front, const FrontBody& body);
 
+/// Appends the boxes that remain of one when another is cut out of it; slivers are left out.
+void cut_out(const Eigen::AlignedBox3d& cut, const Eigen::AlignedBox3d& from,
+             std::vector<Eigen::AlignedBox3d>& rest);
+
 /// The bodies of fronts so that nothing penetrates another in the closed state: measured rectangles with the
 /// gaps that furniture has, cut where they overlap with each other (the less certain one gives way) or with
 /// walls, floor and other links; drawers as deep as there is room.

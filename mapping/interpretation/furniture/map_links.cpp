@@ -10,6 +10,7 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
+#include "mapping/interpretation/furniture/cabinets.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/names.h"
@@ -248,6 +249,7 @@ void add_named(std::vector<Front> fronts, InterpretedMap& map) {
     map.fronts.push_back(front);
   }
   add_fronts(map.fronts, kRoot, map.world, map.semantics);
+  add_cabinets(map.fronts, kRoot, map.world, map.semantics);
 }
 
 }  // namespace
@@ -268,6 +270,7 @@ void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, Interpret
 }
 
 void replace_fronts(std::vector<Front> fronts, InterpretedMap& map) {
+  remove_cabinets(map.world, map.semantics);
   for (const Front& front : map.fronts) remove_front(front.name, map.world, map.semantics);
   map.fronts.clear();
   for (const Link& support : map.whole_supports)  // Other fronts need other room.

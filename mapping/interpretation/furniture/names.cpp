@@ -300,7 +300,13 @@ void rename(World& world, SemanticMap& semantics, const std::map<std::string, st
   for (Link& link : world.links) link.name = renamed(link.name);
   world.root = renamed(world.root);
   semantics.links.clear();
-  for (const auto& [name, link] : before.links) semantics.links[renamed(name)] = link;
+  for (const auto& [name, link] : before.links) {
+    SemanticLink& now = semantics.links[renamed(name)] = link;
+    if (!now.extra.contains("fronts")) continue;
+    for (Json& front : now.extra["fronts"])
+      if (const auto base = new_names.find(front.get<std::string>()); base != new_names.end())
+        front = base->second;
+  }
 }
 
 /// Pairs of similar links, most similar first, each in at most one pair.

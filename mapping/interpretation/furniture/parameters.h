@@ -28,4 +28,19 @@ struct FurnitureParameters {
 };
 inline constexpr FurnitureParameters kFurniture;
 
+/// Bodies of furniture behind fronts.
+struct CabinetParameters {
+  double board_m = 0.016;     ///< usual chipboard; runners leave 19 mm beside a drawer
+  double aligned_m = 0.025;   ///< between edges of fronts of one body: the error of both
+  double max_cover_m = 0.15;  ///< between fronts of one body: a panel that does not open
+  double same_face_m = 0.02;  ///< between the planes of such fronts: a panel's thickness
+  double parallel_cosine = 0.999;
+  double max_lean = 0.1;       ///< of a front's normal; other fronts have no body
+  double min_depth_m = 0.2;    ///< of shallow upper cabinets …
+  double max_depth_m = 0.9;    ///< … and of deep islands: no wall farther behind ends a body
+  double assumed_depth = 0.7;  ///< factor on the confidence
+  double clearance_m = 0.001;  ///< to everything else, so that rounding makes no contact
+};
+inline constexpr CabinetParameters kCabinets;
+
 }  // namespace loci::mapping

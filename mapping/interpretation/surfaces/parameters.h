@@ -20,6 +20,7 @@ struct ScanCheckParameters {
   float max_height_m = 2.3F;     ///< below the lowest ceilings
   size_t underside_ratio = 5;    ///< undersides per top; furniture upside down has hardly any tops
   size_t min_undersides = 1500;  ///< points; one hanging cabinet gives fewer
+  double same_place_m = 0.1;     ///< between what two scans saw of one surface
 };
 inline constexpr ScanCheckParameters kScanCheck;
 

@@ -172,17 +172,35 @@ struct Counts {
   }
 };
 
+bool is_of_furniture(const SurfacePoint& point) {
+  return point.position.z() > kScanCheck.min_height_m && point.position.z() < kScanCheck.max_height_m;
+}
+
 std::vector<Counts> counts_of(const Surface& surface) {
   std::vector<Counts> counts(surface.scans);
   for (const SurfacePoint& point : surface.points) {
     Counts& scan = counts[point.scan];
     ++scan.returns;
-    if (point.position.z() < kScanCheck.min_height_m || point.position.z() > kScanCheck.max_height_m)
-      continue;
+    if (!is_of_furniture(point)) continue;
     scan.tops += point.normal.z() > kScanCheck.level_cosine;
     scan.undersides += point.normal.z() < -kScanCheck.level_cosine;
   }
   return counts;
+}
+
+/// Clears the marks of scans whose undersides others saw, too: a scanner that stands low sees those of wall
+/// cupboards and no tops. What an upside-down scan shows is not where others saw something.
+void acquit(const Surface& surface, std::vector<bool>& bad) {
+  CellIndex seen;
+  for (const SurfacePoint& point : surface.points)
+    if (!bad[point.scan]) seen.insert(cell_of(point.position, kScanCheck.same_place_m));
+  std::vector<std::array<size_t, 2>> undersides(bad.size(), {0, 0});  // not seen by others, seen
+  for (const SurfacePoint& point : surface.points) {
+    if (!bad[point.scan] || !is_of_furniture(point) || point.normal.z() > -kScanCheck.level_cosine) continue;
+    const bool known = seen.find(cell_of(point.position, kScanCheck.same_place_m)) != CellIndex::kNone;
+    ++undersides[point.scan][known ? 1 : 0];
+  }
+  for (size_t i = 0; i < bad.size(); ++i) bad[i] = bad[i] && undersides[i][1] < undersides[i][0];
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -197,11 +215,12 @@ void remove_bad_scans(const ScanSet& scans, Surface& surface, std::vector<std::s
   const std::vector<Counts> counts = counts_of(surface);
   std::vector<std::string> empty, upside_down;
   std::vector<bool> bad(counts.size(), false);
+  for (size_t i = 0; i < counts.size(); ++i) bad[i] = counts[i].upside_down();
+  if (std::find(bad.begin(), bad.end(), true) != bad.end()) acquit(surface, bad);
   for (size_t i = 0; i < counts.size(); ++i) {
     const std::string name = scans.scans[i].name.empty() ? fmt::format("scan {}", i) : scans.scans[i].name;
     if (counts[i].returns == 0) empty.push_back(name);
-    if (counts[i].upside_down()) upside_down.push_back(name);
-    bad[i] = counts[i].upside_down();
+    if (bad[i]) upside_down.push_back(name);
   }
   if (!empty.empty()) notes.push_back("scans without returns, not used: " + listed(empty));
   if (upside_down.empty()) return;

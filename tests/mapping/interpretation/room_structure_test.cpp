@@ -201,6 +201,15 @@ TEST(RoomStructure, OneBadScanIsNamedAndDoesNotSpoilTheMap) {
   EXPECT_TRUE(map.semantics.links.contains("table_1"));
 }
 
+TEST(RoomStructure, AScanFromBelowTheTopsIsNotTakenForUpsideDown) {
+  AnalyticRoom room = kitchen();
+  room.solids.push_back({{0.5, 2.5, 1.4}, {2.9, 3.0, 2.1}});  // wall cupboards
+  std::vector<Vector3d> origins = kLaserOrigins;
+  origins[1].z() = 0.6;
+  const ScanSet scans = scan_room(room, origins, 0.002, 29, kUp);
+  EXPECT_THAT(interpreted(scans).notes, testing::Not(testing::Contains(testing::HasSubstr("upside down"))));
+}
+
 TEST(RoomStructure, NamesOfAnOlderMapAreTakenOver) {
   const InterpretedMap before = interpreted(scan_room(kitchen(), kLaserOrigins, 0.002, 28));
   SemanticMap older = before.semantics;
