@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "mapping/base/text.h"
+#include "memory/sentences/sentence_time.h"
 #include "memory/sentences/spelling.h"
 #include "memory/sentences/vocabulary.h"
 
@@ -378,7 +379,8 @@ bool begins_part(const Words& words, size_t at) {
   const WordClass first = class_of(tokens.lemmas[0]), second = class_of(tokens.lemmas[1]);
   if (first == WordClass::question) return true;
   return first == WordClass::auxiliary && tokens.lemmas[0] != "have" &&
-         (second == WordClass::article || second == WordClass::person || second == WordClass::name);
+         (second == WordClass::article || second == WordClass::person ||
+          (second == WordClass::name && tokens.lemmas[1] != "not"));
 }
 
 /// A fragment in pieces: "I lost my cup | where is it", "is it open | what is in it".
@@ -431,8 +433,9 @@ void drop_old_place(Words& words) {
 
 }  // namespace
 
-std::vector<SentencePart> sentence_parts(const std::string& sentence) {
+std::vector<SentencePart> sentence_parts(const std::string& sentence, const TimeReader& times) {
   std::vector<SentencePart> parts;
+  Words time;  // "after breakfast, ..."
   size_t count = 0;
   for (const Words& fragment : fragments_of(sentence)) {
     count += fragment.size();
@@ -447,12 +450,19 @@ std::vector<SentencePart> sentence_parts(const std::string& sentence) {
       if (const auto whether = std::ranges::find(piece, "whether");
           whether != piece.end() && whether + 1 != piece.end())
         piece.erase(piece.begin(), whether + 1);
-      if (is_restriction(piece)) return {};
+      Words timeless = piece;
+      cut_time(timeless, times);
+      if (timeless.empty()) {
+        time = piece;
+        continue;
+      }
+      if (is_restriction(timeless)) return {};
       strip_surroundings(piece);
       if (piece.empty()) continue;
       drop_old_place(piece);
       if (piece.empty()) return {};
       const bool asks = begins_question(piece) && !(is_statement(piece) && !begins_part(piece, 0));
+      if (asks && !time.empty()) piece.insert(piece.end(), time.begin(), time.end());
       parts.push_back({std::move(piece), asks});
     }
   }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "memory/questions/time_parser.h"
 #include "memory/sentences/lexicon.h"
 
 namespace loci::memory {
@@ -25,7 +26,7 @@ struct SentencePart {
 /// The questions of a sentence and what is said around them, in order, without politeness. Empty where a
 /// condition or a time clause restricts a question ("if the drawer is open, ..."), and for more than
 /// kMaxSentenceWords.
-std::vector<SentencePart> sentence_parts(const std::string& sentence);
+std::vector<SentencePart> sentence_parts(const std::string& sentence, const TimeReader& times);
 
 /// Removes politeness and introductions from both ends.
 void strip_surroundings(Words& words);

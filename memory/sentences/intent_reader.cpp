@@ -17,8 +17,9 @@ namespace {
 // Set by `loci_train_intents paraphrases.txt --cross-validate`.
 /// Where a paraphrase of the form has every word: 95 % of the forms are right.
 constexpr double kMinProbability = 0.5;
-/// Where none has one of the words: 91 % are right.
+/// Where none has one of the words, and that restricts nothing: 90 % are right.
 constexpr double kMinProbabilityBeyond = 0.9;
+constexpr size_t kMaxBeyond = 1;
 
 /// A part of a sentence with its names found.
 struct Named {
@@ -43,7 +44,12 @@ struct Delexicalised {
 std::string text_of(const SentencePeriod& period) {
   if (period.from.empty()) return "before " + period.to;
   if (period.to.empty()) return "since " + period.from;
-  return period.from == period.to ? period.from : "between " + period.from + " and " + period.to;
+  if (period.from != period.to) return "between " + period.from + " and " + period.to;
+  static const std::set<std::string> complete = {"this", "today", "yesterday", "last",
+                                                 "now",  "the",   "tonight"};
+  const std::string first = words_of(period.from).front();
+  const bool bare = complete.contains(first) || weekday_of(first) || period.from.ends_with(" ago");
+  return (bare ? "" : "at ") + period.from;
 }
 
 bool is_word(const std::string& lemma) {
@@ -164,10 +170,13 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   const Words beyond = uncovered_words(trained_intents(), best.form, tokens);
   const double least = beyond.empty() ? kMinProbability : kMinProbabilityBeyond;
   // "How many?" says too little.
-  const bool restricts = std::ranges::any_of(beyond, [](const std::string& lemma) {
-    return is_word(lemma) || class_of(lemma) == WordClass::ordinary;  // "last", "more", "tomorrow"
-  });
-  if (tokens.lemmas.size() < 2 || beyond.size() > 1 || restricts || best.probability < least ||
+  // "What was on the table" without a time is not what is on it now.
+  const bool past = time.empty() && std::ranges::count(tokens.lemmas, "was") > 0;
+  const bool present = form.starts_with("Is ") || form.find(" is ") != std::string::npos ||
+                       form.find(" are ") != std::string::npos;
+  if (past && present && form.find("PLACE") != std::string::npos) return std::nullopt;
+  const bool restricts = std::ranges::any_of(beyond, is_restrictive);
+  if (tokens.lemmas.size() < 2 || beyond.size() > kMaxBeyond || restricts || best.probability < least ||
       form == kNoIntent)
     return std::nullopt;
   return PlainQuestion{filled(form, sentence, time), true, best.probability, sentence.known};
@@ -190,11 +199,28 @@ bool has_verb(const SentencePart& part) {
   });
 }
 
+/// Names alone belong to the part that they stand before or after: "Cups on the counter: how many?"
+std::vector<SentencePart> joined_names(std::vector<SentencePart> parts) {
+  const auto has_pronoun = [](const SentencePart& part) {
+    return std::ranges::any_of(part.words, is_pronoun);
+  };
+  for (size_t i = 0; i + 1 < parts.size();) {
+    SentencePart &name = parts[i], &next = parts[i + 1];
+    if (name.asks || has_verb(name) || has_pronoun(next)) {
+      ++i;
+      continue;
+    }
+    next.words.insert(next.words.begin(), name.words.begin(), name.words.end());
+    parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  return parts;
+}
+
 }  // namespace
 
 std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sentence, const Snapshot& snapshot,
                                                         const TimeReader& times) {
-  std::vector<SentencePart> parts = sentence_parts(sentence);
+  std::vector<SentencePart> parts = joined_names(sentence_parts(sentence, times));
   std::vector<Named> all;
   for (SentencePart& part : parts) {
     part.words = without_relative_clauses(std::move(part.words), snapshot, times);
@@ -228,6 +254,9 @@ std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sente
       sentence_of.objects.push_back(topic.object->text);
       if (auto reading = classified(sentence_of, all[i].time)) readings.push_back(std::move(*reading));
     }
+    std::stable_sort(
+        readings.begin() + 1, readings.end(),
+        [](const PlainQuestion& a, const PlainQuestion& b) { return a.probability > b.probability; });
     questions.push_back(std::move(readings));
   }
   return questions;

@@ -72,6 +72,9 @@ class MentionFinder {
            (may_be_name(end) || (end > first && is_digit(tokens_.words[end][0]))))
       ++end;
     for (size_t last = end; last > first; --last) {
+      // "Drawer 9" is not any drawer.
+      const bool numbered = last < tokens_.words.size() && is_digit(tokens_.words[last][0]);
+      if (numbered && is_furniture(tokens_.words[last - 1])) continue;
       const std::string text = join_words(tokens_.words, first, last);
       if (std::all_of(tokens_.words.begin() + static_cast<std::ptrdiff_t>(first),
                       tokens_.words.begin() + static_cast<std::ptrdiff_t>(last), is_size))

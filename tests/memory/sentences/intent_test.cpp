@@ -45,8 +45,9 @@ TEST(Intents, AParaphraseNamesWhatItsFormNames) {
   }
 }
 
+const TimeReader kTimes(parse_time("2026-05-01T10:30:00Z"), TimeZone());
+
 TEST(Intents, EveryFormIsReadByTheGrammar) {
-  const TimeReader times(parse_time("2026-05-01T10:30:00Z"), TimeZone());
   const std::map<std::string, std::string> names = {
       {"OBJECT", "milk"}, {"OTHER", "jam"}, {"THIRD", "oil"}, {"PLACE", "drawer_1"}, {"SECOND", "table_1"}};
   for (std::string form : trained_intents().forms) {
@@ -54,14 +55,14 @@ TEST(Intents, EveryFormIsReadByTheGrammar) {
     for (const auto& [placeholder, name] : names)
       if (const size_t at = form.find(placeholder); at != std::string::npos)
         form.replace(at, placeholder.size(), name);
-    EXPECT_TRUE(parse_sentence(form, times)) << form;
+    EXPECT_TRUE(parse_sentence(form, kTimes)) << form;
   }
 }
 
 TEST(SentenceParts, QuestionsStandApartFromStories) {
   const auto parts = [](const char* sentence) {
     std::vector<std::string> asked;
-    for (const SentencePart& part : sentence_parts(sentence))
+    for (const SentencePart& part : sentence_parts(sentence, kTimes))
       asked.push_back((part.asks ? "? " : "") + join_words(part.words, 0, part.words.size()));
     return asked;
   };
@@ -69,6 +70,8 @@ TEST(SentenceParts, QuestionsStandApartFromStories) {
               ElementsAre("my aunt came to tea", "? where is the jam"));
   EXPECT_THAT(parts("Is drawer 1 open and what is in it?"),
               ElementsAre("? is drawer 1 open", "? what is in it"));
+  EXPECT_THAT(parts("After breakfast, where was the jam?"),
+              ElementsAre("? where was the jam after breakfast"));
   EXPECT_THAT(parts("If the drawer is open, where is the jam?"), ElementsAre());
 }
 
