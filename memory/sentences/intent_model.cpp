@@ -179,22 +179,6 @@ Words uncovered_words(const IntentModel& model, size_t form, const Tokens& token
   return uncovered;
 }
 
-bool is_restrictive(const std::string& lemma) {
-  static const std::set<std::string> lemmas = [] {
-    const Words all = words_of(
-        "not last first before after afterwards bigger smaller biggest smallest nearest nearer than only "
-        "alone every "
-        "everything else except usually together mostoften like behind under infront above between within "
-        "back new away "
-        "other same different size colour state history own vanish miss empty full open opened close near "
-        "from morethings "
-        "distance both will should if or two three four five six seven eight nine ten");
-    return std::set<std::string>(all.begin(), all.end());
-  }();
-  const WordClass word_class = class_of(lemma);
-  return word_class == WordClass::ordinary || word_class == WordClass::question || lemmas.contains(lemma);
-}
-
 Paraphrases read_paraphrases(const std::string& text, const std::string& file) {
   Paraphrases read;
   std::string signature;

@@ -58,10 +58,6 @@ IntentReading best_intent(const IntentModel& model, const std::vector<std::strin
 /// Lemmas that no paraphrase of the form has: the form may say less than the sentence.
 Words uncovered_words(const IntentModel& model, size_t form, const Tokens& tokens);
 
-/// Whether a word narrows or turns a question, so that a form without it asks something else: "not", "last",
-/// "more", "tomorrow", "why".
-bool is_restrictive(const std::string& lemma);
-
 /// Forms and their paraphrases, as paraphrases.txt has them. Error with the line for a paraphrase whose
 /// placeholders are not those of its form.
 struct Paraphrases {

@@ -212,9 +212,7 @@ class Conversation {
       : store_(store), question_(question), times_(store), writer_(store), references_(store, question) {}
 
   NaturalLanguageAnswer answer(const std::string& sentence) {
-    NaturalLanguageAnswer answer =
-        getenv("NOG") && !last_ ? NaturalLanguageAnswer{.sentence = sentence} : answer_by_rules(sentence);
-    if (!answer.query && !answer.why_not) set_not_understood(answer);
+    NaturalLanguageAnswer answer = answer_by_rules(sentence);
     if (!answer.query)
       if (auto in_parts = answer_in_parts(sentence)) answer = std::move(*in_parts);
     if (!answer.query) return answer;
@@ -272,7 +270,6 @@ class Conversation {
   std::optional<NaturalLanguageAnswer> answer_plain(const std::vector<PlainQuestion>& readings) {
     constexpr double kCertain = 0.9;
     for (const PlainQuestion& reading : readings) {
-      if (getenv("NOG") && !reading.reworded) continue;
       NaturalLanguageAnswer answer = answer_by_rules(reading.text);
       if (!answer.query) continue;
       const bool unknown = answer.why_not && !answer.reply;
