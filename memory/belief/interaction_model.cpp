@@ -70,9 +70,9 @@ double InteractionModel::probability(const InteractionKey& object, double from_a
                       factor(statistics_.by_place, object.place) * object.own.value());
 }
 
-void InteractionModel::learn_interaction(const InteractionKey& object, RateFactor& own, double seconds,
-                                         double handled, const BeliefOptions& options) {
-  const ByAge prior = prior_hazard(0, seconds, options);
+void InteractionModel::learn_interaction(const InteractionKey& object, RateFactor& own, double from_age,
+                                         double to_age, double handled, const BeliefOptions& options) {
+  const ByAge prior = prior_hazard(from_age, to_age, options);
   const double by_age = hazard(prior);
   if (by_age <= 0) return;
   // Each factor explains what those before it leave; together they must not count the same evidence twice.
@@ -89,43 +89,63 @@ void InteractionModel::learn_interaction(const InteractionKey& object, RateFacto
   own.count(handled, by_place * exposed);
 }
 
+double InteractionModel::outcome_share(const RateFactor& outcome, bool alone) const {
+  constexpr double kPutDown = kParameters.prior_put_down;
+  const double within = statistics_.within.value() * (alone ? kPutDown : kPutDown / 2);
+  const double elsewhere = statistics_.elsewhere.value() * (alone ? 0.0 : kPutDown / 2);
+  const double off = statistics_.off.value() * kParameters.prior_carried_off;
+  const double share = &outcome == &statistics_.within      ? within
+                       : &outcome == &statistics_.elsewhere ? elsewhere
+                                                            : off;
+  return share / (within + elsewhere + off);
+}
+
 double InteractionModel::moved_to(const std::string& from, const std::string& to) const {
-  double others = 0, there = 1, places = 0;
+  double others = 0, there = 1;
   for (const auto& [place, count] : statistics_.put_down) {
     if (place == from) continue;
-    ++places;
     others += count + 1;
     if (place == to) there = count + 1;
   }
-  constexpr double kPutDown = kParameters.prior_put_down;
-  const bool alone = others == 0 && from == to;  // no other place is known
-  const double stays = statistics_.stayed_on_place + (alone ? kPutDown : kPutDown / 2);
-  const double leaves = statistics_.went_elsewhere + (alone ? 0.0 : kPutDown / 2);
-  const double all = stays + leaves + statistics_.carried_off + kParameters.prior_carried_off;
-  // Relative to a mean place, not to all of them: arrivals from elsewhere compete with new objects, which are
-  // expected on each place anew.
-  return from == to ? stays / all
-                    : leaves / all * (others > 0 ? std::min(1.0, places * there / others) : 1.0);
+  if (from == to) return outcome_share(statistics_.within, others == 0);
+  return outcome_share(statistics_.elsewhere, false) * (others > 0 ? std::min(1.0, there / others) : 1.0);
+}
+
+std::vector<double> InteractionModel::destinations(const std::string& from,
+                                                   const PlaceHistories& places) const {
+  double others = 0;
+  for (const auto& [place, count] : statistics_.put_down)
+    if (place != from) others += count + 1;
+  const double stays = outcome_share(statistics_.within, others == 0),
+               leaves = outcome_share(statistics_.elsewhere, false);
+  std::vector<double> shares;
+  for (const auto& [place, history] : places) {
+    const auto count = statistics_.put_down.find(place);
+    const double there = count == statistics_.put_down.end() ? 1 : count->second + 1;
+    shares.push_back(place == from ? stays : leaves * (others > 0 ? std::min(1.0, there / others) : 1.0));
+  }
+  return shares;
 }
 
 double InteractionModel::elsewhere() const {
-  const double elsewhere = statistics_.went_elsewhere + kParameters.prior_put_down / 2;
-  return elsewhere / (elsewhere + statistics_.carried_off + kParameters.prior_carried_off);
+  const double elsewhere = statistics_.elsewhere.value() * kParameters.prior_put_down / 2;
+  return elsewhere / (elsewhere + statistics_.off.value() * kParameters.prior_carried_off);
 }
 
 double InteractionModel::short_share() const {
   return (statistics_.short_moves + kParameters.prior_put_down / 2) /
-         (statistics_.stayed_on_place + kParameters.prior_put_down);
+         (statistics_.moves_within + kParameters.prior_put_down);
 }
 
-void InteractionModel::learn_moved(const std::string& from, const std::string& to, double probability) {
-  (from == to ? statistics_.stayed_on_place : statistics_.went_elsewhere) += probability;
-  if (!to.empty()) statistics_.put_down[to] += probability;
+void InteractionModel::learn_moved(const std::string& from, const std::string& to, double found,
+                                   double expected) {
+  learn(from == to ? statistics_.within : statistics_.elsewhere, found, expected);
+  if (!to.empty()) statistics_.put_down[to] += found;
 }
 
-void InteractionModel::learn_found_again(const std::string& from, const std::string& to, double probability) {
-  statistics_.carried_off = std::max(0.0, statistics_.carried_off - probability);
-  learn_moved(from, to, probability);
+void InteractionModel::learn_short_move(double moved, double short_one) {
+  statistics_.moves_within += moved;
+  statistics_.short_moves += short_one;
 }
 
 double InteractionModel::returns(double age, const BeliefOptions& options) const {
@@ -137,24 +157,42 @@ void InteractionModel::learn_returns(double age, double found, const BeliefOptio
   statistics_.returns.at(age_index(age)).count(found, options.reappear);
 }
 
-double InteractionModel::clutter_share(const std::string& place, const BeliefOptions& options) const {
+double InteractionModel::clutter_share(const std::string& place, double arrivals,
+                                       const BeliefOptions& options) const {
   const double expected = prior_clutter_share(options);
   if (knows(place)) return std::min(kParameters.max_probability, expected * statistics_.clutter.value());
   // When a place is first observed nearly everything is new.
-  return expected * std::min(1.0, options.appear / arrivals(place, options));
+  return expected * std::min(1.0, options.appear / arrivals);
 }
 
 void InteractionModel::learn_clutter(double probability, const BeliefOptions& options) {
   statistics_.clutter.count(probability, prior_clutter_share(options));
 }
 
-double InteractionModel::arrivals(const std::string& place, const BeliefOptions& options) const {
-  return options.appear * (knows(place) ? statistics_.later_view : statistics_.first_view).value();
+double InteractionModel::relative_gap(double unseen_seconds) const {
+  return statistics_.unseen_seconds > 0 ? unseen_seconds * statistics_.views / statistics_.unseen_seconds
+                                        : 1.0;
 }
 
-void InteractionModel::learn_arrivals(const std::string& place, double found, const BeliefOptions& options) {
-  (knows(place) ? statistics_.later_view : statistics_.first_view).count(found, options.appear);
-  if (!place.empty()) statistics_.put_down[place] += found;
+double InteractionModel::arrivals(const PlaceView& place, const BeliefOptions& options) const {
+  return options.appear * (place.never_seen * statistics_.first_view.value() +
+                           relative_gap(place.unseen_seconds) * statistics_.later_view.value());
+}
+
+void InteractionModel::learn_arrivals(const PlaceView& place, double found, const BeliefOptions& options) {
+  const bool known = knows(place.name);
+  const double never_seen = known ? place.never_seen : 1.0;
+  const double gap = known ? relative_gap(place.unseen_seconds) : 0.0;
+  const double first = never_seen * statistics_.first_view.value(),
+               later = gap * statistics_.later_view.value();
+  const double share_first = first + later > 0 ? first / (first + later) : 0.0;
+  statistics_.first_view.count(found * share_first, options.appear * never_seen * place.share);
+  statistics_.later_view.count(found * (1 - share_first), options.appear * gap * place.share);
+  if (known) {
+    statistics_.views += place.share;
+    statistics_.unseen_seconds += place.share * place.unseen_seconds;
+  }
+  if (!place.name.empty()) statistics_.put_down[place.name] += found;
 }
 
 void InteractionModel::import_class(const std::string& class_name, const RateFactor& elsewhere) {

@@ -4,9 +4,11 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "memory/belief/options.h"
 #include "memory/belief/parameters.h"
+#include "memory/belief/place_history.h"
 
 namespace loci::memory::belief {
 
@@ -39,12 +41,15 @@ class InteractionModel {
   struct Statistics {
     std::array<RateFactor, kAges> by_age{};
     std::map<std::string, RateFactor> by_class, by_place;
-    double stayed_on_place = 0, went_elsewhere = 0, carried_off = 0;  ///< of those that were handled
-    double short_moves = 0;                                           ///< of those that stayed on their place
-    std::map<std::string, double> put_down;                           ///< on each known place
+    /// What was handled is put down on its place or on another one, or carried off.
+    RateFactor within, elsewhere, off;
+    double short_moves = 0, moves_within = 0;  ///< of those on their place
+    std::map<std::string, double> put_down;    ///< on each known place
     std::array<RateFactor, kAges> returns{};
-    RateFactor first_view, later_view;  ///< arrivals when a place is first observed, and later
+    RateFactor first_view, later_view;     ///< arrivals when a place is first observed, and later …
+    double views = 0, unseen_seconds = 0;  ///< … in views after this time in which nobody looked
     RateFactor clutter;
+    RateFactor changes;  ///< of appearance at the same spot
   };
 
   InteractionModel() = default;
@@ -54,35 +59,42 @@ class InteractionModel {
   /// Probability that an object was handled between two ages, seconds since it was observed.
   double probability(const InteractionKey& object, double from_age, double to_age,
                      const BeliefOptions& options) const;
-  /// After `seconds` the object turned out, with a probability, to have been handled. `own` is its factor.
-  void learn_interaction(const InteractionKey& object, RateFactor& own, double seconds, double handled,
-                         const BeliefOptions& options);
+  /// The object turned out, with a probability, to have been handled between two ages. `own` is its factor.
+  void learn_interaction(const InteractionKey& object, RateFactor& own, double from_age, double to_age,
+                         double handled, const BeliefOptions& options);
 
   /// Share of what is handled in `from` that is put down in `to`; the rest is carried off.
   double moved_to(const std::string& from, const std::string& to) const;
+  /// The same for all of `places`.
+  std::vector<double> destinations(const std::string& from, const PlaceHistories& places) const;
   /// Probability that what was handled and is no longer on its place is elsewhere in the home.
   double elsewhere() const;
-  void learn_moved(const std::string& from, const std::string& to, double probability);
+  /// Moves that were found against those that were expected of what was observed, as probabilities.
+  void learn_moved(const std::string& from, const std::string& to, double found, double expected);
+  void learn_carried_off(double found, double expected) { learn(statistics_.off, found, expected); }
   /// Share of short moves among those on one place.
   double short_share() const;
-  void learn_short_move(double probability) { statistics_.short_moves += probability; }
-  void learn_carried_off(double probability) { statistics_.carried_off += probability; }
-  /// An object that was believed to be carried off was found in another place.
-  void learn_found_again(const std::string& from, const std::string& to, double probability);
+  /// A move on one place, with a probability, and with another one a short one.
+  void learn_short_move(double moved, double short_one);
+
+  /// Factor on the probability of another appearance at the same spot.
+  double change_factor() const { return statistics_.changes.value(); }
+  void learn_change(double found, double expected) { learn(statistics_.changes, found, expected); }
 
   /// Probability that a gone object is back in a scene, `age` seconds after it was observed last.
   double returns(double age, const BeliefOptions& options) const;
   void learn_returns(double age, double found, const BeliefOptions& options);
 
-  /// Expected number of new objects on a place in a scene, clutter included.
-  double arrivals(const std::string& place, const BeliefOptions& options) const;
+  /// Expected number of new objects on a place in a scene, clutter included: what was there before the first
+  /// view, and what came in the time in which nobody looked, relative to the mean of that time.
+  double arrivals(const PlaceView& place, const BeliefOptions& options) const;
   /// A place was observed and `found` new objects were on it.
-  void learn_arrivals(const std::string& place, double found, const BeliefOptions& options);
+  void learn_arrivals(const PlaceView& place, double found, const BeliefOptions& options);
 
   /// Whether the place was observed before.
   bool knows(const std::string& place) const { return statistics_.put_down.contains(place); }
   /// Share of clutter among what is new on a place.
-  double clutter_share(const std::string& place, const BeliefOptions& options) const;
+  double clutter_share(const std::string& place, double arrivals, const BeliefOptions& options) const;
   /// A later view showed with which probability something new was clutter.
   void learn_clutter(double probability, const BeliefOptions& options);
 
@@ -93,6 +105,12 @@ class InteractionModel {
 
  private:
   double hazard(const std::array<double, kAges>& prior) const;
+  double outcome_share(const RateFactor& outcome, bool alone) const;
+  double relative_gap(double unseen_seconds) const;
+  /// `expected` includes the factor.
+  static void learn(RateFactor& factor, double found, double expected) {
+    factor.count(found, expected / factor.value());
+  }
 
   Statistics statistics_;
 };

@@ -80,12 +80,16 @@ struct Parameters {
   // Learning
   double similarity_weight = 0.5;  ///< of one comparison: views of one object repeat each other
   double detection_prior = 20;     ///< views that the stated rate of detection is worth
-  double view_point_ratio = 4;     ///< variance to be learned over the known one from which a view teaches
-  double noise_prior = 10;         ///< offsets that the stated noise is worth
-  double noise_memory = 300;       ///< offsets after which evidence of the noise counts for 1/e
-  double calibration_prior = 30;   ///< distances that the tables of comparisons() are worth
-  double calibration_spread = 1;   ///< of the logarithm of the distances' scale
-  float calibration_max = 10000;   ///< counts beyond this fade by half
+  double min_place_share = 0.05;   ///< of a place that a scene must show to be a view of it
+  double min_place_extent_m = 0.5;
+  double min_unseen = 1e-3;  ///< share of a place below which everything was seen
+  double max_appearance_change = 0.95;
+  double view_point_ratio = 4;    ///< variance to be learned over the known one from which a view teaches
+  double noise_prior = 3;         ///< offsets that the stated noise is worth
+  double noise_memory = 300;      ///< offsets after which evidence of the noise counts for 1/e
+  double calibration_prior = 30;  ///< distances that the tables of comparisons() are worth
+  double calibration_spread = 1;  ///< of the logarithm of the distances' scale
+  float calibration_max = 10000;  ///< counts beyond this fade by half
 
   // Interaction
   double prior_events = 2;       ///< events at the expected rate that the options are worth

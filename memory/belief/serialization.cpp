@@ -180,10 +180,14 @@ struct Codec {
     write(statistics.by_age, *message.mutable_by_age());
     write(statistics.by_class, *message.mutable_by_class());
     write(statistics.by_place, *message.mutable_by_place());
-    message.set_stayed_on_place(statistics.stayed_on_place);
     message.set_short_moves(statistics.short_moves);
-    message.set_went_elsewhere(statistics.went_elsewhere);
-    message.set_carried_off(statistics.carried_off);
+    message.set_moves_within(statistics.moves_within);
+    write(statistics.within, *message.mutable_within());
+    write(statistics.elsewhere, *message.mutable_elsewhere());
+    write(statistics.off, *message.mutable_off());
+    write(statistics.changes, *message.mutable_changes());
+    message.set_views(statistics.views);
+    message.set_unseen_seconds(statistics.unseen_seconds);
     for (const auto& [place, count] : statistics.put_down) {
       stored::NamedCount& named = *message.add_put_down();
       named.set_name(place);
@@ -200,10 +204,14 @@ struct Codec {
     read(message.by_age(), statistics.by_age);
     read(message.by_class(), statistics.by_class);
     read(message.by_place(), statistics.by_place);
-    statistics.stayed_on_place = message.stayed_on_place();
     statistics.short_moves = message.short_moves();
-    statistics.went_elsewhere = message.went_elsewhere();
-    statistics.carried_off = message.carried_off();
+    statistics.moves_within = message.moves_within();
+    statistics.within = read(message.within());
+    statistics.elsewhere = read(message.elsewhere());
+    statistics.off = read(message.off());
+    statistics.changes = read(message.changes());
+    statistics.views = message.views();
+    statistics.unseen_seconds = message.unseen_seconds();
     for (const stored::NamedCount& named : message.put_down())
       statistics.put_down[named.name()] = named.count();
     read(message.returns(), statistics.returns);
@@ -211,6 +219,43 @@ struct Codec {
     statistics.later_view = read(message.later_view());
     statistics.clutter = read(message.clutter());
     return InteractionModel(std::move(statistics));
+  }
+
+  static void write(const PlaceHistories& places,
+                    google::protobuf::RepeatedPtrField<stored::PlaceHistory>& messages) {
+    for (const auto& [name, place] : places) {
+      stored::PlaceHistory& message = *messages.Add();
+      message.set_name(name);
+      for (const PlaceHistory::View& view : place.views) {
+        stored::PlaceHistory::View& stored_view = *message.add_views();
+        stored_view.set_exposure_s(view.exposure_s);
+        stored_view.set_unseen(view.unseen);
+      }
+      message.set_never_seen(place.never_seen);
+      message.set_begin_s(place.begin_s);
+      write(place.extent, *message.mutable_extent());
+    }
+  }
+
+  static PlaceHistory read(const stored::PlaceHistory& message) {
+    PlaceHistory place;
+    for (const stored::PlaceHistory::View& view : message.views())
+      place.views.push_back({finite(view.exposure_s(), "time"), finite(view.unseen(), "view of a place")});
+    place.never_seen = finite(message.never_seen(), "view of a place");
+    place.begin_s = finite(message.begin_s(), "time");
+    place.extent = read(message.extent());
+    return place;
+  }
+
+  static void write(const NoiseScale& noise, google::protobuf::RepeatedField<double>& counts) {
+    counts.Add(noise.counts().begin(), noise.counts().end());
+  }
+
+  static NoiseScale read(const google::protobuf::RepeatedField<double>& counts) {
+    check(counts.size() == int{NoiseScale::kLevels}, "noise");
+    NoiseScale::Levels levels{};
+    std::ranges::copy(counts, levels.begin());
+    return NoiseScale(levels);
   }
 
   using Histogram = std::array<float, Correction::kBins>;
@@ -519,8 +564,9 @@ std::string to_bytes(const BeliefState& state) {
   }
   message.set_detected(state.detection.detected);
   message.set_missed(state.detection.missed);
-  const NoiseScale::Levels& levels = state.view_noise.counts();
-  message.mutable_view_noise()->Add(levels.begin(), levels.end());
+  Codec::write(state.view_noise, *message.mutable_view_noise());
+  Codec::write(state.calibration.color_noise(), *message.mutable_color_noise());
+  Codec::write(state.places, *message.mutable_places());
   return bytes_of(message);
 }
 
@@ -537,10 +583,9 @@ BeliefState state_from_bytes(std::string_view bytes) {
     counts[histograms.kind()] = {Codec::read(histograms.same()), Codec::read(histograms.different())};
   state.calibration = Calibration(std::move(counts));
   state.detection = {message.detected(), message.missed()};
-  check(message.view_noise_size() == int{NoiseScale::kLevels}, "noise");
-  NoiseScale::Levels levels{};
-  std::ranges::copy(message.view_noise(), levels.begin());
-  state.view_noise = NoiseScale(levels);
+  state.view_noise = Codec::read(message.view_noise());
+  if (!message.color_noise().empty()) state.calibration.set_color_noise(Codec::read(message.color_noise()));
+  for (const stored::PlaceHistory& place : message.places()) state.places[place.name()] = Codec::read(place);
   return state;
 }
 

@@ -9,6 +9,7 @@
 #include "memory/belief/interaction_model.h"
 #include "memory/belief/options.h"
 #include "memory/belief/parameters.h"
+#include "memory/belief/place_history.h"
 #include "memory/belief/scene.h"
 
 namespace loci::memory::belief {
@@ -104,6 +105,7 @@ struct BeliefState {
   InteractionModel interaction;
   Calibration calibration;  ///< of similarity
   DetectionRate detection;
+  PlaceHistories places;  ///< what was seen of each place
   NoiseScale view_noise;  ///< of positions between view points, relative to the options
 
   const ProtoObject* find(int64_t id) const;

@@ -71,7 +71,7 @@ std::vector<std::filesystem::path> write_figures(const ExperimentResult& result,
                                                             {"explanation", &Success::explanation}};
   std::vector<std::filesystem::path> files;
   for (const std::string& model : result.models) {
-    if (model != "paper" && model != "ours") continue;
+    if (model != "paper" && model != "shipped") continue;
     for (const Figure& figure : figures)
       for (const auto& [part, member] : parts) {
         const auto& numbers = result.cell(result.conditions.front(), model, 0).score.*figure.numbers;

@@ -170,7 +170,7 @@ Json cell_json(const Cell& cell) {
 std::string text_of(const ExperimentResult& result, bool verbose) {
   std::string out = success_table(result) + evidence_table(result) + action_table(result);
   for (const std::string& model : result.models) {
-    if (!verbose && model != "paper" && model != "ours") continue;
+    if (!verbose && model != "paper" && model != "shipped") continue;
     for (const Condition condition : result.conditions) {
       if (!verbose && condition == Condition::truth) continue;
       out += "\nBy number of objects (figure 6.5) and of actions (figure 6.8)\n";
@@ -187,7 +187,7 @@ std::string text_of(const ExperimentResult& result, bool verbose) {
     }
   }
   for (const std::string& model : result.models) {
-    if (model != "ours" && model != "paper") continue;
+    if (model != "shipped" && model != "paper") continue;
     for (const Condition condition : result.conditions) {
       Calibration association, explanation;
       for (size_t i = 0; i < result.levels.size(); ++i) {

@@ -67,6 +67,7 @@ class ShippedModel : public Model {
   void begin(const Sequence&) override {
     state_.objects.clear();
     state_.last_scene.reset();
+    state_.places.clear();
     keys_.clear();
   }
 

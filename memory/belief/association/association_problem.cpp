@@ -13,23 +13,11 @@ Eigen::Index index(size_t i) {
   return static_cast<Eigen::Index>(i);
 }
 
-/// The different places of a scene's observations.
-struct ObservedPlaces {
-  explicit ObservedPlaces(const std::vector<Observation>& observations) {
-    for (const Observation& observation : observations) {
-      const auto known = std::find(names.begin(), names.end(), observation.place);
-      of.push_back(static_cast<size_t>(known - names.begin()));
-      if (known == names.end()) names.push_back(observation.place);
-    }
-  }
-  std::vector<std::string> names;
-  std::vector<size_t> of;  ///< index of each observation's
-};
-
 class ProblemBuilder {
  public:
   ProblemBuilder(const BeliefState& state, const std::vector<Prediction>& predicted, const Scene& scene,
-                 const PairEvidence& evidence, const BeliefOptions& options)
+                 const std::vector<PlaceView>& places, const PairEvidence& evidence,
+                 const BeliefOptions& options)
       : state_(state),
         predicted_(predicted),
         scene_(scene),
@@ -37,7 +25,10 @@ class ProblemBuilder {
         options_(options),
         timing_(state, scene, options),
         detection_(state.detection.value(options)),
-        places_(scene.observations) {}
+        places_(places) {
+    for (const Observation& observation : scene.observations)
+      place_of_.push_back(index_of(places, observation.place));
+  }
 
   LogOddsProblem build() {
     const size_t m = state_.objects.size(), n = scene_.observations.size();
@@ -117,7 +108,9 @@ class ProblemBuilder {
 
   void add_stay_priors(size_t o) {
     const Prediction& p = predicted_[o];
-    const double stays = std::max(1e-6, p.here) * detection_;
+    // Where only the position is uncertain, an observation that is near shows that the object is in view.
+    const double in_view = state_.objects[o].has_size ? 1.0 : std::max(1e-6, 1 - p.undetectable);
+    const double stays = std::max(1e-6, p.here) * detection_ / in_view;
     problem_.stay_prior.row(index(o)).setConstant(std::log(stays * (1 - p.appearance_change)));
     const double turns = std::log(stays * p.appearance_change);
     for (size_t k = 0; k < scene_.observations.size(); ++k) {
@@ -137,21 +130,16 @@ class ProblemBuilder {
     const double left = detection_ * (p.undetectable + (1 - p.undetectable) * std::exp(absence.if_gone));
     const double returns =
         gone ? state_.interaction.returns(timing_.exposure_s - object.last_seen_exposure_s, options_) : 0.0;
-    const double before = object.probability_here;
     std::vector<double> moves_to;
-    for (const std::string& place : places_.names) {
-      const double put_here = state_.interaction.moved_to(object.place, place);
-      const double back = gone ? returns : put_here;
-      const double moves = before * p.interaction * put_here + (1 - before) * back;
-      moves_to.push_back(std::log(std::max(1e-9, moves * left)));
-    }
+    for (const double moved : p.moved_to)
+      moves_to.push_back(std::log(std::max(1e-9, (moved + p.carried_off * returns) * left)));
     const double shorts = state_.interaction.short_share();
     for (size_t k = 0; k < scene_.observations.size(); ++k) {
       const Observation& observation = scene_.observations[k];
       // A video would have shown the hand that nudges; gone objects may return anywhere.
-      const bool anywhere = !timing_.snapshot || gone || object.place != observation.place;
+      const bool anywhere = !p.with_depth || !timing_.snapshot || gone || object.place != observation.place;
       problem_.move_prior(index(o), index(k)) =
-          moves_to[places_.of[k]] +
+          moves_to[place_of_[k]] +
           (anywhere ? 0.0
                     : std::log(1 - shorts +
                                shorts * short_move_ratio(p.box.centre - observation.box.centre, options_)));
@@ -169,8 +157,8 @@ class ProblemBuilder {
       if (!timing_.snapshot && is_piece(predicted_[o], observation.box)) inside = 1;
       piece = std::max(piece, inside * predicted_[o].here);
     }
-    const double arrivals = state_.interaction.arrivals(observation.place, options_);
-    const double clutter = state_.interaction.clutter_share(observation.place, options_);
+    const double arrivals = expected_arrivals(places_[place_of_[k]], timing_, state_, options_);
+    const double clutter = state_.interaction.clutter_share(observation.place, arrivals, options_);
     problem_.appear_prior.push_back(std::log(arrivals * (1 - clutter)));
     problem_.clutter_prior.push_back(
         std::log(arrivals * clutter + (timing_.snapshot ? kParameters.piece_in_snapshot : 1.0) * piece));
@@ -187,16 +175,17 @@ class ProblemBuilder {
   const BeliefOptions& options_;
   const SceneTiming timing_;
   const double detection_;
-  const ObservedPlaces places_;
+  const std::vector<PlaceView>& places_;
+  std::vector<size_t> place_of_;  ///< index of each observation's
   LogOddsProblem problem_;
 };
 
 }  // namespace
 
 LogOddsProblem association_problem(const BeliefState& state, const std::vector<Prediction>& predicted,
-                                   const Scene& scene, const PairEvidence& evidence,
-                                   const BeliefOptions& options) {
-  return ProblemBuilder(state, predicted, scene, evidence, options).build();
+                                   const Scene& scene, const std::vector<PlaceView>& places,
+                                   const PairEvidence& evidence, const BeliefOptions& options) {
+  return ProblemBuilder(state, predicted, scene, places, evidence, options).build();
 }
 
 }  // namespace loci::memory::belief

@@ -8,7 +8,7 @@ namespace loci::memory::belief {
 
 /// Combines evidence and priors into a data association problem (memory/identity).
 LogOddsProblem association_problem(const BeliefState& state, const std::vector<Prediction>& predicted,
-                                   const Scene& scene, const PairEvidence& evidence,
-                                   const BeliefOptions& options);
+                                   const Scene& scene, const std::vector<PlaceView>& places,
+                                   const PairEvidence& evidence, const BeliefOptions& options);
 
 }  // namespace loci::memory::belief

@@ -77,23 +77,38 @@ void set_place(ProtoObject& object, const std::string& place, const Scene& scene
 }
 
 void store_view(ProtoObject& object, const Observation& observation, const Scene& scene,
-                const BeliefOptions& options, bool position_confirmed) {
+                const BeliefOptions& options, const Corrections& corrections, bool position_confirmed) {
   if (observation.descriptors.empty()) return;
   StoredView* nearest = nullptr;
   double nearest_ratio = -1e9;
   for (StoredView& view : object.views) {
-    const double ratio =
-        compare(view.descriptors, observation.descriptors, {view.partial, observation.partial}, 1).log_ratio;
+    const double ratio = compare(Appearance(view.descriptors), Appearance(observation.descriptors),
+                                 {view.partial, observation.partial}, 1, corrections)
+                             .log_ratio;
     if (ratio > nearest_ratio) {
       nearest_ratio = ratio;
       nearest = &view;
     }
   }
   const StoredView fresh{observation.descriptors, 1, scene.time, observation.partial};
-  if (nearest != nullptr && nearest_ratio >= kParameters.same_view_log_ratio) {
+  const bool only_color =
+      observation.descriptors.size() == 1 && observation.descriptors[0].kind == "mean_color";
+  const double best = only_color ? compare(Appearance(observation.descriptors),
+                                           Appearance(observation.descriptors), {}, 1, corrections)
+                                           .log_ratio -
+                                       4
+                                 : 1e9;
+  if (nearest != nullptr && nearest_ratio >= std::min(best, kParameters.same_view_log_ratio)) {
     nearest->weight += 1;
     if (!nearest->partial && observation.partial) return;
+    std::vector<Descriptor> before = std::move(nearest->descriptors);
     nearest->descriptors = fresh.descriptors;
+    for (Descriptor& d : nearest->descriptors)
+      if (d.kind == "mean_color")
+        for (Descriptor& b : before)
+          if (b.kind == "mean_color")
+            for (size_t i = 0; i < 3; ++i)
+              d.values[i] += (b.values[i] - d.values[i]) * float(1 - 1 / nearest->weight);
     nearest->time = fresh.time;
     nearest->partial = fresh.partial;
   } else if (!position_confirmed && nearest != nullptr) {

@@ -21,7 +21,7 @@ void set_place(ProtoObject& object, const std::string& place, const Scene& scene
 /// Stores the view. It replaces a similar one; a dissimilar one is only stored if `position_confirmed`: the
 /// identity rests on more than appearance.
 void store_view(ProtoObject& object, const Observation& observation, const Scene& scene,
-                const BeliefOptions& options, bool position_confirmed);
+                const BeliefOptions& options, const Corrections& corrections, bool position_confirmed);
 
 /// Most probable class over the stored views; empty = not classified.
 std::string most_probable_class(const ProtoObject& object);

@@ -9,21 +9,6 @@
 
 namespace loci::memory::belief {
 
-void SceneUpdate::learn_from_observation(size_t o, size_t k) {
-  ProtoObject& object = state_.objects[o];
-  if (object.status == Status::tentative) return;
-  const double seconds = timing_.exposure_s - object.last_seen_exposure_s;
-  if (object.status == Status::gone) {
-    state_.interaction.learn_returns(seconds, 1, options_);
-    return;
-  }
-  const auto row = static_cast<Eigen::Index>(o), column = static_cast<Eigen::Index>(k);
-  const double stay = stay_probability(o, k);
-  const double move = solution_.move(row, column);
-  const double moved = stay + move > 0 ? move / (stay + move) : 0.0;
-  state_.interaction.learn_interaction(interaction_key(object), object.interaction, seconds, moved, options_);
-}
-
 void SceneUpdate::learn_detection(ProtoObject& object, Explanation explanation) {
   if (timing_.independent && object.id != 0) {
     state_.detection.detected += 1;
@@ -32,31 +17,42 @@ void SceneUpdate::learn_detection(ProtoObject& object, Explanation explanation) 
   object.missed_views = 0;
 }
 
-void SceneUpdate::learn_moves() {
-  for (size_t o = 0; o < partner_of_object_.size(); ++o) {
-    const ProtoObject& object = state_.objects[o];
-    if (object.status == Status::tentative) continue;
-    for (size_t k = 0; k < scene_.observations.size(); ++k) {
-      const double moved = solution_.move(static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(k));
-      if (moved < kParameters.min_probability) continue;
-      if (object.status == Status::gone)
-        state_.interaction.learn_found_again(object.place, scene_.observations[k].place, moved);
-      else
-        state_.interaction.learn_moved(object.place, scene_.observations[k].place, moved);
-      if (object.status == Status::gone || object.place != scene_.observations[k].place) continue;
-      const double shorts = state_.interaction.short_share();
-      const double near =
-          shorts * short_move_ratio(predicted_[o].box.centre - scene_.observations[k].box.centre, options_);
-      state_.interaction.learn_short_move(moved * near / (near + 1 - shorts));
-    }
-  }
+void SceneUpdate::learn_interactions() {
+  for (size_t o = 0; o < partner_of_object_.size(); ++o)
+    if (state_.objects[o].status != Status::tentative) learn_handling(o);
 }
 
-void SceneUpdate::learn_from_absence(ProtoObject& object) {
-  const double seconds = timing_.exposure_s - object.last_seen_exposure_s;
-  const double gone = 1 - object.probability_here;
-  state_.interaction.learn_interaction(interaction_key(object), object.interaction, seconds, gone, options_);
-  state_.interaction.learn_carried_off(gone);
+void SceneUpdate::learn_handling(size_t o) {
+  ProtoObject& object = state_.objects[o];
+  const Prediction& p = predicted_[o];
+  const auto row = static_cast<Eigen::Index>(o);
+  InteractionModel& model = state_.interaction;
+  const double in_view = 1 - p.undetectable, detection = state_.detection.value(options_);
+  model.learn_change(solution_.newview.row(row).sum(), in_view * detection * p.here * p.appearance_change);
+  std::vector<double> found(places_.size(), 0.0);
+  const double shorts = model.short_share();
+  for (size_t k = 0; k < scene_.observations.size(); ++k) {
+    const Observation& observation = scene_.observations[k];
+    const double moved = solution_.move(row, static_cast<Eigen::Index>(k));
+    found[index_of(places_, observation.place)] += moved;
+    if (object.status == Status::gone || object.place != observation.place) continue;
+    if (moved < kParameters.min_probability) continue;
+    const double near = shorts * short_move_ratio(p.box.centre - observation.box.centre, options_);
+    model.learn_short_move(moved, moved * near / (near + 1 - shorts));
+  }
+  for (size_t i = 0; i < places_.size(); ++i)
+    model.learn_moved(object.place, places_[i].name, found[i], p.moved_to[i] * places_[i].share * detection);
+  if (object.status == Status::gone || in_view < kParameters.min_observed) return;
+  const double away = std::max(1e-9, 1 - p.here), left = solution_.disappear[o];
+  model.learn_carried_off(left * p.carried_off / away, in_view * p.carried_off);
+  // Part of what was handled was so before the last view of the spot. Where the spot was not seen, nothing is
+  // known.
+  const double now = object.probability_here * p.interaction / away;
+  const double handled =
+      (left + solution_.move.row(row).sum()) * now / std::max(1e-9, 1 - solution_.hidden[o]);
+  const double age = object.exposure_s - object.last_seen_exposure_s;
+  model.learn_interaction(interaction_key(object), object.interaction, age,
+                          age + timing_.exposure_s - object.exposure_s, std::min(1.0, handled), options_);
 }
 
 void SceneUpdate::learn_view_noise() {
@@ -96,6 +92,8 @@ void SceneUpdate::learn_similarity() {
         // Equal weight for the same and for all different objects.
         const double weight = kParameters.similarity_weight;
         Calibration::Counts& of_pair = *counts[update_.evidence.achromatic(o, k)];
+        if (kind == kMeanColor)
+          state_.calibration.count_color(distance, solution_.stay(o, k) + solution_.move(o, k));
         if (solution_.stay(o, k) > 0) of_pair.count(true, distance, weight * solution_.stay(o, k));
         of_pair.count(false, distance,
                       weight / double(confirmed.size()) * (1 - pair_probability(size_t(o), size_t(k))));
@@ -114,15 +112,11 @@ void SceneUpdate::learn_clutter(ProtoObject& object, double if_clutter, double i
 }
 
 void SceneUpdate::learn_arrivals() {
-  std::map<std::string, double> found;
-  if (scene_.view.observed)
-    for (const ObservedPlace& observed : *scene_.view.observed) found[observed.name];
-  for (size_t k = 0; k < scene_.observations.size(); ++k) {
-    const ObservationOutcome& outcome = update_.observations[k];
-    const bool appeared = outcome.explanation == Explanation::appear;
-    found[scene_.observations[k].place] += appeared ? outcome.appear + outcome.clutter : 0.0;
-  }
-  for (const auto& [place, count] : found) state_.interaction.learn_arrivals(place, count, options_);
+  std::vector<double> found(places_.size(), 0.0);
+  for (size_t k = 0; k < scene_.observations.size(); ++k)
+    found[index_of(places_, scene_.observations[k].place)] += solution_.appear[k] + solution_.clutter[k];
+  for (size_t i = 0; i < places_.size(); ++i)
+    state_.interaction.learn_arrivals(places_[i], found[i], options_);
 }
 
 }  // namespace loci::memory::belief

@@ -40,7 +40,8 @@ void SceneUpdate::update_observed(size_t o, size_t k) {
   const TimeNs seen_before = object.last_seen;
   const double seconds_unobserved = double(scene_.time - object.last_seen) / double(kSecond);
 
-  if (timing_.independent) learn_from_observation(o, k);
+  if (timing_.independent && object.status == Status::gone)
+    state_.interaction.learn_returns(timing_.exposure_s - object.last_seen_exposure_s, 1, options_);
   if (timing_.independent)
     learn_clutter(object, options_.repeat_clutter, predicted_[o].here * state_.detection.value(options_));
   if (explanation == Explanation::move && status_before == Status::present) keep_alternative(o, k);
@@ -85,7 +86,7 @@ void SceneUpdate::update_box_and_views(size_t o, const Observation& observation,
     fuse_box(object, predicted_[o], observation, scene_, options_);
   if (!observation.place.empty()) set_place(object, observation.place, scene_);
   // An object that moved was recognised by its appearance alone: a dissimilar view may be another object's.
-  if (!piece) store_view(object, observation, scene_, options_, !moved);
+  if (!piece) store_view(object, observation, scene_, options_, state_.calibration.corrections(), !moved);
   object.class_name = most_probable_class(object);
 }
 
@@ -103,7 +104,13 @@ void SceneUpdate::create_object(size_t k) {
   const Observation& observation = scene_.observations[k];
   const double clutter = 1 / (1 + std::exp(weights_.appear[k] - weights_.clutter[k]));
   // Where clutter is usual, another view decides, unless this one is stronger evidence than that.
-  const double usual = timing_.snapshot ? state_.interaction.clutter_share(observation.place, options_) : 0.0;
+  const double usual =
+      timing_.snapshot
+          ? state_.interaction.clutter_share(
+                observation.place,
+                expected_arrivals(places_[index_of(places_, observation.place)], timing_, state_, options_),
+                options_)
+          : 0.0;
   const bool known = observation.known_object.value_or(0) != 0;
   if (!known && clutter > (1 + usual) / 2) {
     outcome.explanation = Explanation::clutter;
@@ -122,7 +129,7 @@ void SceneUpdate::create_object(size_t k) {
   if (wait) object.exists_log_odds = -log_odds(clutter);
   if (state_.interaction.knows(observation.place)) object.clutter_probability = clutter;
   reset_box(object, observation, scene_, options_);
-  store_view(object, observation, scene_, options_, true);
+  store_view(object, observation, scene_, options_, state_.calibration.corrections(), true);
   object.class_name = most_probable_class(object);
   mark_observed(object, observation);
   object.pending.push_back({observation.id, scene_.time, true, outcome.appear});
@@ -205,7 +212,6 @@ void SceneUpdate::update_unobserved(size_t o) {
   if (1 - object.probability_here >= options_.gone && in_view >= kParameters.min_observed) {
     object.status = Status::gone;
     object.hidden_reported = false;
-    if (timing_.independent) learn_from_absence(object);
     update_.events.push_back({EventKind::gone,
                               object.id,
                               scene_.time,
@@ -308,7 +314,7 @@ void SceneUpdate::reinstate(size_t o, size_t k) {
   other.status = Status::tentative;
   other.pending.clear();
   other.interaction = {};
-  other.clutter_probability = state_.interaction.clutter_share(other.place, options_);
+  other.clutter_probability = state_.interaction.clutter_share(other.place, options_.appear, options_);
   std::erase_if(other.views, [&](const StoredView& view) { return view.time <= stayed.last_seen; });
   other.exists_log_odds = log_odds(options_.first_sight);
   for (ProtoObject& object : state_.objects)

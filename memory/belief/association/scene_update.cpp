@@ -27,7 +27,8 @@ SceneUpdate::SceneUpdate(BeliefState& state, const Scene& scene, const BeliefOpt
 
 BeliefUpdate SceneUpdate::run() {
   // 1. Prediction: where each object is now, whether it still is, and what observing its spot showed.
-  predicted_ = predict(state_, scene_, options_);
+  places_ = view_places(state_, scene_, options_);
+  predicted_ = predict(state_, scene_, places_, options_);
   // 2. Evidence of each pair of object and observation; the arbiter settles what all trackers agree on.
   update_.evidence = pair_evidence(state_, predicted_, scene_, options_);
   // 3. Association: exact posterior of all explanations, and the MAP hypothesis that is acted on.
@@ -38,7 +39,7 @@ BeliefUpdate SceneUpdate::run() {
   report_objects();
   if (timing_.independent) learn_view_noise();
   if (timing_.independent) learn_similarity();
-  if (timing_.independent) learn_moves();
+  if (timing_.independent) learn_interactions();
   const std::vector<std::vector<Alternative>> alternatives = propagated_alternatives();
   // 4. Update of the believed objects, observed and unobserved.
   const size_t believed = state_.objects.size();
@@ -58,6 +59,7 @@ BeliefUpdate SceneUpdate::run() {
   }
   // 6. Existence: confirm, delete and prune objects.
   if (timing_.independent) learn_arrivals();
+  for (const PlaceView& view : places_) state_.places[view.name].add_view(timing_.exposure_s, view.share);
   if (scene_.seconds_to_next && *scene_.seconds_to_next >= options_.snapshot_gap_s) confirm_unrefuted();
   state_.exposure_s = timing_.exposure_s;
   delete_clutter();
@@ -68,7 +70,7 @@ BeliefUpdate SceneUpdate::run() {
 }
 
 void SceneUpdate::solve_association() {
-  update_.problem = association_problem(state_, predicted_, scene_, update_.evidence, options_);
+  update_.problem = association_problem(state_, predicted_, scene_, places_, update_.evidence, options_);
   IdentityOptions identity;
   identity.best = 1;
   identity.gate = kParameters.gate;

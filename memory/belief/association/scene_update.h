@@ -77,11 +77,12 @@ class SceneUpdate {
   void prune_gone();
 
   // Learning, from independent scenes only: video frames repeat each other (learning.cpp).
-  void learn_from_observation(size_t o, size_t k);
   /// An object that is found again where it was not detected had been missed.
   void learn_detection(ProtoObject& object, Explanation explanation);
-  void learn_moves();
-  void learn_from_absence(ProtoObject& object);
+  void learn_interactions();
+  /// Whether an object was handled, and what became of it: what the association found against what was
+  /// expected of the observed places.
+  void learn_handling(size_t o);
   /// Objects that stayed and are whole in both views show how accurate poses are.
   void learn_view_noise();
   /// Distances between views of one object and of different ones.
@@ -94,6 +95,7 @@ class SceneUpdate {
   const Scene& scene_;
   const BeliefOptions& options_;
   const SceneTiming timing_;
+  std::vector<PlaceView> places_;  ///< that the scene shows
   std::vector<Prediction> predicted_;
   IdentityWeights weights_;
   IdentitySolution solution_;

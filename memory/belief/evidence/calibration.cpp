@@ -196,10 +196,20 @@ Calibration::Counts& Calibration::of(size_t kind, bool achromatic) {
   return counts_[key_of(kind, achromatic)];
 }
 
+void Calibration::count_color(double distance, double probability) {
+  NoiseScale::Levels density{};
+  for (size_t i = 0; i < NoiseScale::kLevels; ++i) {
+    const double variance = kColorVariance * NoiseScale::kFactors[i] * NoiseScale::kFactors[i];
+    density[i] = std::exp(-1.5 * distance * distance / variance) / std::pow(variance, 1.5);
+  }
+  color_noise_.count(density, probability, kParameters.calibration_spread);
+}
+
 Corrections Calibration::corrections() const {
   static const PriorDistributions prior = prior_distributions();
   static const std::vector<SameDistances> same_of = same_distances(prior);
   Corrections all{};
+  all.color_variance = kColorVariance * color_noise_.variance_factor(kParameters.calibration_spread);
   for (size_t kind = 0; kind < kComparisons; ++kind) {
     for (const bool achromatic : {false, true}) {
       const auto found = counts_.find(key_of(kind, achromatic));
@@ -208,7 +218,8 @@ Corrections Calibration::corrections() const {
           same_of[2 * kind + (achromatic ? 1 : 0)].log_found_over_expected(found->second.same);
       const Shares different =
           log_found_over_expected(found->second.different, prior[kind][achromatic].different);
-      for (size_t i = 0; i < kBins; ++i) all[kind][achromatic].values[i] = same[i] - different[i];
+      for (size_t i = 0; i < kBins; ++i)
+        all.of[kind][achromatic].values[i] = kind == kMeanColor ? 0.0 : same[i] - different[i];
     }
   }
   return all;

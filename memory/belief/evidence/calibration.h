@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "memory/belief/evidence/noise_scale.h"
 #include "memory/belief/evidence/similarity.h"
 
 namespace loci::memory::belief {
@@ -31,8 +32,15 @@ class Calibration {
   Counts& of(size_t kind, bool achromatic);
 
   Corrections corrections() const;
+  /// Noise of mean colours between two views of one object, relative to kColorVariance.
+  const NoiseScale& color_noise() const { return color_noise_; }
+  void set_color_noise(const NoiseScale& noise) { color_noise_ = noise; }
+  /// Two mean colours, whose channels have this root mean square difference, are of one unchanged object with
+  /// a probability.
+  void count_color(double distance, double probability);
 
  private:
+  NoiseScale color_noise_;
   CountsByKind counts_;
 };
 

@@ -16,10 +16,87 @@ SceneTiming::SceneTiming(const BeliefState& state, const Scene& scene, const Bel
   if (state.last_scene) exposure_s = state.exposure_s + (snapshot ? 1.0 : options.watched) * seconds;
 }
 
-std::vector<Prediction> predict(const BeliefState& state, const Scene& scene, const BeliefOptions& options) {
+namespace {
+
+/// Share of a place that a scene shows, by the lines of sight to where objects were found on it.
+double shown_share(const PlaceView& view, const PlaceHistory& place, const Scene& scene,
+                   const BeliefOptions& options) {
+  AxisBox box = place.extent;
+  constexpr double kMin = kParameters.min_place_extent_m;
+  box.size = box.size.cwiseMax(Vector3d(kMin, kMin, 0.1));
+  box.centre = place_pose(view.name, scene.places) * box.centre;
+  const double share = (scene.view.depth.empty() ? box_visibility_without_depth(scene.view, box, 0, view.name,
+                                                                                {}, options.visibility)
+                                                 : box_visibility(scene.view, box, 0, 0, options.visibility))
+                           .visibility.observed();
+  const bool found_there = std::ranges::any_of(
+      scene.observations, [&](const Observation& observation) { return observation.place == view.name; });
+  return found_there ? std::max(kParameters.min_observed, share) : share;
+}
+
+/// Where an object is if it was handled: a share of its probability mass per place of the scene, and carried
+/// off. What was put down and would have been seen since is excluded.
+void predict_locations(const ProtoObject& object, const BeliefState& state,
+                       const std::vector<PlaceView>& places, const std::vector<double>& destinations,
+                       double exposure_s, Prediction& p) {
+  const double since = object.last_seen_exposure_s;
+  p.moved_to.assign(places.size(), 0.0);
+  double put_down = 0, unseen = 0;
+  size_t i = 0;
+  for (const auto& [name, place] : state.places) {
+    const double share = destinations[i++];
+    const double still_unseen = share * place.unseen_share(since, exposure_s);
+    put_down += share;
+    unseen += still_unseen;
+    if (const size_t view = index_of(places, name); view < places.size()) p.moved_to[view] = still_unseen;
+  }
+  const double off = std::max(0.0, 1 - put_down);
+  const double handled = (1 - p.here) / std::max(1e-9, unseen + off);
+  p.carried_off = handled * off;
+  for (double& moved : p.moved_to) moved *= handled;
+}
+
+}  // namespace
+
+std::vector<PlaceView> view_places(BeliefState& state, const Scene& scene, const BeliefOptions& options) {
+  std::vector<PlaceView> views;
+  const auto add = [&](const std::string& name) {
+    if (std::ranges::find(views, name, &PlaceView::name) == views.end()) views.push_back({name});
+  };
+  for (const Observation& observation : scene.observations) {
+    const AxisBox spot{place_pose(observation.place, scene.places).inverse() * observation.box.centre,
+                       Vector3d::Zero()};
+    const auto [place, is_new] = state.places.try_emplace(observation.place);
+    place->second.extent = is_new ? spot : join(place->second.extent, spot);
+    add(observation.place);
+  }
+  if (scene.view.observed)
+    for (const ObservedPlace& observed : *scene.view.observed) add(observed.name);
+  else
+    for (const auto& [name, place] : state.places) add(name);
+  const double now = SceneTiming(state, scene, options).exposure_s;
+  for (PlaceView& view : views) {
+    const auto place = state.places.find(view.name);
+    if (place == state.places.end()) continue;
+    view.share = shown_share(view, place->second, scene, options);
+    if (place->second.views.empty()) continue;
+    view.never_seen = place->second.never_seen;
+    view.unseen_seconds = place->second.unseen_seconds(place->second.begin_s, now);
+  }
+  std::erase_if(views, [](const PlaceView& view) { return view.share < kParameters.min_place_share; });
+  return views;
+}
+
+size_t index_of(const std::vector<PlaceView>& places, const std::string& name) {
+  return static_cast<size_t>(std::ranges::find(places, name, &PlaceView::name) - places.begin());
+}
+
+std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
+                                const std::vector<PlaceView>& places, const BeliefOptions& options) {
   std::vector<Prediction> predictions;
   const double exposure = SceneTiming(state, scene, options).exposure_s;
   const double view_noise = state.view_noise.variance_factor(options.noise_spread);
+  std::map<std::string, std::vector<double>> destinations_from;
   for (const ProtoObject& object : state.objects) {
     Prediction p;
     p.box = box_in_map(object, scene.places);
@@ -29,18 +106,38 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene, co
     p.variance = (p.with_depth ? 1 : view_noise) * object.variance + view_noise * p.view_variance;
     p.interaction = interaction_probability(object, exposure, state, options);
     const double motion = camera_motion(object.map_from_camera, scene.view.map_from_camera);
-    p.appearance_change = kParameters.base_appearance_change + p.interaction / 2 +
-                          options.newview * (1 - std::exp(-motion / kParameters.turn_motion));
     p.here = object.probability_here * (1 - p.interaction);
+    p.appearance_change = kParameters.base_appearance_change +
+                          (p.with_depth ? p.interaction : 1 - p.here) / 2 +
+                          options.newview * (1 - std::exp(-motion / kParameters.turn_motion));
+    if (!p.with_depth)  // which surfaces another side shows is nothing that a home teaches
+      p.appearance_change = std::min(kParameters.max_appearance_change,
+                                     p.appearance_change * state.interaction.change_factor());
+    auto destinations = destinations_from.find(object.place);
+    if (destinations == destinations_from.end())
+      destinations =
+          destinations_from.emplace(object.place, state.interaction.destinations(object.place, state.places))
+              .first;
+    predict_locations(object, state, places, destinations->second, exposure, p);
     p.seen = scene.view.depth.empty()
                  ? box_visibility_without_depth(scene.view, p.box, std::sqrt(p.variance), object.place,
                                                 scene.observations, options.visibility)
                  : box_visibility(scene.view, p.box, std::sqrt(p.variance), scene.observations.size(),
                                   options.visibility);
-    p.undetectable = undetectable(p.seen.visibility);
+    // Without a size the sampled box is the uncertainty of the position.
+    p.undetectable = object.has_size ? undetectable(p.seen.visibility)
+                                     : std::clamp(1 - p.seen.visibility.observed(), 0.0, 1.0);
     predictions.push_back(std::move(p));
   }
   return predictions;
+}
+
+double expected_arrivals(const PlaceView& place, const SceneTiming& timing, const BeliefState& state,
+                         const BeliefOptions& options) {
+  const InteractionModel& model = state.interaction;
+  if (!model.knows(place.name)) return options.appear * model.statistics().first_view.value();
+  if (!timing.snapshot) return options.appear * model.statistics().later_view.value();
+  return model.arrivals(place, options);
 }
 
 PositionNoise position_noise(const ProtoObject& object, const Prediction& predicted,

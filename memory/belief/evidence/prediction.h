@@ -27,13 +27,27 @@ struct Prediction {
   double view_variance = 0;  ///< that another view point adds, as the options state it
   double interaction = 0;    ///< probability of having been handled since the last view
   double appearance_change =
-      0;                    ///< probability of another appearance at the same spot: another side, or handled
-  double here = 1;          ///< probability of still being there
-  BoxVisibility seen;       ///< what observing its spot showed
+      0;               ///< probability of another appearance at the same spot: another side, or handled
+  double here = 1;     ///< probability of still being there
+  BoxVisibility seen;  ///< what observing its spot showed
+  /// Probability of having been put down, unseen since, on each place of the scene (`PlaceView`).
+  std::vector<double> moved_to;
+  double carried_off = 0;   ///< probability
   double undetectable = 0;  ///< probability of not being detected if there: too little in view
 };
 
-std::vector<Prediction> predict(const BeliefState& state, const Scene& scene, const BeliefOptions& options);
+/// The places that the scene shows; those of its observations come first, and their extent grows.
+std::vector<PlaceView> view_places(BeliefState& state, const Scene& scene, const BeliefOptions& options);
+/// Index of a place in the list.
+size_t index_of(const std::vector<PlaceView>& places, const std::string& name);
+
+std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
+                                const std::vector<PlaceView>& places, const BeliefOptions& options);
+
+/// Expected number of new objects, clutter included, on a place that the scene shows. A video shows hidden
+/// parts anew.
+double expected_arrivals(const PlaceView& place, const SceneTiming& timing, const BeliefState& state,
+                         const BeliefOptions& options);
 
 /// Errors between a prediction and an observation. What a sensor with depth errs while it stands still is
 /// known; the error between two view points, and all of a detector without depth, is learned.

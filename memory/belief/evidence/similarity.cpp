@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "memory/belief/evidence/likelihood.h"
+
 namespace loci::memory::belief {
 namespace {
 
@@ -187,6 +189,18 @@ double distance_of(const Comparison& comparison, const Appearance::Feature& a, c
   return comparison.distance(x, y);
 }
 
+/// Mean colours of one object against those of unrelated ones, which are anywhere in the colour cube.
+double color_log_ratio(const std::vector<float>& a, const std::vector<float>& b, double variance) {
+  constexpr double kImpossible = 60;  // more than any pair's evidence counts
+  double squares = 0, sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) squares += (double(a[i]) - b[i]) * (double(a[i]) - b[i]);
+  if (squares > 2 * kImpossible * variance) return -kImpossible;
+  const Domain cube;
+  for (size_t i = 0; i < a.size(); ++i)
+    sum += log_same({a[i], variance / 2}, cube, {b[i], variance / 2}, cube);
+  return sum;
+}
+
 }  // namespace
 
 Appearance::Appearance(const std::vector<Descriptor>& descriptors) : achromatic_(is_achromatic(descriptors)) {
@@ -220,8 +234,9 @@ ViewSimilarity compare(const Appearance& a, const Appearance& b, PartialViews pa
     if (!comparable(of_a, of_b)) continue;
     const double distance = distance_of(comparison, of_a, of_b, partial);
     if (!std::isfinite(distance)) continue;
-    double ratio = prior_log_ratio(comparison, distance, result.achromatic) +
-                   corrections[i][result.achromatic].at(distance);
+    double ratio = (i == kMeanColor ? color_log_ratio(*of_a.values, *of_b.values, corrections.color_variance)
+                                    : prior_log_ratio(comparison, distance, result.achromatic)) +
+                   corrections.of[i][result.achromatic].at(distance);
     if (comparison.summarised_by && result.parts[*comparison.summarised_by].distance >= 0) ratio = 0;
     result.parts[i] = {distance, ratio};
     ++result.count;

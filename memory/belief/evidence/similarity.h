@@ -35,6 +35,7 @@ struct Comparison {
 };
 
 inline constexpr size_t kComparisons = 5;
+inline constexpr size_t kMeanColor = 1;  ///< its evidence is a density with learned noise, not a table
 /// All known comparisons, in the order in which they are reported.
 const std::vector<Comparison>& comparisons();
 /// nullptr for an unknown kind: such a descriptor is no evidence.
@@ -56,8 +57,17 @@ struct Correction {
 
   double at(double distance) const;
 };
-/// By kind, in the order of comparisons(); the second is for two achromatic objects.
-using Corrections = std::array<std::array<Correction, 2>, kComparisons>;
+/// Variance of a channel of the mean colour between two views of one object until a home teaches another: an
+/// upper bound, since a low one would take noise for change.
+inline constexpr double kColorVariance = 0.02;
+
+/// What a home taught about the evidence of distances.
+struct Corrections {
+  /// By kind, in the order of comparisons(); the second is for two achromatic objects.
+  std::array<std::array<Correction, 2>, kComparisons> of{};
+  double color_variance =
+      kColorVariance;  ///< of a channel of the mean colour between two views of one object
+};
 
 /// Log-likelihood ratio of the table. Achromatic objects are common: that two of them agree in colour counts
 /// less.

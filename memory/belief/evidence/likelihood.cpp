@@ -1,11 +1,11 @@
-#include "apps/evaluate/identity/likelihood.h"
+#include "memory/belief/evidence/likelihood.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "mapping/base/math.h"
 
-namespace loci::apps::identity_experiment {
+namespace loci::memory::belief {
 
 double mass(const Measured& number, const Domain& domain) {
   constexpr double kMin = 1e-12;
@@ -26,19 +26,4 @@ double log_same(const Measured& believed, const Domain& possible, const Measured
   return log_gaussian + std::log(mass(fused, visible) / (mass(believed, possible) * mass(seen, visible)));
 }
 
-NoiseEstimate::NoiseEstimate(double start_sigma) : squares_(2 * start_sigma * start_sigma), count_(2) {}
-
-NoiseEstimate NoiseEstimate::known(double sigma) {
-  NoiseEstimate estimate(sigma);
-  estimate.known_ = true;
-  return estimate;
-}
-
-void NoiseEstimate::count(double difference, double views, double probability) {
-  if (known_) return;
-  const double keep = 1 - probability / kMemory;
-  squares_ = keep * squares_ + probability * difference * difference / (1 + 1 / views);
-  count_ = keep * count_ + probability;
-}
-
-}  // namespace loci::apps::identity_experiment
+}  // namespace loci::memory::belief
