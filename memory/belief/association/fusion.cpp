@@ -31,6 +31,29 @@ double storage_value(const StoredView& view) {
   return view.partial ? view.weight : view.weight + kParameters.whole_view_bonus;
 }
 
+constexpr double kMaxColorDeviation = 4;  ///< log likelihood that noise costs in 95 of 100 views
+
+/// Log ratio from which two views show the same side. Noise alone keeps two equal mean colours below what
+/// other descriptors reach.
+double same_view_ratio(const std::vector<Descriptor>& descriptors, const Corrections& corrections) {
+  const bool only_color = descriptors.size() == 1 && descriptors.front().kind == "mean_color";
+  if (!only_color) return kParameters.same_view_log_ratio;
+  const Appearance color(descriptors);
+  return std::min(kParameters.same_view_log_ratio,
+                  compare(color, color, {}, 1, corrections).log_ratio - kMaxColorDeviation);
+}
+
+/// Replaces the mean colour by the mean over all views, of which this one has a share.
+void average_color(const std::vector<Descriptor>& before, double share, std::vector<Descriptor>& now) {
+  for (Descriptor& color : now) {
+    if (color.kind != "mean_color") continue;
+    for (const Descriptor& other : before)
+      if (other.kind == color.kind && other.values.size() == color.values.size())
+        for (size_t i = 0; i < color.values.size(); ++i)
+          color.values[i] += (other.values[i] - color.values[i]) * static_cast<float>(1 - share);
+  }
+}
+
 }  // namespace
 
 void reset_box(ProtoObject& object, const Observation& observation, const Scene& scene,
@@ -79,44 +102,32 @@ void set_place(ProtoObject& object, const std::string& place, const Scene& scene
 void store_view(ProtoObject& object, const Observation& observation, const Scene& scene,
                 const BeliefOptions& options, const Corrections& corrections, bool position_confirmed) {
   if (observation.descriptors.empty()) return;
+  const Appearance seen(observation.descriptors);
   StoredView* nearest = nullptr;
   double nearest_ratio = -1e9;
   for (StoredView& view : object.views) {
-    const double ratio = compare(Appearance(view.descriptors), Appearance(observation.descriptors),
-                                 {view.partial, observation.partial}, 1, corrections)
-                             .log_ratio;
+    const double ratio =
+        compare(Appearance(view.descriptors), seen, {view.partial, observation.partial}, 1, corrections)
+            .log_ratio;
     if (ratio > nearest_ratio) {
       nearest_ratio = ratio;
       nearest = &view;
     }
   }
-  const StoredView fresh{observation.descriptors, 1, scene.time, observation.partial};
-  const bool only_color =
-      observation.descriptors.size() == 1 && observation.descriptors[0].kind == "mean_color";
-  const double best = only_color ? compare(Appearance(observation.descriptors),
-                                           Appearance(observation.descriptors), {}, 1, corrections)
-                                           .log_ratio -
-                                       4
-                                 : 1e9;
-  if (nearest != nullptr && nearest_ratio >= std::min(best, kParameters.same_view_log_ratio)) {
+  StoredView fresh{observation.descriptors, 1, scene.time, observation.partial};
+  if (nearest != nullptr && nearest_ratio >= same_view_ratio(observation.descriptors, corrections)) {
     nearest->weight += 1;
     if (!nearest->partial && observation.partial) return;
-    std::vector<Descriptor> before = std::move(nearest->descriptors);
-    nearest->descriptors = fresh.descriptors;
-    for (Descriptor& d : nearest->descriptors)
-      if (d.kind == "mean_color")
-        for (Descriptor& b : before)
-          if (b.kind == "mean_color")
-            for (size_t i = 0; i < 3; ++i)
-              d.values[i] += (b.values[i] - d.values[i]) * float(1 - 1 / nearest->weight);
+    average_color(nearest->descriptors, 1 / nearest->weight, fresh.descriptors);
+    nearest->descriptors = std::move(fresh.descriptors);
     nearest->time = fresh.time;
     nearest->partial = fresh.partial;
   } else if (!position_confirmed && nearest != nullptr) {
     return;
   } else if (object.views.size() < size_t(options.views)) {
-    object.views.push_back(fresh);
+    object.views.push_back(std::move(fresh));
   } else {
-    *std::ranges::min_element(object.views, {}, storage_value) = fresh;
+    *std::ranges::min_element(object.views, {}, storage_value) = std::move(fresh);
   }
 }
 

@@ -89,11 +89,13 @@ void SceneUpdate::learn_similarity() {
       for (Eigen::Index k = 0; k < evidence.distance.cols(); ++k) {
         const double distance = evidence.distance(o, k);
         if (!std::isfinite(distance)) continue;
+        if (kind == kMeanColor) {
+          state_.calibration.count_color(distance, solution_.stay(o, k) + solution_.move(o, k));
+          continue;
+        }
         // Equal weight for the same and for all different objects.
         const double weight = kParameters.similarity_weight;
         Calibration::Counts& of_pair = *counts[update_.evidence.achromatic(o, k)];
-        if (kind == kMeanColor)
-          state_.calibration.count_color(distance, solution_.stay(o, k) + solution_.move(o, k));
         if (solution_.stay(o, k) > 0) of_pair.count(true, distance, weight * solution_.stay(o, k));
         of_pair.count(false, distance,
                       weight / double(confirmed.size()) * (1 - pair_probability(size_t(o), size_t(k))));

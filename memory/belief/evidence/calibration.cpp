@@ -211,6 +211,7 @@ Corrections Calibration::corrections() const {
   Corrections all{};
   all.color_variance = kColorVariance * color_noise_.variance_factor(kParameters.calibration_spread);
   for (size_t kind = 0; kind < kComparisons; ++kind) {
+    if (kind == kMeanColor) continue;
     for (const bool achromatic : {false, true}) {
       const auto found = counts_.find(key_of(kind, achromatic));
       if (found == counts_.end()) continue;
@@ -218,8 +219,7 @@ Corrections Calibration::corrections() const {
           same_of[2 * kind + (achromatic ? 1 : 0)].log_found_over_expected(found->second.same);
       const Shares different =
           log_found_over_expected(found->second.different, prior[kind][achromatic].different);
-      for (size_t i = 0; i < kBins; ++i)
-        all.of[kind][achromatic].values[i] = kind == kMeanColor ? 0.0 : same[i] - different[i];
+      for (size_t i = 0; i < kBins; ++i) all.of[kind][achromatic].values[i] = same[i] - different[i];
     }
   }
   return all;

@@ -79,13 +79,8 @@ const std::vector<Comparison>& comparisons() {
        0.5,
        false,
        true},
-      {"mean_color",
-       euclidean_distance,
-       {{0.0, 1.8}, {0.05, 1.3}, {0.12, 0.0}, {0.25, -2.5}, {0.5, -6.0}},
-       0.25,
-       false,
-       true,
-       0},
+      // Its evidence is a density, see color_log_ratio().
+      {"mean_color", euclidean_distance, {}, 0.25, false, true, 0},
       {"extents",
        extent_distance,
        {{0.0, 3.5},
@@ -121,6 +116,7 @@ const Comparison* find_comparison(const std::string& kind) {
 
 double log_ratio(const Comparison& comparison, double distance) {
   const auto& table = comparison.table;
+  if (table.empty()) return 0;
   if (distance <= table.front().distance) return table.front().log_ratio;
   for (size_t i = 1; i < table.size(); ++i) {
     if (distance > table[i].distance) continue;

@@ -10,11 +10,11 @@
 namespace loci::memory::belief {
 namespace {
 
-constexpr size_t kColor = 1, kExtents = 2;
+constexpr size_t kHistogram = 0, kExtents = 2;
 
 double learned(const Calibration& calibration, size_t kind, double distance, bool colorless = false) {
   return prior_log_ratio(comparisons()[kind], distance, colorless) +
-         calibration.corrections()[kind][colorless].at(distance);
+         calibration.corrections().of[kind][colorless].at(distance);
 }
 
 TEST(Calibration, SaysWhatTheTablesSayUntilThereIsEvidence) {
@@ -41,9 +41,26 @@ TEST(Calibration, FindsTheRatioOfTheTrueDensities) {
 
 TEST(Calibration, LittleEvidenceChangesLittle) {
   Calibration calibration;
-  for (int i = 0; i < 3; ++i) calibration.of(kColor, false).count(true, 0.0, 0.5);
+  for (int i = 0; i < 3; ++i) calibration.of(kHistogram, false).count(true, 0.0, 0.5);
   for (const double distance : {0.0, 0.1, 0.5})
-    EXPECT_NEAR(learned(calibration, kColor, distance), log_ratio(comparisons()[kColor], distance), 0.3);
+    EXPECT_NEAR(learned(calibration, kHistogram, distance), log_ratio(comparisons()[kHistogram], distance),
+                0.3);
+}
+
+TEST(Calibration, NoiseOfColoursIsLearned) {
+  const std::vector<Descriptor> red = {{"mean_color", {0.8F, 0.3F, 0.4F}}},
+                                similar = {{"mean_color", {0.75F, 0.35F, 0.45F}}};
+  const auto ratio = [&](const Calibration& calibration) {
+    return compare(Appearance(red), Appearance(similar), {}, 1, calibration.corrections()).log_ratio;
+  };
+  Calibration exact, noisy;
+  Random random(5);
+  for (int i = 0; i < 100; ++i) {
+    exact.count_color(0.01 * std::abs(random.normal(1)), 1);
+    noisy.count_color(0.1 * std::abs(random.normal(1)), 1);
+  }
+  EXPECT_LT(ratio(exact), 0) << "five times the noise is another colour";
+  EXPECT_GT(ratio(noisy), 2);
 }
 
 TEST(Calibration, FewDistancesTellTheScale) {
@@ -55,9 +72,9 @@ TEST(Calibration, FewDistancesTellTheScale) {
 
 TEST(Calibration, ThingsWithoutColourAreApart) {
   Calibration calibration;
-  for (int i = 0; i < 500; ++i) calibration.of(kColor, true).count(false, 0.01, 1);
-  EXPECT_LT(learned(calibration, kColor, 0.01, true), 0) << "grey things are all alike";
-  EXPECT_DOUBLE_EQ(learned(calibration, kColor, 0.01, false), log_ratio(comparisons()[kColor], 0.01));
+  for (int i = 0; i < 500; ++i) calibration.of(kHistogram, true).count(false, 0.01, 1);
+  EXPECT_LT(learned(calibration, kHistogram, 0.01, true), 0) << "grey things are all alike";
+  EXPECT_DOUBLE_EQ(learned(calibration, kHistogram, 0.01, false), log_ratio(comparisons()[kHistogram], 0.01));
 }
 
 TEST(Calibration, NewEvidenceOverrulesOld) {

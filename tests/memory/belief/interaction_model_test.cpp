@@ -12,7 +12,7 @@ const BeliefOptions kOptions;
 InteractionModel observed(const std::string& class_name, int views, int period, InteractionModel model = {}) {
   RateFactor own;
   for (int i = 1; i <= views; ++i)
-    model.learn_interaction({class_name, "table_1", own}, own, kHour, i % period == 0 ? 1 : 0, kOptions);
+    model.learn_interaction({class_name, "table_1", own}, own, 0, kHour, i % period == 0 ? 1 : 0, kOptions);
   return model;
 }
 
@@ -46,17 +46,38 @@ TEST(InteractionModel, ClassesDiffer) {
 TEST(InteractionModel, DestinationsAreLearned) {
   InteractionModel model;
   EXPECT_NEAR(model.moved_to("table_1", "table_1"), 2.0 / 3, 1e-9) << "no other place is known";
-  for (int i = 0; i < 20; ++i) model.learn_moved("table_1", "sink_1", 1);
-  model.learn_moved("table_1", "shelf_1", 1);
+  for (int i = 0; i < 20; ++i) model.learn_moved("table_1", "sink_1", 1, 0.5);
+  model.learn_moved("table_1", "shelf_1", 1, 0.5);
   EXPECT_GT(model.moved_to("table_1", "sink_1"), 5 * model.moved_to("table_1", "shelf_1"));
   EXPECT_GT(model.moved_to("table_1", "shelf_1"), 0);
+  const PlaceHistories places{{"shelf_1", {}}, {"sink_1", {}}, {"table_1", {}}};
+  const std::vector<double> destinations = model.destinations("table_1", places);
+  size_t i = 0;
+  for (const auto& [place, history] : places)
+    EXPECT_DOUBLE_EQ(destinations[i++], model.moved_to("table_1", place)) << place;
+}
+
+TEST(InteractionModel, OutcomesThatAreNotFoundAreExpectedLess) {
+  InteractionModel model;
+  model.learn_moved("table_1", "sink_1", 1, 0.5);
+  const double before = model.moved_to("table_1", "sink_1");
+  for (int i = 0; i < 20; ++i) model.learn_moved("table_1", "sink_1", 0, 0.3);
+  EXPECT_LT(model.moved_to("table_1", "sink_1"), before / 2);
+}
+
+TEST(InteractionModel, MoreNewObjectsAreExpectedWhereNobodyLookedForLonger) {
+  InteractionModel model;
+  for (int i = 0; i < 20; ++i) model.learn_arrivals({"table_1", 1, 0, 600}, 0.5, kOptions);
+  const double usual = model.arrivals({"table_1", 1, 0, 600}, kOptions);
+  EXPECT_NEAR(model.arrivals({"table_1", 1, 0, 1800}, kOptions), 3 * usual, 0.2 * usual);
 }
 
 TEST(InteractionModel, NewObjectsAreExpectedOnPlacesNeverObserved) {
   InteractionModel model;
-  for (int i = 0; i < 20; ++i) model.learn_arrivals("place_" + std::to_string(i), 5, kOptions);
-  for (int i = 0; i < 50; ++i) model.learn_arrivals("place_3", 0, kOptions);
-  EXPECT_GT(model.arrivals("place_99", kOptions), 10 * model.arrivals("place_3", kOptions));
+  for (int i = 0; i < 20; ++i) model.learn_arrivals({"place_" + std::to_string(i)}, 5, kOptions);
+  const PlaceView seen{"place_3", 1, 0, 600};
+  for (int i = 0; i < 50; ++i) model.learn_arrivals(seen, 0, kOptions);
+  EXPECT_GT(model.arrivals({"place_99"}, kOptions), 10 * model.arrivals(seen, kOptions));
 }
 
 TEST(InteractionModel, LongGoneObjectsReturnLessOften) {
@@ -71,11 +92,12 @@ TEST(InteractionModel, LongGoneObjectsReturnLessOften) {
 
 TEST(InteractionModel, ClutterShareOfNewObjectsIsLearned) {
   InteractionModel model;
-  for (int i = 0; i < 20; ++i) model.learn_arrivals("table_" + std::to_string(i), 5, kOptions);
-  EXPECT_NEAR(model.clutter_share("table_1", kOptions), 0.1, 1e-9);
-  EXPECT_LT(model.clutter_share("table_99", kOptions), 0.02) << "on a place never observed all is new";
+  for (int i = 0; i < 20; ++i) model.learn_arrivals({"table_" + std::to_string(i)}, 5, kOptions);
+  EXPECT_NEAR(model.clutter_share("table_1", 0.45, kOptions), 0.1, 1e-9);
+  EXPECT_LT(model.clutter_share("table_99", model.arrivals({"table_99"}, kOptions), kOptions), 0.02)
+      << "on a place never observed all is new";
   for (int i = 0; i < 200; ++i) model.learn_clutter(i % 2, kOptions);
-  EXPECT_NEAR(model.clutter_share("table_1", kOptions), 0.5, 0.05);
+  EXPECT_NEAR(model.clutter_share("table_1", 0.45, kOptions), 0.5, 0.05);
 }
 
 }  // namespace

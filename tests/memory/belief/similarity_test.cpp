@@ -25,6 +25,7 @@ TEST(Similarity, DistancesAreZeroForEqualsSymmetricAndLargestForStrangers) {
 
 TEST(Similarity, EveryComparisonFallsFromEvidenceForToEvidenceAgainst) {
   for (const Comparison& comparison : comparisons()) {
+    if (comparison.table.empty()) continue;
     EXPECT_GT(comparison.table.front().log_ratio, 0) << comparison.kind;
     EXPECT_LT(comparison.table.back().log_ratio, 0) << comparison.kind;
     for (size_t i = 1; i < comparison.table.size(); ++i) {
