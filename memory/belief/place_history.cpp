@@ -2,14 +2,12 @@
 
 #include <algorithm>
 
-#include "memory/belief/parameters.h"
-
 namespace loci::memory::belief {
 namespace {
 
 constexpr double kOneView = 1;  ///< seconds
-constexpr size_t kMaxViews = 16;
-constexpr double kMinUnseen = kParameters.min_unseen;
+constexpr size_t kMaxViews = 6;
+constexpr double kMinUnseen = 0.01;  ///< of a place: below, everything was seen
 
 }  // namespace
 

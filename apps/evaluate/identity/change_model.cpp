@@ -158,4 +158,19 @@ void observe(UndetectedIntensity& undetected, const std::vector<double>& seen) {
     for (size_t i = 0; i < grid->size(); ++i) (*grid)[i] *= 1 - seen[i];
 }
 
+NoiseEstimate::NoiseEstimate(double start_sigma) : squares_(2 * start_sigma * start_sigma), count_(2) {}
+
+NoiseEstimate NoiseEstimate::known(double sigma) {
+  NoiseEstimate estimate(sigma);
+  estimate.known_ = true;
+  return estimate;
+}
+
+void NoiseEstimate::count(double difference, double views, double probability) {
+  if (known_) return;
+  const double keep = 1 - probability / kMemory;
+  squares_ = keep * squares_ + probability * difference * difference / (1 + 1 / views);
+  count_ = keep * count_ + probability;
+}
+
 }  // namespace loci::apps::identity_experiment

@@ -133,4 +133,23 @@ double observe_absence(LocationBelief& object, double in_view, const std::vector
 /// Update of undetected objects: all objects in view have tracks from now on.
 void observe(UndetectedIntensity& undetected, const std::vector<double>& seen);
 
+/// Estimates the variance of measurements from pairs that are probably the same and unchanged. Old evidence
+/// fades.
+class NoiseEstimate {
+ public:
+  /// Starts from an upper bound: a low one would take noise for change.
+  explicit NoiseEstimate(double start_sigma);
+  /// Fixed.
+  static NoiseEstimate known(double sigma);
+
+  double variance() const { return squares_ / count_; }
+  /// `difference` of a measurement to a mean of `views` measurements, which are the same with `probability`.
+  void count(double difference, double views, double probability);
+
+ private:
+  static constexpr double kMemory = 300;  ///< differences after which evidence counts for 1/e
+  bool known_ = false;
+  double squares_ = 0, count_ = 0;
+};
+
 }  // namespace loci::apps::identity_experiment

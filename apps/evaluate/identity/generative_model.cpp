@@ -12,40 +12,6 @@ using memory::belief::log_same;
 using memory::belief::mass;
 using memory::belief::Measured;
 
-/// Estimates the variance of measurements from pairs that are probably the same and unchanged. Old evidence
-/// fades.
-class NoiseEstimate {
- public:
-  /// Starts from an upper bound: a low one would take noise for change.
-  explicit NoiseEstimate(double start_sigma);
-  /// Fixed.
-  static NoiseEstimate known(double sigma);
-
-  double variance() const { return squares_ / count_; }
-  /// `difference` of a measurement to a mean of `views` measurements, which are the same with `probability`.
-  void count(double difference, double views, double probability);
-
- private:
-  static constexpr double kMemory = 300;  ///< differences after which evidence counts for 1/e
-  bool known_ = false;
-  double squares_ = 0, count_ = 0;
-};
-
-NoiseEstimate::NoiseEstimate(double start_sigma) : squares_(2 * start_sigma * start_sigma), count_(2) {}
-
-NoiseEstimate NoiseEstimate::known(double sigma) {
-  NoiseEstimate estimate(sigma);
-  estimate.known_ = true;
-  return estimate;
-}
-
-void NoiseEstimate::count(double difference, double views, double probability) {
-  if (known_) return;
-  const double keep = 1 - probability / kMemory;
-  squares_ = keep * squares_ + probability * difference * difference / (1 + 1 / views);
-  count_ = keep * count_ + probability;
-}
-
 /// The tables cut into cells, side by side: the sensor sees all of a table's depth.
 class Cells {
  public:

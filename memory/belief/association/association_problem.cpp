@@ -128,11 +128,8 @@ class ProblemBuilder {
     const ProtoObject& object = state_.objects[o];
     const bool gone = object.status == Status::gone;
     const double left = detection_ * (p.undetectable + (1 - p.undetectable) * std::exp(absence.if_gone));
-    const double returns =
-        gone ? state_.interaction.returns(timing_.exposure_s - object.last_seen_exposure_s, options_) : 0.0;
     std::vector<double> moves_to;
-    for (const double moved : p.moved_to)
-      moves_to.push_back(std::log(std::max(1e-9, (moved + p.carried_off * returns) * left)));
+    for (const double moved : p.moved_to) moves_to.push_back(std::log(std::max(1e-9, moved * left)));
     const double shorts = state_.interaction.short_share();
     for (size_t k = 0; k < scene_.observations.size(); ++k) {
       const Observation& observation = scene_.observations[k];

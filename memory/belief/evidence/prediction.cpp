@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 #include "memory/belief/parameters.h"
 
@@ -34,26 +35,41 @@ double shown_share(const PlaceView& view, const PlaceHistory& place, const Scene
   return found_there ? std::max(kParameters.min_observed, share) : share;
 }
 
+/// Share of a gone object's chance of having been carried off in which it is back.
+double returned(const ProtoObject& object, const BeliefState& state, double exposure_s,
+                const BeliefOptions& options) {
+  if (object.status != Status::gone) return 0;
+  return state.interaction.returns(exposure_s - object.last_seen_exposure_s, options);
+}
+
 /// Where an object is if it was handled: a share of its probability mass per place of the scene, and carried
-/// off. What was put down and would have been seen since is excluded.
+/// off. What was put down and would have been seen since is excluded; `returns` of what was carried off is
+/// back since the last scene.
 void predict_locations(const ProtoObject& object, const BeliefState& state,
-                       const std::vector<PlaceView>& places, const std::vector<double>& destinations,
-                       double exposure_s, Prediction& p) {
+                       const std::vector<std::optional<size_t>>& view_of, size_t views,
+                       const std::vector<double>& destinations, double exposure_s, double returns,
+                       Prediction& p) {
   const double since = object.last_seen_exposure_s;
-  p.moved_to.assign(places.size(), 0.0);
+  p.moved_to.assign(views, 0.0);
+  std::vector<double> shares(views, 0.0);
   double put_down = 0, unseen = 0;
   size_t i = 0;
-  for (const auto& [name, place] : state.places) {
-    const double share = destinations[i++];
+  for (const PlaceHistory& place : std::views::values(state.places)) {
+    const double share = destinations[i];
+    const std::optional<size_t> view = view_of[i++];
     const double still_unseen = share * place.unseen_share(since, exposure_s);
     put_down += share;
     unseen += still_unseen;
-    if (const size_t view = index_of(places, name); view < places.size()) p.moved_to[view] = still_unseen;
+    if (!view) continue;
+    p.moved_to[*view] = still_unseen;
+    shares[*view] = share;
   }
   const double off = std::max(0.0, 1 - put_down);
   const double handled = (1 - p.here) / std::max(1e-9, unseen + off);
   p.carried_off = handled * off;
-  for (double& moved : p.moved_to) moved *= handled;
+  for (size_t view = 0; view < views; ++view)
+    p.moved_to[view] =
+        handled * p.moved_to[view] + p.carried_off * returns * shares[view] / std::max(1e-9, put_down);
 }
 
 }  // namespace
@@ -97,6 +113,11 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
   const double exposure = SceneTiming(state, scene, options).exposure_s;
   const double view_noise = state.view_noise.variance_factor(options.noise_spread);
   std::map<std::string, std::vector<double>> destinations_from;
+  std::vector<std::optional<size_t>> view_of;  // of the places of the state
+  for (const std::string& name : std::views::keys(state.places)) {
+    const size_t view = index_of(places, name);
+    view_of.push_back(view < places.size() ? std::optional(view) : std::nullopt);
+  }
   for (const ProtoObject& object : state.objects) {
     Prediction p;
     p.box = box_in_map(object, scene.places);
@@ -118,7 +139,8 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
       destinations =
           destinations_from.emplace(object.place, state.interaction.destinations(object.place, state.places))
               .first;
-    predict_locations(object, state, places, destinations->second, exposure, p);
+    predict_locations(object, state, view_of, places.size(), destinations->second, exposure,
+                      returned(object, state, exposure, options), p);
     p.seen = scene.view.depth.empty()
                  ? box_visibility_without_depth(scene.view, p.box, std::sqrt(p.variance), object.place,
                                                 scene.observations, options.visibility)

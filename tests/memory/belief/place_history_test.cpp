@@ -34,7 +34,7 @@ TEST(PlaceHistory, FramesOfAVideoAreOneView) {
 TEST(PlaceHistory, KeepsNoMoreViewsThanCount) {
   PlaceHistory place;
   for (int i = 0; i < 1000; ++i) place.add_view(60.0 * i, i % 2 == 0 ? 0.9 : 0.05);
-  EXPECT_LE(place.views.size(), 16U);
+  EXPECT_LE(place.views.size(), 6U);
   EXPECT_NEAR(place.unseen_seconds(0, 60.0 * 1000), 60 * (1 + 0.95 + 0.095 * 2), 15);
 }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "apps/evaluate/identity/likelihood.h"
 #include "mapping/base/random.h"
 
 namespace loci::apps::identity_experiment {
@@ -48,20 +47,6 @@ TEST(Interactions, NeverHandlesMoreThanEverything) {
   EXPECT_NEAR(much.removed, much.moved, 1e-12);
   const Interactions none = interactions(rates, 0);
   EXPECT_EQ(none.untouched(), 1.0);
-}
-
-TEST(LogSame, IsALikelihoodRatioThatKnowsTheBorders) {
-  // Averaged over all that the domain may hold, the ratio of densities is one.
-  Random random(5);
-  const double sigma = 0.1;
-  double sum = 0;
-  constexpr int kDraws = 200000;
-  for (int i = 0; i < kDraws; ++i) {
-    const double believed = 0.03;
-    const double seen = random.uniform() + random.normal(sigma);
-    sum += std::exp(log_same({believed, sigma * sigma}, {0, 1}, {seen, sigma * sigma}, {0, 1}));
-  }
-  EXPECT_NEAR(sum / kDraws, 1.0, 0.02);
 }
 
 TEST(NoiseEstimate, FindsTheDeviationOfRepeatedMeasurements) {
