@@ -210,7 +210,7 @@ std::vector<Question> comparison_questions() {
              .default_text = "distance",
              .choices = {"distance", "nearer", "bigger", "smaller", "left-before", "moved-before", "more"}}},
        .asks = verdict,
-       .examples = {"blue --with red", "blue --with red --by bigger --json"},
+       .examples = {"green --with red", "green --with red --by bigger --json"},
        .run = [](const Arguments& given) -> Answer {
          ComparisonQuestion question{.subject = given.text("object"),
                                      .with = given.text("with"),

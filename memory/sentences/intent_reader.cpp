@@ -194,11 +194,22 @@ bool has_verb(const SentencePart& part) {
   });
 }
 
-/// Names alone belong to the part that they stand before or after: "Cups on the counter: how many?"
+/// Names alone belong to the part that they stand before or after: "Cups on the counter: how many?", "Which
+/// is bigger, the cup or the bowl?"
 std::vector<SentencePart> joined_names(std::vector<SentencePart> parts) {
   const auto has_pronoun = [](const SentencePart& part) {
     return std::ranges::any_of(part.words, is_pronoun);
   };
+  for (size_t i = 1; i < parts.size();) {
+    SentencePart &question = parts[i - 1], &choice = parts[i];
+    const bool chooses = std::ranges::count(choice.words, "or") > 0 && !has_verb(choice);
+    if (!question.asks || !has_verb(question) || !chooses) {
+      ++i;
+      continue;
+    }
+    question.words.insert(question.words.end(), choice.words.begin(), choice.words.end());
+    parts.erase(parts.begin() + static_cast<std::ptrdiff_t>(i));
+  }
   for (size_t i = 0; i + 1 < parts.size();) {
     SentencePart &name = parts[i], &next = parts[i + 1];
     if (name.asks || has_verb(name) || has_pronoun(next)) {

@@ -109,17 +109,19 @@ class ProblemBuilder {
   void add_stay_priors(size_t o) {
     const Prediction& p = predicted_[o];
     // Where only the position is uncertain, an observation that is near shows that the object is in view.
-    const double in_view = state_.objects[o].has_size ? 1.0 : std::max(1e-6, 1 - p.undetectable);
+    const double in_view = state_.objects[o].has_size ? 1.0 : 1 - p.undetectable;
     const double stays = std::max(1e-6, p.here) * detection_ / in_view;
     problem_.stay_prior.row(index(o)).setConstant(std::log(stays * (1 - p.appearance_change)));
     const double turns = std::log(stays * p.appearance_change);
     for (size_t k = 0; k < scene_.observations.size(); ++k) {
-      // Another side hardly has another size. It shares some colours; what a detector without depth reports
-      // as changed may have any.
+      // Another side hardly has another size, and shares some colours. A detector without depth reports a
+      // mean colour, which may be any where it changed, and a class, which hardly depends on the side.
       const double size = evidence_.log_size(index(o), index(k));
-      const double color = evidence_.log_similar(index(o), index(k)) - options_.appearance_weight * size;
-      const double weight = p.with_depth ? kParameters.newview_color_weight : 0.0;
-      problem_.newview_prior(index(o), index(k)) = turns + size + weight * std::min(0.0, color);
+      const double any_color = p.with_depth ? 0.0 : evidence_.log_mean_color(index(o), index(k));
+      const double looks =
+          evidence_.log_similar(index(o), index(k)) - options_.appearance_weight * (size + any_color);
+      const double weight = p.with_depth ? kParameters.newview_color_weight : 1.0;
+      problem_.newview_prior(index(o), index(k)) = turns + size + weight * std::min(0.0, looks);
     }
   }
 

@@ -146,9 +146,10 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
                                                 scene.observations, options.visibility)
                  : box_visibility(scene.view, p.box, std::sqrt(p.variance), scene.observations.size(),
                                   options.visibility);
-    // Without a size the sampled box is the uncertainty of the position.
+    // Without a size the sampled box is the uncertainty of the position. Nothing is certainly out of view.
+    constexpr double kMinInView = 1e-3;
     p.undetectable = object.has_size ? undetectable(p.seen.visibility)
-                                     : std::clamp(1 - p.seen.visibility.observed(), 0.0, 1.0);
+                                     : std::clamp(1 - p.seen.visibility.observed(), 0.0, 1 - kMinInView);
     predictions.push_back(std::move(p));
   }
   return predictions;

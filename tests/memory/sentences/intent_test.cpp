@@ -116,6 +116,8 @@ TEST_F(SecondReader, ComparesObjects) {
   EXPECT_THAT(say("how far apart are the blue thing and the red thing").query->text(),
               HasSubstr("compare 'blue thing' --by distance"));
   EXPECT_TRUE(say("Is the red thing bigger than the blue thing?").reply->verdict);
+  EXPECT_THAT(say("Which is bigger, the red thing or the blue thing?").query->text(),
+              HasSubstr("--by bigger"));
   EXPECT_EQ(say("Are there more things on the counter than in the drawer?").reply->verdict, Verdict::yes);
 }
 
