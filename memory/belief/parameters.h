@@ -92,6 +92,7 @@ struct Parameters {
   float calibration_max = 10000;  ///< counts beyond this fade by half
 
   // Interaction
+  double exchange_share = 0.05;  ///< of what is moved, put down where another object stood
   double prior_events = 2;       ///< events at the expected rate that the options are worth
   double prior_carried_off = 1;  ///< without evidence a third of what is handled is carried off, …
   double prior_put_down = 2;     ///< … the rest is put down, half of it on the same place

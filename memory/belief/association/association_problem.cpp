@@ -141,8 +141,22 @@ class ProblemBuilder {
           moves_to[place_of_[k]] +
           (anywhere ? 0.0
                     : std::log(1 - shorts +
-                               shorts * short_move_ratio(p.box.centre - observation.box.centre, options_)));
+                               shorts * short_move_ratio(p.box.centre - observation.box.centre, options_))) +
+          exchange(o, k);
     }
+  }
+
+  /// Log density of where a moved object is put down, against anywhere on the place: now and then it is where
+  /// another one stood.
+  double exchange(size_t o, size_t k) const {
+    double sum = 0, others = 0;
+    for (size_t i = 0; i < state_.objects.size(); ++i) {
+      if (i == o || state_.objects[i].place != scene_.observations[k].place) continue;
+      sum += std::exp(evidence_.log_proximity(index(i), index(k)));
+      others += 1;
+    }
+    constexpr double kShare = kParameters.exchange_share;
+    return others > 0 ? std::log(1 - kShare + kShare * sum / others) : 0.0;
   }
 
   void add_observation(size_t k) {
