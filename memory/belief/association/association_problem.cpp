@@ -117,11 +117,11 @@ class ProblemBuilder {
       // Another side hardly has another size, and shares some colours. A detector without depth reports a
       // mean colour, which may be any where it changed, and a class, which hardly depends on the side.
       const double size = evidence_.log_size(index(o), index(k));
-      const double any_color = p.with_depth ? 0.0 : evidence_.log_mean_color(index(o), index(k));
       const double looks =
-          evidence_.log_similar(index(o), index(k)) - options_.appearance_weight * (size + any_color);
-      const double weight = p.with_depth ? kParameters.newview_color_weight : 1.0;
-      problem_.newview_prior(index(o), index(k)) = turns + size + weight * std::min(0.0, looks);
+          p.with_depth ? kParameters.newview_color_weight *
+                             (evidence_.log_similar(index(o), index(k)) - options_.appearance_weight * size)
+                       : evidence_.log_class(index(o), index(k));
+      problem_.newview_prior(index(o), index(k)) = turns + size + std::min(0.0, looks);
     }
   }
 

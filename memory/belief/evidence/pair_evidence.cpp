@@ -109,7 +109,7 @@ class PairComparer {
     evidence_.log_similar.setConstant(rows, columns, -kMaxEvidence);
     evidence_.log_proximity.setConstant(rows, columns, -kMaxEvidence);
     evidence_.log_size.setZero(rows, columns);
-    evidence_.log_mean_color.setZero(rows, columns);
+    evidence_.log_class.setZero(rows, columns);
     evidence_.offset.setZero(rows, columns);
     evidence_.achromatic.setConstant(rows, columns, false);
     evidence_.similarity.setConstant(rows, columns, std::numeric_limits<double>::quiet_NaN());
@@ -165,7 +165,7 @@ class PairComparer {
       evidence_.distances[i].distance(o, k) = similar.parts[i].distance;
       evidence_.distances[i].log_ratio(o, k) = similar.parts[i].log_ratio;
       if (comparisons()[i].of_size) evidence_.log_size(o, k) += similar.parts[i].log_ratio;
-      if (i == kMeanColor) evidence_.log_mean_color(o, k) = similar.parts[i].log_ratio;
+      if (comparisons()[i].kind == "class") evidence_.log_class(o, k) = similar.parts[i].log_ratio;
     }
     const PositionNoise noise = position_noise(object, p, observation, noise_weights_, options_);
     evidence_.log_proximity(o, k) =
