@@ -202,8 +202,11 @@ std::vector<SentencePart> joined_names(std::vector<SentencePart> parts) {
   };
   for (size_t i = 1; i < parts.size();) {
     SentencePart &question = parts[i - 1], &choice = parts[i];
-    const bool chooses = std::ranges::count(choice.words, "or") > 0 && !has_verb(choice);
-    if (!question.asks || !has_verb(question) || !chooses) {
+    const bool chooses = choice.words.size() >= 3 && choice.words.front() != "or" &&
+                         std::ranges::count(choice.words, "or") > 0 && !has_verb(choice);
+    const bool which =
+        !question.words.empty() && (question.words.front() == "which" || question.words.front() == "what");
+    if (!which || !chooses) {
       ++i;
       continue;
     }
