@@ -109,7 +109,7 @@ std::vector<double> scanner_heights(const std::string& range, double carried) {
       static_cast<size_t>(read) != range.size() ||
       !(low > 0 && low <= carried && carried <= high && high < 5))
     throw Error(
-        fmt::format("'{}' is no range of heights", range), {"height", 0, {}},
+        fmt::format("'{}' is not a range of heights", range), {"height", 0, {}},
         fmt::format("give it as LOW..HIGH in metres, around {} m at which the scanner is carried", carried));
   std::vector<double> heights = {carried};
   if (low < carried) heights.push_back(low);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 namespace loci::memory::belief {
 namespace {
@@ -101,30 +102,31 @@ double InteractionModel::outcome_share(const RateFactor& outcome, bool alone) co
 }
 
 double InteractionModel::moved_to(const std::string& from, const std::string& to) const {
-  double others = 0, there = 1;
-  for (const auto& [place, count] : statistics_.put_down) {
-    if (place == from) continue;
-    others += count + 1;
-    if (place == to) there = count + 1;
-  }
-  if (from == to) return outcome_share(statistics_.within, others == 0);
-  return outcome_share(statistics_.elsewhere, false) * (others > 0 ? std::min(1.0, there / others) : 1.0);
+  return destination_share(from, to, put_down_beside(from));
 }
 
 std::vector<double> InteractionModel::destinations(const std::string& from,
                                                    const PlaceHistories& places) const {
-  double others = 0;
-  for (const auto& [place, count] : statistics_.put_down)
-    if (place != from) others += count + 1;
-  const double stays = outcome_share(statistics_.within, others == 0),
-               leaves = outcome_share(statistics_.elsewhere, false);
+  const double beside = put_down_beside(from);
   std::vector<double> shares;
-  for (const auto& [place, history] : places) {
-    const auto count = statistics_.put_down.find(place);
-    const double there = count == statistics_.put_down.end() ? 1 : count->second + 1;
-    shares.push_back(place == from ? stays : leaves * (others > 0 ? std::min(1.0, there / others) : 1.0));
-  }
+  for (const std::string& place : std::views::keys(places))
+    shares.push_back(destination_share(from, place, beside));
   return shares;
+}
+
+double InteractionModel::put_down_beside(const std::string& from) const {
+  double beside = 0;
+  for (const auto& [place, count] : statistics_.put_down)
+    if (place != from) beside += count + 1;
+  return beside;
+}
+
+double InteractionModel::destination_share(const std::string& from, const std::string& to,
+                                           double beside) const {
+  if (from == to) return outcome_share(statistics_.within, beside == 0);
+  const auto found = statistics_.put_down.find(to);
+  const double there = found == statistics_.put_down.end() ? 1 : found->second + 1;
+  return outcome_share(statistics_.elsewhere, false) * (beside > 0 ? std::min(1.0, there / beside) : 1.0);
 }
 
 double InteractionModel::elsewhere() const {

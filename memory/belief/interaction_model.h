@@ -106,6 +106,9 @@ class InteractionModel {
  private:
   double hazard(const std::array<double, kAges>& prior) const;
   double outcome_share(const RateFactor& outcome, bool alone) const;
+  /// How much was put down on all places but one.
+  double put_down_beside(const std::string& from) const;
+  double destination_share(const std::string& from, const std::string& to, double beside) const;
   double relative_gap(double unseen_seconds) const;
   /// `expected` includes the factor.
   static void learn(RateFactor& factor, double found, double expected) {

@@ -42,7 +42,7 @@ class MentionFinder {
   }
 
  private:
-  /// A word of the grammar is no name; "can" is one after an article or a colour.
+  /// A word of the grammar is not a name; "can" is one after an article or a colour.
   bool may_be_name(size_t i) const {
     const std::string &word = tokens_.words[i], &lemma = tokens_.lemmas[i];
     if (word == "can" || word == "cans")

@@ -37,6 +37,7 @@ class ProblemBuilder {
     keep_known_partners();
     for (PairTable* table : {&problem_.stay_prior, &problem_.move_prior, &problem_.newview_prior})
       table->setZero(index(m), index(n));
+    sum_occupants();
     for (size_t o = 0; o < m; ++o) add_object(o);
     for (size_t k = 0; k < n; ++k) add_observation(k);
     return std::move(problem_);
@@ -149,14 +150,27 @@ class ProblemBuilder {
   /// Log density of where a moved object is put down, against anywhere on the place: now and then it is where
   /// another one stood.
   double exchange(size_t o, size_t k) const {
-    double sum = 0, others = 0;
-    for (size_t i = 0; i < state_.objects.size(); ++i) {
-      if (i == o || state_.objects[i].place != scene_.observations[k].place) continue;
-      sum += std::exp(evidence_.log_proximity(index(i), index(k)));
-      others += 1;
-    }
+    const bool same_place = state_.objects[o].place == scene_.observations[k].place;
+    const double others = occupants_[k] - (same_place ? 1 : 0);
+    if (others <= 0) return 0;
+    const double sum = occupied_[k] - (same_place ? density(o, k) : 0.0);
     constexpr double kShare = kParameters.exchange_share;
-    return others > 0 ? std::log(1 - kShare + kShare * sum / others) : 0.0;
+    return std::log(1 - kShare + kShare * std::max(0.0, sum) / others);
+  }
+
+  /// How much more probable an observation is at its position than anywhere, if it is of an object there.
+  double density(size_t o, size_t k) const { return std::exp(evidence_.log_proximity(index(o), index(k))); }
+
+  /// Sums over the objects that stood on the place of each observation.
+  void sum_occupants() {
+    occupants_.assign(scene_.observations.size(), 0);
+    occupied_.assign(scene_.observations.size(), 0);
+    for (size_t k = 0; k < scene_.observations.size(); ++k)
+      for (size_t o = 0; o < state_.objects.size(); ++o) {
+        if (state_.objects[o].place != scene_.observations[k].place) continue;
+        occupants_[k] += 1;
+        occupied_[k] += density(o, k);
+      }
   }
 
   void add_observation(size_t k) {
@@ -189,7 +203,8 @@ class ProblemBuilder {
   const SceneTiming timing_;
   const double detection_;
   const std::vector<PlaceView>& places_;
-  std::vector<size_t> place_of_;  ///< index of each observation's
+  std::vector<size_t> place_of_;              ///< index of each observation's
+  std::vector<double> occupants_, occupied_;  ///< per observation: objects of its place, sum of density()
   LogOddsProblem problem_;
 };
 

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/math.h"
+#include "mapping/base/moments.h"
 #include "mapping/base/text.h"
 #include "perception/annotators/frame_outcome.h"
 #include "perception/annotators/scene_data.h"
@@ -179,17 +180,13 @@ class Candidates {
 /// Area (m²) and largest extent (m) of pixels.
 std::pair<double, double> size_of(const Pixels& part, const cv::Mat& points, double focal_squared) {
   double area = 0;
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  Vector3d sum = Vector3d::Zero();
+  Moments<3> moments;
   for (const int pixel : part) {
     const Vector3d p = to_vector(points.ptr<cv::Vec3f>()[pixel]);
     area += p.z() * p.z() / focal_squared;
-    sum += p;
-    squares += p * p.transpose();
+    moments.add(p);
   }
-  const auto count = static_cast<double>(part.size());
-  const Vector3d mean = sum / count;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares / count - mean * mean.transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments.covariance());
   const Vector3d axis = solver.eigenvectors().col(2);
   std::vector<float> along;
   for (const int pixel : part)
