@@ -94,9 +94,22 @@ struct Solid {
 };
 
 struct Depth {
+  enum class Source { assumed, support, wall };
   double metres = 0;
-  const char* from = "assumed";
+  Source from = Source::assumed;
 };
+
+const char* to_text(Depth::Source source) {
+  switch (source) {
+    case Depth::Source::support:
+      return "support";
+    case Depth::Source::wall:
+      return "wall";
+    case Depth::Source::assumed:
+      break;
+  }
+  return "assumed";
+}
 
 class CabinetWriter {
  public:
@@ -117,7 +130,7 @@ class CabinetWriter {
   }
 
   /// Whether a wall tells how deep the body is.
-  bool stands_at_wall() const { return depth_behind().from == std::string("wall"); }
+  bool stands_at_wall() const { return depth_behind().from == Depth::Source::wall; }
 
   /// Writes the body outside of those that are `taken`, and adds it to them.
   void write(const std::string& name, const std::string& parent, World& world, SemanticMap& semantics,
@@ -154,21 +167,21 @@ class CabinetWriter {
  private:
   /// How far back the body reaches from the fronts' plane.
   Depth depth_behind() const {
-    Depth depth{usual_depth(), "assumed"};
+    Depth depth{usual_depth()};
     double support = 0;
     for (const Solid& solid : solids_) {
       if (!is_behind(solid)) continue;
       const double behind = -solid.bounds.max().x();
       if (solid.class_name == "wall" && behind > kCabinets.min_depth_m && behind < kCabinets.max_depth_m &&
-          (depth.from != std::string("wall") || behind < depth.metres))
-        depth = {behind, "wall"};
+          (depth.from != Depth::Source::wall || behind < depth.metres))
+        depth = {behind, Depth::Source::wall};
       const double above = solid.bounds.min().z() - column_.rect.sizes().y() / 2;
       if (is_support_class(solid.class_name) && solid.class_name != "cabinet" &&
           std::abs(above) < kCabinets.max_cover_m)
         support = std::max(support, -solid.bounds.min().x());
     }
-    if (depth.from != std::string("wall") && support > kCabinets.min_depth_m)
-      depth = {std::min(support, kCabinets.max_depth_m), "support"};
+    if (depth.from != Depth::Source::wall && support > kCabinets.min_depth_m)
+      depth = {std::min(support, kCabinets.max_depth_m), Depth::Source::support};
     return depth;
   }
 
@@ -205,7 +218,7 @@ class CabinetWriter {
       link.confidence = std::min(link.confidence, fronts_[i].confidence);
       names.push_back(fronts_[i].name);
     }
-    if (depth.from == std::string("assumed")) link.confidence *= kCabinets.assumed_depth;
+    if (depth.from == Depth::Source::assumed) link.confidence *= kCabinets.assumed_depth;
     Json outline = Json::array();
     for (const auto& [x, y] : {std::pair{inside.min().x(), inside.min().y()},
                                {inside.max().x(), inside.min().y()},
@@ -217,7 +230,7 @@ class CabinetWriter {
     const double middle = map_from_.translation().z();
     link.geometry = {
         {"height", middle + inside.min().z()}, {"top", middle + inside.max().z()}, {"outline", outline}};
-    link.evidence = {{"source", "prototype"}, {"depth", depth.from}};
+    link.evidence = {{"source", "prototype"}, {"depth", to_text(depth.from)}};
     link.extra["fronts"] = names;
     return link;
   }
