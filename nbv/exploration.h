@@ -41,8 +41,8 @@ struct ExplorationOptions {
 };
 
 /// The heights from which a robot scans, metres: as it carries the scanner, and both ends of the range
-/// "LOW..HIGH" in which it can move it; the first alone where `range` is empty. Error for anything but a range
-/// around that height.
+/// "LOW..HIGH" in which it can move it; the first alone where `range` is empty. Error for anything but a
+/// range around that height.
 std::vector<double> scanner_heights(const std::string& range, double carried);
 
 /// One scan of an exploration: its reason and its result.
