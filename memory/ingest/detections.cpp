@@ -11,6 +11,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
+#include "perception/detection/detection_values.h"
 
 namespace loci::memory {
 namespace {
@@ -23,30 +24,18 @@ constexpr size_t kMaxDetections = 1000;
 /// Parsed here with sorted keys: a line of millions of keys must not take hours.
 using Parsed = nlohmann::json;
 
+using perception::bounded_number;
+using perception::finite_number;
+using perception::require_list;
+using perception::require_object;
+using perception::text_of;
+
 [[noreturn]] void refuse(const std::string& key, const std::string& what, const std::string& hint = {}) {
   throw Error(what, {{}, 0, key}, hint);
 }
 
-double number(const Parsed& json, const std::string& key) {
-  if (!json.is_number()) refuse(key, fmt::format("must be a number, is {}", json.type_name()));
-  const auto value = json.get<double>();
-  if (!std::isfinite(value)) refuse(key, "must be a finite number");
-  return value;
-}
-
-double bounded(const Parsed& json, const std::string& key, double low, double high) {
-  const double value = number(json, key);
-  if (value < low || value > high) refuse(key, fmt::format("must be from {} to {}, is {}", low, high, value));
-  return value;
-}
-
-std::string text(const Parsed& json, const std::string& key) {
-  if (!json.is_string()) refuse(key, fmt::format("must be text, is {}", json.type_name()));
-  return json.get<std::string>();
-}
-
 std::string name(const Parsed& json, const std::string& key) {
-  std::string value = text(json, key);
+  std::string value = text_of(json, key);
   if (value.empty()) refuse(key, "must not be empty");
   return value;
 }
@@ -55,7 +44,7 @@ template <size_t N>
 std::array<double, N> numbers(const Parsed& json, const std::string& key) {
   if (!json.is_array() || json.size() != N) refuse(key, fmt::format("must be {} numbers", N));
   std::array<double, N> values{};
-  for (size_t i = 0; i < N; ++i) values[i] = number(json[i], key);
+  for (size_t i = 0; i < N; ++i) values[i] = finite_number(json[i], key);
   return values;
 }
 
@@ -64,21 +53,11 @@ Vector3d vector(const Parsed& json, const std::string& key) {
   return {values[0], values[1], values[2]};
 }
 
-const Parsed& object(const Parsed& json, const std::string& key) {
-  if (!json.is_object()) refuse(key, fmt::format("must be an object {{...}}, is {}", json.type_name()));
-  return json;
-}
-
-const Parsed& list(const Parsed& json, const std::string& key) {
-  if (!json.is_array()) refuse(key, fmt::format("must be a list [...], is {}", json.type_name()));
-  return json;
-}
-
 DetectedScene::Camera read_camera(const Parsed& json) {
   DetectedScene::Camera camera;
   mapping::PinholeCamera lens;
   int given = 0;
-  for (const auto& [key, value] : object(json, "camera").items()) {
+  for (const auto& [key, value] : require_object(json, "camera").items()) {
     const std::string where = "camera." + key;
     if (key == "pose") {
       camera.map_from_camera = pose_from_values(numbers<7>(value, where), {{}, 0, where});
@@ -88,13 +67,13 @@ DetectedScene::Camera read_camera(const Parsed& json) {
       camera.near_m = range[0];
       camera.far_m = range[1];
     } else if (key == "width" || key == "height") {
-      (key == "width" ? lens.width : lens.height) = static_cast<int>(bounded(value, where, 1, 100000));
+      (key == "width" ? lens.width : lens.height) = static_cast<int>(bounded_number(value, where, 1, 100000));
       ++given;
     } else if (key == "fx" || key == "fy") {
-      (key == "fx" ? lens.fx : lens.fy) = bounded(value, where, 1e-3, 1e7);
+      (key == "fx" ? lens.fx : lens.fy) = bounded_number(value, where, 1e-3, 1e7);
       ++given;
     } else if (key == "cx" || key == "cy") {
-      (key == "cx" ? lens.cx : lens.cy) = bounded(value, where, -1e6, 1e6);
+      (key == "cx" ? lens.cx : lens.cy) = bounded_number(value, where, -1e6, 1e6);
       ++given;
     }
   }
@@ -102,23 +81,6 @@ DetectedScene::Camera read_camera(const Parsed& json) {
   if (given != 6 && given != 0)
     refuse("camera", "has some of width, height, fx, fy, cx, cy: give all or none");
   return camera;
-}
-
-std::vector<std::pair<std::string, double>> read_classes(const Parsed& json, const std::string& where) {
-  if (json.is_string()) return {{name(json, where), 1.0}};
-  std::vector<std::pair<std::string, double>> classes;
-  double sum = 0;
-  for (const auto& [key, value] : object(json, where).items()) {
-    if (key.empty()) refuse(where, "has a class without a name");
-    classes.emplace_back(key, bounded(value, where + "." + key, 0, 1));
-    sum += classes.back().second;
-  }
-  // Detectors with independent outputs give more than one in total.
-  if (sum > 1)
-    for (auto& [key, probability] : classes) probability /= sum;
-  std::stable_sort(classes.begin(), classes.end(),
-                   [](const auto& a, const auto& b) { return a.second > b.second; });
-  return classes;
 }
 
 Vector3d read_color(const Parsed& json, const std::string& where) {
@@ -131,25 +93,16 @@ Vector3d read_color(const Parsed& json, const std::string& where) {
 std::vector<float> read_feature(const Parsed& json, const std::string& where) {
   std::vector<float> values;
   constexpr double kMax = std::numeric_limits<float>::max();
-  for (const Parsed& value : list(json, where))
-    values.push_back(static_cast<float>(bounded(value, where, -kMax, kMax)));
+  for (const Parsed& value : require_list(json, where))
+    values.push_back(static_cast<float>(bounded_number(value, where, -kMax, kMax)));
   return values;
-}
-
-std::vector<perception::KeyPoint2D> read_key_points(const Parsed& json, const std::string& where) {
-  std::vector<perception::KeyPoint2D> points;
-  for (const auto& [key, value] : object(json, where).items()) {
-    const auto at = numbers<2>(value, where + "." + key);
-    points.push_back({key, at[0], at[1]});
-  }
-  return points;
 }
 
 Detection read_detection(const Parsed& json, const std::string& where, const std::filesystem::path& folder,
                          std::vector<std::string>& unknown) {
   Detection detection;
   detection.has_position = json.contains("position");
-  for (const auto& [key, value] : object(json, where).items()) {
+  for (const auto& [key, value] : require_object(json, where).items()) {
     const std::string here = where + "." + key;
     if (key == "position") {
       detection.position = vector(value, here);
@@ -158,27 +111,27 @@ Detection read_detection(const Parsed& json, const std::string& where, const std
     } else if (value.is_null()) {
       continue;  // unset
     } else if (key == "position_sigma") {
-      detection.position_sigma = bounded(value, here, 1e-5, 100);
+      detection.position_sigma = bounded_number(value, here, 1e-5, 100);
     } else if (key == "size") {
       detection.size = vector(value, here);
       if (detection.size->minCoeff() <= 0 || detection.size->maxCoeff() > kMaxSize_m)
         refuse(here, fmt::format("must be above 0 and up to {} m", kMaxSize_m),
                "leave it out when it is unknown");
     } else if (key == "class") {
-      detection.classes = read_classes(value, here);
+      detection.classes = perception::classes_of(value, here);
     } else if (key == "color") {
       detection.color = read_color(value, here);
     } else if (key == "text") {
       if (value.is_string())
-        detection.texts.push_back(text(value, here));
+        detection.texts.push_back(text_of(value, here));
       else
-        for (const Parsed& one : list(value, here)) detection.texts.push_back(text(one, here));
+        for (const Parsed& one : require_list(value, here)) detection.texts.push_back(text_of(one, here));
       std::erase(detection.texts, "");
     } else if (key == "features") {
-      for (const auto& [feature, numbers] : object(value, here).items())
+      for (const auto& [feature, numbers] : require_object(value, here).items())
         detection.features.emplace_back(feature, read_feature(numbers, here + "." + feature));
     } else if (key == "score") {
-      detection.score = bounded(value, here, 0, 1);
+      detection.score = bounded_number(value, here, 0, 1);
     } else if (key == "place") {
       detection.place = name(value, here);
     } else if (key == "bbox") {
@@ -186,7 +139,7 @@ Detection read_detection(const Parsed& json, const std::string& where, const std
     } else if (key == "mask") {  // after bbox, which it makes more precise
       detection.region = perception::region_from_mask(value, here, folder);
     } else if (key == "key_points") {
-      detection.key_points = read_key_points(value, here);
+      detection.key_points = perception::key_points_of(value, here);
     } else {
       unknown.push_back("detections." + key);
     }
@@ -197,11 +150,11 @@ Detection read_detection(const Parsed& json, const std::string& where, const std
 
 std::vector<std::pair<std::string, double>> read_observed(const Parsed& json) {
   std::vector<std::pair<std::string, double>> observed;
-  for (const Parsed& one : list(json, "observed")) {
-    object(one, "observed");
+  for (const Parsed& one : require_list(json, "observed")) {
+    require_object(one, "observed");
     if (!one.contains("place")) refuse("observed", "has an entry without place");
     const double fraction =
-        one.contains("fraction") ? bounded(one["fraction"], "observed.fraction", 0, 1) : 1.0;
+        one.contains("fraction") ? bounded_number(one["fraction"], "observed.fraction", 0, 1) : 1.0;
     observed.emplace_back(name(one["place"], "observed.place"), fraction);
   }
   return observed;
@@ -236,7 +189,7 @@ DetectedScene parse_detections(std::string_view line, const std::filesystem::pat
   if (!json.contains("time")) throw Error("has no time");
   for (const auto& [key, value] : json.items()) {
     if (key == "time") {
-      scene.time = parse_time(text(value, "time"));
+      scene.time = parse_time(text_of(value, "time"));
     } else if (value.is_null()) {
       continue;  // unset
     } else if (key == "camera") {
@@ -244,7 +197,7 @@ DetectedScene parse_detections(std::string_view line, const std::filesystem::pat
     } else if (key == "observed") {
       scene.observed = read_observed(value);
     } else if (key == "detections") {
-      if (list(value, "detections").size() > kMaxDetections)
+      if (require_list(value, "detections").size() > kMaxDetections)
         refuse("detections", fmt::format("has more than {} entries", kMaxDetections));
       size_t index = 0;
       for (const Parsed& detection : value)

@@ -6,10 +6,12 @@
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
 #include "mapping/base/text.h"
+#include "perception/detection/detection_values.h"
 
 namespace loci::perception {
 namespace {
@@ -118,6 +120,7 @@ std::map<std::string, ImageDetections> read_images(const json& file, std::map<st
     const json& name = member(entry, "file_name", "images");
     if (!name.is_string()) refuse_at({{}, 0, "images.file_name"}, "must be a text");
     images[id].image = image_name(name.get<std::string>());
+    images[id].time = time_of(images[id].image);
     if (!entry.contains("width") || !entry.contains("height")) continue;
     const auto side = [&](const char* key) {
       if (!entry[key].is_number_integer() || entry[key].get<int64_t>() < 1 ||
@@ -230,7 +233,10 @@ std::vector<ImageDetections> read_coco(const fs::path& path, Warnings& warnings)
     if (!results && !images.contains(id))
       refuse_at({{}, 0, where + ".image_id"}, "names no image of the file");
     ImageDetections& image = images[id];
-    if (results) image.image = image_name(id + ".png");
+    if (results) {
+      image.image = image_name(id + ".png");
+      image.time = time_of(image.image);
+    }
     image.detections.push_back(read_annotation(entry, categories, sizes[id], where, path.parent_path()));
     mask_pixels[id] += image.detections.back().region.mask.total();
     if (image.detections.size() > kMaxDetectionsPerImage || mask_pixels[id] > kMaxMaskPixelsPerImage)
@@ -251,7 +257,34 @@ std::vector<std::string> find_class_names(const fs::path& folder) {
   return {};
 }
 
-Detection2D read_line(const std::string& line, const std::vector<std::string>& names) {
+/// What the files of a YOLO folder leave open.
+struct YoloNames {
+  std::vector<std::string> classes;
+  std::vector<std::string> key_points;  ///< of every detection; empty without
+  size_t values_per_point = 3;          ///< x, y and how visible it is, or x, y
+};
+
+/// From classes.txt or data.yaml in or beside a folder.
+YoloNames read_names(const fs::path& folder) {
+  YoloNames names;
+  names.classes = find_class_names(folder);
+  for (const fs::path& place : {folder, folder.parent_path()}) {
+    const fs::path file = place / "data.yaml";
+    if (!fs::exists(file)) continue;
+    const YAML::Node shape = Config::read(file).node("kpt_shape");
+    if (!shape) break;
+    int64_t points = 0;
+    if (!shape.IsSequence() || shape.size() != 2 || !YAML::convert<int64_t>::decode(shape[0], points) ||
+        points < 1 || points > 1000 || !YAML::convert<size_t>::decode(shape[1], names.values_per_point) ||
+        (names.values_per_point != 2 && names.values_per_point != 3))
+      refuse_at({file.string(), 0, "kpt_shape"}, "must be [number of points, 2 or 3]");
+    for (int64_t i = 1; i <= points; ++i) names.key_points.push_back(fmt::format("point_{}", i));
+    break;
+  }
+  return names;
+}
+
+std::vector<double> numbers_of_line(const std::string& line) {
   std::vector<double> values;
   for (const std::string& word : words_of(line)) {
     double value = 0;
@@ -260,41 +293,81 @@ Detection2D read_line(const std::string& line, const std::vector<std::string>& n
       throw Error("'" + word.substr(0, 20) + "' is not a number");
     values.push_back(value);
   }
-  if (values.size() < 5) throw Error("has fewer than five numbers", {}, "class x y width height [score]");
-  const double number = values.front();
-  if (number < 0 || number > 1e6 || number != std::floor(number)) throw Error("has no class number");
-  const auto index = static_cast<size_t>(number);
-  Detection2D detection;
-  if (values.size() % 2 == 0) {  // An even number of values: the last one is the score.
-    detection.score = values.back();
-    values.pop_back();
-  }
-  for (size_t i = 1; i < values.size(); ++i)
-    if (values[i] < -0.01 || values[i] > 1.01) throw Error("has a value outside 0 to 1");
-  if (detection.score && (*detection.score < 0 || *detection.score > 1))
-    throw Error("has a score outside 0 to 1");
-  const std::string name = index < names.size() ? names[index] : fmt::format("class_{}", index);
-  detection.classes = {{name, detection.score.value_or(1.0)}};
-  // In fractions of an image of this size, until it is known.
-  detection.region.image = {1, 1};
-  if (values.size() == 5) {
-    if (values[3] <= 0 || values[4] <= 0) throw Error("has a box without width or height");
-    detection.region.box = {values[1] - values[3] / 2, values[2] - values[4] / 2, values[3], values[4]};
-    return detection;
-  }
-  if (values.size() < 7) throw Error("has neither a box nor an outline of three corners");
+  return values;
+}
+
+void require_fractions(std::span<const double> values) {
+  for (const double value : values)
+    if (value < -0.01 || value > 1.01) throw Error("has a value outside 0 to 1");
+}
+
+/// x, y, width, height in fractions of an image whose size is not known yet.
+ImageRegion region_of_fractions(std::span<const double> box) {
+  require_fractions(box);
+  if (box[2] <= 0 || box[3] <= 0) throw Error("has a box without width or height");
+  ImageRegion region;
+  region.image = {1, 1};
+  region.box = {box[0] - box[2] / 2, box[1] - box[3] / 2, box[2], box[3]};
+  return region;
+}
+
+ImageRegion region_of_outline(std::span<const double> outline) {
+  require_fractions(outline);
   // Outlines are drawn finely enough for the images of any camera.
   constexpr double kSide = 2048;
   std::vector<double> corners;
-  for (size_t i = 1; i < values.size(); ++i) corners.push_back(values[i] * kSide);
-  detection.region = region_from_polygons({corners}, {});
-  detection.region.image = {static_cast<int>(kSide), static_cast<int>(kSide)};
+  for (const double value : outline) corners.push_back(value * kSide);
+  ImageRegion region = region_from_polygons({corners}, {});
+  region.image = {static_cast<int>(kSide), static_cast<int>(kSide)};
+  return region;
+}
+
+/// Labels say 0 of points outside the image; detectors give a confidence.
+std::vector<KeyPoint2D> points_of_fractions(std::span<const double> values, const YoloNames& names) {
+  constexpr double kSeen = 0.5;
+  std::vector<KeyPoint2D> points;
+  for (const std::string& name : names.key_points) {
+    require_fractions(values.first(2));
+    if (names.values_per_point == 2 || values[2] >= kSeen) points.push_back({name, values[0], values[1]});
+    values = values.subspan(names.values_per_point);
+  }
+  return points;
+}
+
+Detection2D read_line(const std::string& line, const YoloNames& names) {
+  constexpr size_t kBox = 5;  // class x y width height
+  std::vector<double> values = numbers_of_line(line);
+  if (values.size() < kBox) throw Error("has fewer than five numbers", {}, "class x y width height [score]");
+  const double number = values.front();
+  if (number < 0 || number > 1e6 || number != std::floor(number)) throw Error("has no class number");
+  Detection2D detection;
+  const size_t with_points = kBox + names.key_points.size() * names.values_per_point;
+  // Boxes and outlines have an odd number of values, and then perhaps a score.
+  if (names.key_points.empty() ? values.size() % 2 == 0 : values.size() == with_points + 1) {
+    detection.score = values.back();
+    values.pop_back();
+    if (*detection.score < 0 || *detection.score > 1) throw Error("has a score outside 0 to 1");
+  }
+  const auto index = static_cast<size_t>(number);
+  detection.classes = {{index < names.classes.size() ? names.classes[index] : fmt::format("class_{}", index),
+                        detection.score.value_or(1.0)}};
+  const auto positions = std::span<const double>(values).subspan(1);
+  if (values.size() == with_points) {
+    detection.region = region_of_fractions(positions.first(4));
+    detection.key_points = points_of_fractions(positions.subspan(4), names);
+  } else if (!names.key_points.empty()) {
+    throw Error(fmt::format("has {} numbers, {} are expected with `kpt_shape`", values.size(), with_points));
+  } else if (values.size() < 7) {
+    throw Error("has neither a box nor an outline of three corners");
+  } else {
+    detection.region = region_of_outline(positions);
+  }
   return detection;
 }
 
 std::vector<ImageDetections> read_yolo(const fs::path& folder, Warnings& warnings) {
-  const std::vector<std::string> names = find_class_names(folder);
-  if (names.empty())
+  const YoloNames names = read_names(folder);
+  if (names.classes.empty())
     warnings.add("has no classes.txt or data.yaml: classes are called class_0, class_1, …",
                  {folder.string(), 0, {}});
   std::vector<fs::path> files;
@@ -308,6 +381,7 @@ std::vector<ImageDetections> read_yolo(const fs::path& folder, Warnings& warning
       refuse_at({file.string(), 0, {}}, "is larger than 16 MB");
     ImageDetections& image = images.emplace_back();
     image.image = image_name(file.filename().string());
+    image.time = time_of(image.image);
     int number = 0;
     size_t mask_pixels = 0;
     for (const std::string& line : split(read_file(file), '\n')) {
@@ -321,6 +395,62 @@ std::vector<ImageDetections> read_yolo(const fs::path& folder, Warnings& warning
       mask_pixels += image.detections.back().region.mask.total();
       if (image.detections.size() > kMaxDetectionsPerImage || mask_pixels > kMaxMaskPixelsPerImage)
         refuse_at({file.string(), number, {}}, "has too many detections");
+    }
+  }
+  return images;
+}
+
+// JSON Lines.
+
+Detection2D read_detection(const json& entry, const std::string& where, const fs::path& folder) {
+  Detection2D detection;
+  const auto given = [&](const char* key) { return entry.contains(key) && !entry[key].is_null(); };
+  if (given("mask"))
+    detection.region = region_from_mask(entry["mask"], where + ".mask", folder);
+  else if (require_object(entry, where).contains("bbox"))
+    detection.region = region_from_box(entry["bbox"], where + ".bbox");
+  else
+    refuse_at({{}, 0, where}, "has no bbox or mask", "`loci-memory ingest` takes positions");
+  if (given("score")) detection.score = bounded_number(entry["score"], where + ".score", 0, 1);
+  if (given("class")) detection.classes = classes_of(entry["class"], where + ".class");
+  if (given("key_points")) detection.key_points = key_points_of(entry["key_points"], where + ".key_points");
+  return detection;
+}
+
+ImageDetections read_scene(const std::string& line, const fs::path& folder) {
+  json scene;
+  try {
+    scene = json::parse(line, nested_deeply);
+  } catch (const json::exception&) {
+    throw Error("is not valid JSON");
+  }
+  ImageDetections image;
+  image.time = parse_time(text_of(member(scene, "time", "the line"), "time"));
+  image.image = fmt::format("time {}", *image.time);
+  size_t mask_pixels = 0;
+  if (!scene.contains("detections") || scene["detections"].is_null()) return image;
+  for (const json& entry : require_list(scene["detections"], "detections")) {
+    const std::string where = fmt::format("detections[{}]", image.detections.size());
+    image.detections.push_back(read_detection(entry, where, folder));
+    mask_pixels += image.detections.back().region.mask.total();
+    if (image.detections.size() > kMaxDetectionsPerImage || mask_pixels > kMaxMaskPixelsPerImage)
+      refuse_at({{}, 0, where}, "is one of too many detections of one image");
+  }
+  return image;
+}
+
+std::vector<ImageDetections> read_json_lines(const fs::path& path) {
+  if (fs::file_size(path) > kMaxFileBytes)
+    refuse_at({path.string(), 0, {}}, fmt::format("is larger than {} MB", kMaxFileBytes >> 20));
+  std::vector<ImageDetections> images;
+  int number = 0;
+  for (const std::string& line : split(read_file(path), '\n')) {
+    ++number;
+    if (trimmed(line).empty()) continue;
+    try {
+      images.push_back(read_scene(line, path.parent_path()));
+    } catch (const Error& error) {
+      throw Error(error.message(), {path.string(), number, error.location().key}, error.hint());
     }
   }
   return images;
@@ -350,11 +480,16 @@ std::vector<std::string> read_class_names(const fs::path& file) {
 DetectionSet DetectionSet::read(const fs::path& path, Warnings& warnings) {
   DetectionSet set;
   if (!fs::exists(path)) throw Error("no such file or folder", {path.string(), 0, {}});
-  set.images_ = fs::is_directory(path) ? read_yolo(path, warnings)
-                                       : in_file(path, [&] { return read_coco(path, warnings); });
+  if (fs::is_directory(path))
+    set.images_ = read_yolo(path, warnings);
+  else if (path.extension() == ".jsonl")
+    set.images_ = read_json_lines(path);
+  else
+    set.images_ = in_file(path, [&] { return read_coco(path, warnings); });
   if (set.images_.empty())
-    throw Error("has no detections", {path.string(), 0, {}},
-                "give a COCO file (*.json) or a folder with a YOLO text file per image");
+    throw Error(
+        "has no detections", {path.string(), 0, {}},
+        "give a COCO file (*.json), JSON Lines (*.jsonl) or a folder with a YOLO text file per image");
   set.index();
   return set;
 }
@@ -365,7 +500,7 @@ void DetectionSet::index() {
     if (!by_name_.emplace(name, i).second)
       throw Error("two images are called '" + name + "'", {}, "detect in one recording at a time");
     if (const auto number = number_of(name)) by_number_.emplace(*number, i);
-    if (const auto time = time_of(name)) by_time_.emplace(*time, i);
+    if (images_[i].time) by_time_.emplace(*images_[i].time, i);
   }
 }
 
@@ -375,8 +510,11 @@ const ImageDetections* DetectionSet::find(const std::string& frame_name, int64_t
   if (const auto found = by_name_.find(name); found != by_name_.end()) return &images_[found->second];
   if (by_time_.size() == images_.size()) {  // Colour and depth have stamps of their own.
     constexpr TimeNs kTolerance = kSecond / 50;
-    const auto after = by_time_.lower_bound(time - kTolerance);
-    return after != by_time_.end() && after->first <= time + kTolerance ? &images_[after->second] : nullptr;
+    auto nearest = by_time_.lower_bound(time);
+    if (nearest == by_time_.end() ||
+        (nearest != by_time_.begin() && time - std::prev(nearest)->first < nearest->first - time))
+      nearest = std::prev(nearest);
+    return std::abs(nearest->first - time) <= kTolerance ? &images_[nearest->second] : nullptr;
   }
   const auto found = by_number_.find(number_of(name).value_or(frame_index));
   return found != by_number_.end() ? &images_[found->second] : nullptr;

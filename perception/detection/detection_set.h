@@ -24,13 +24,14 @@ struct KeyPoint2D {
 struct Detection2D {
   ImageRegion region;
   std::vector<KeyPoint2D> key_points;                   ///< those that the detector saw
-  std::vector<std::pair<std::string, double>> classes;  ///< with scores, the best first
+  std::vector<std::pair<std::string, double>> classes;  ///< with scores, the best first; may be empty
   std::optional<double> score;                          ///< uncalibrated, 0 to 1
 };
 
 /// Those of one image; empty when nothing was found in it.
 struct ImageDetections {
-  std::string image;  ///< its file, without folder and ending
+  std::string image;           ///< its file, without folder and ending
+  std::optional<TimeNs> time;  ///< of the image, where its name or the file says it
   std::vector<Detection2D> detections;
 };
 
@@ -41,14 +42,16 @@ std::vector<std::string> read_class_names(const std::filesystem::path& file);
 /// - a COCO file (*.json): a data set with images, annotations and categories, or a list of results;
 /// - a YOLO folder: a text file per image, a line `class x y width height [score]` per box or
 ///   `class x y x y … [score]` per outline, in fractions of the image. Class names: classes.txt or data.yaml
-///   in the folder or beside it.
+///   in the folder or beside it. With `kpt_shape` in data.yaml, `class x y width height px py v … [score]`;
+/// - JSON Lines (*.jsonl) of images: `time` and `detections` with `bbox` or `mask`, and `class`, `score`,
+/// `key_points`.
 class DetectionSet {
  public:
   /// Strict: Error with file and line or key for the first thing that cannot be read.
   static DetectionSet read(const std::filesystem::path& path, Warnings& warnings);
 
-  /// The detections in the image of a frame: by name, else by the number at the end of both names, else,
-  /// where images are named after seconds, by time. nullptr when the image was not looked at.
+  /// The detections in the image of a frame: by name, else by time where every image has one, else by the
+  /// number at the end of both names. nullptr when the image was not looked at.
   const ImageDetections* find(const std::string& frame_name, int64_t frame_index, TimeNs time) const;
 
   const std::vector<ImageDetections>& images() const { return images_; }

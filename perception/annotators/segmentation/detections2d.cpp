@@ -94,6 +94,7 @@ types::Cluster make_cluster(const LiftedRegion& lifted, const std::string& sourc
 }
 
 void classify(const types::Cluster& cluster, const std::string& source, const Detection2D& detection) {
+  if (detection.classes.empty()) return;
   const auto annotation = types::ClassificationAnnotation::create(cluster.cas());
   annotation.source.set(source);
   annotation.kind.set("object");
@@ -107,7 +108,8 @@ void classify(const types::Cluster& cluster, const std::string& source, const De
 AnnotatorDescriptor Detections2D::descriptor() const {
   AnnotatorDescriptor descriptor{
       kName,
-      "Makes clusters with classes of what another detector found in the colour images (COCO, YOLO).",
+      "Makes clusters with classes of what another detector found in the colour images (COCO, YOLO, JSON "
+      "Lines).",
       {"Scene", "CameraInfo", "view:cloud"},
       {"Cluster", "ReferenceClusterPoints", "StandaloneImageROI", "ClassificationAnnotation"},
       {"view:color", "PlanarSupport", "Cluster"}};
@@ -116,13 +118,14 @@ AnnotatorDescriptor Detections2D::descriptor() const {
 }
 
 void Detections2D::declare(OptionTable& table) {
-  table.text("detections", path_, "COCO file (*.json), or folder with a YOLO text file per image.");
+  table.text("detections", path_,
+             "COCO file (*.json), JSON Lines (*.jsonl), or folder with a YOLO text file per image.");
 }
 
 void Detections2D::start(Context& context) {
   if (path_.empty())
     throw Error("Detections2D has no detections", {},
-                "give `detections: FILE`, a COCO file or a YOLO folder");
+                "give `detections: FILE`, a COCO file, JSON Lines or a YOLO folder");
   set_ = DetectionSet::read(path_, context.warnings);
 }
 

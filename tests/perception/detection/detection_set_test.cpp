@@ -108,6 +108,48 @@ TEST_F(Detections, DamagedYoloNamesFileAndLine) {
   }
 }
 
+TEST_F(Detections, YoloKeyPointsHaveTheShapeOfDataYaml) {
+  write_file_atomically(folder_ / "data.yaml", "names: [mug]\nkpt_shape: [2, 3]\n");
+  const DetectionSet set =
+      yolo("0 0.5 0.5 0.2 0.2 0.45 0.5 2 0 0 0\n0 0.5 0.5 0.2 0.2 0.45 0.5 0.9 0.6 0.6 0.8 0.7\n");
+  const std::vector<Detection2D>& found = set.images()[0].detections;
+  ASSERT_EQ(found.size(), 2U);
+  ASSERT_EQ(found[0].key_points.size(), 1U);  // the other point is not in the image
+  EXPECT_EQ(found[0].key_points[0].name, "point_1");
+  EXPECT_EQ(found[0].key_points[0].x, 0.45);
+  EXPECT_FALSE(found[0].score);
+  EXPECT_EQ(found[1].key_points.size(), 2U);
+  EXPECT_EQ(found[1].score, 0.7);
+  EXPECT_NE(refusal("0 0.5 0.5 0.1 0.1 0.5 0.5").find("11 are expected"), std::string::npos);
+}
+
+TEST_F(Detections, JsonLinesAreMatchedByTime) {
+  const auto set = [&](const std::string& text) {
+    write_file_atomically(folder_ / "scenes.jsonl", text);
+    return DetectionSet::read(folder_ / "scenes.jsonl", warnings_);
+  };
+  const DetectionSet two = set(
+      R"({"time": "2026-05-01T08:30:00Z", "detections": [)"
+      R"({"bbox": [10, 20, 30, 40], "class": {"mug": 0.3, "cup": 0.6}, "score": 0.8, "key_points": {"rim": [12, 22]}},)"
+      R"({"mask": [[10, 20, 30, 20, 30, 40]]}]})"
+      "\n"
+      R"({"time": "2026-05-01T08:30:00.033Z"})");
+  const TimeNs time = two.images()[0].time.value();
+  const ImageDetections* image = two.find("000000", 0, time + 5'000'000);
+  ASSERT_NE(image, nullptr);
+  ASSERT_EQ(image->detections.size(), 2U);
+  EXPECT_EQ(image->detections[0].classes.front().first, "cup");
+  EXPECT_EQ(image->detections[0].key_points.front().name, "rim");
+  EXPECT_TRUE(image->detections[1].classes.empty());
+  ASSERT_NE(two.find("000001", 1, time + 30'000'000), nullptr);
+  EXPECT_TRUE(two.find("000001", 1, time + 30'000'000)->detections.empty());
+  EXPECT_EQ(two.find("000002", 2, time + kSecond), nullptr);
+  for (const char* bad : {"{", "[]", R"({"detections": []})", R"({"time": 3})", R"({"time": "noon"})",
+                          R"({"time": "2026-05-01T08:30:00Z", "detections": [{"position": [1, 2, 3]}]})",
+                          R"({"time": "2026-05-01T08:30:00Z", "detections": [7]})"})
+    EXPECT_THROW(set(bad), Error) << bad;
+}
+
 TEST_F(Detections, ImagesNamedAfterSecondsAreMatchedByTime) {
   const DetectionSet set = yolo("0 0.5 0.5 0.1 0.1", "1305031102.175304.txt");
   const TimeNs time = 1305031102 * kSecond + 160407000;
