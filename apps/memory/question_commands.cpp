@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "apps/memory/commands.h"
@@ -41,7 +42,8 @@ struct QuestionArguments {
 void QuestionArguments::declare(const memory::Question& question, ArgumentTable& table) {
   table.memory(memory);
   bool positional = false;
-  for (const memory::Parameter& parameter : question.all_parameters()) {
+  const std::vector<memory::Parameter> parameters = question.all_parameters();
+  for (const memory::Parameter& parameter : parameters) {
     if (parameter.positional) {
       std::string spec = question.read_words == nullptr ? upper_case(parameter.name) : "WORD";
       spec = parameter.required ? spec + "..." : "[" + spec + "...]";
@@ -53,7 +55,9 @@ void QuestionArguments::declare(const memory::Question& question, ArgumentTable&
     }
     ArgumentDetails with{.default_text = parameter.default_text, .choices = parameter.choices};
     if (parameter.name == "from" || parameter.name == "to") with.excludes = {"--between"};
-    for (const std::string& other : parameter.excludes) with.excludes.push_back(upper_case(other));
+    for (const memory::Parameter& other : parameters)
+      if (std::ranges::count(parameter.excludes, other.name) > 0)
+        with.excludes.push_back(other.positional ? upper_case(other.name) : "--" + other.name);
     table.option(fmt::format("--{} {}", parameter.name, upper_case(to_text(parameter.type))),
                  &options[parameter.name], parameter.help, with);
   }

@@ -259,25 +259,59 @@ double between_sightings(double believed, TimeNs since, TimeNs until) {
   return back(stays) * back(stays_on) / back(stays * stays_on);
 }
 
-/// The probability that it was there at a moment that no look shows, where it was seen there before and after
-/// and nothing says that it left; unset = no such moment, or less than likely.
-std::optional<double> believed_then(const WasAnswer& answer, const WasObject& object,
-                                    const Snapshot& snapshot, const ReplyContext& context) {
+/// What the belief says of a moment that no look shows.
+struct UnseenMoment {
+  const WasObject* object = nullptr;
+  PlaceRef place;          ///< where it was
+  bool there = false;      ///< that is the place asked about
+  double probability = 0;  ///< of that
+  TimeNs before = 0;       ///< when it was seen there last before
+  std::optional<TimeNs>
+      after;  ///< when it was seen there first afterwards, unless it was seen elsewhere first
+};
+
+/// Unset where the question is not about a moment, looks decide it, or no place is likely enough.
+std::optional<UnseenMoment> unseen_moment(const WasAnswer& answer, const WasObject& object,
+                                          const Snapshot& snapshot, const ReplyContext& context) {
   constexpr TimeNs kMoment = 120 * kSecond;
-  if (answer.verdict != Verdict::not_observed || answer.to - answer.from > kMoment || !object.before)
+  if (answer.verdict != Verdict::not_observed || answer.place.empty() || answer.to - answer.from > kMoment)
     return std::nullopt;
-  const auto then = context.store.belief(object.object.id, {answer.from, context.as_of.known_at});
+  const Store& store = context.store;
+  const Id id = object.object.id;
+  const AsOf known{{}, context.as_of.known_at};
+  const auto then = store.belief(id, {answer.from, known.known_at});
   if (!then || !then->place || then->status == ObjectStatus::gone) return std::nullopt;
+  const auto before = store.last_observation_before(id, answer.from, {}, known);
+  if (!before || before->observation.place != then->place) return std::nullopt;
   const std::vector<PlaceRow> places = snapshot.find_places(answer.place);
-  const bool there =
-      std::ranges::any_of(places, [&](const PlaceRow& place) { return place.id == *then->place; });
+  UnseenMoment moment{.object = &object,
+                      .place = *snapshot.place_ref(then->place),
+                      .there = std::ranges::count(places, *then->place, &PlaceRow::id) > 0,
+                      .probability = then->probability,
+                      .before = before->time,
+                      .after = {}};
+  const auto after = store.first_observation_after(id, answer.to, {}, known);
+  if (after && after->observation.place == then->place) {
+    moment.after = after->time;
+    moment.probability =
+        between_sightings(then->probability, answer.from - moment.before, after->time - answer.from);
+  }
   // Without a sighting afterwards the belief has to be good.
   constexpr double kGood = 0.7;
-  const double probability = object.after
-                                 ? between_sightings(then->probability, answer.from - object.before->time,
-                                                     object.after->time - answer.from)
-                                 : then->probability;
-  return there && probability >= (object.after ? kLikely : kGood) ? std::optional(probability) : std::nullopt;
+  return moment.probability >= (moment.after ? kLikely : kGood) ? std::optional(moment) : std::nullopt;
+}
+
+/// That one of the objects was there decides, and so does that the only one was elsewhere.
+std::optional<UnseenMoment> unseen_moment(const WasAnswer& answer, const Snapshot& snapshot,
+                                          const ReplyContext& context) {
+  std::optional<UnseenMoment> told;
+  for (const WasObject& object : answer.objects) {
+    const auto moment = unseen_moment(answer, object, snapshot, context);
+    if (moment && (moment->there || answer.objects.size() == 1) &&
+        (!told || moment->probability > told->probability))
+      told = moment;
+  }
+  return told;
 }
 
 /// No where one look shows otherwise; yes where the first and the last look at the place saw it.
@@ -321,12 +355,8 @@ void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& re
   const Names names(snapshot);
   const auto of_verdict = std::ranges::find(answer.objects, answer.verdict, &WasObject::verdict);
   const WasObject* best = of_verdict == answer.objects.end() ? &answer.objects.front() : &*of_verdict;
-  std::optional<double> chance;  // that one was there unseen
-  for (const WasObject& one : answer.objects)
-    if (const auto believed = believed_then(answer, one, snapshot, context); believed > chance) {
-      chance = believed;
-      best = &one;
-    }
+  const std::optional<UnseenMoment> unseen = unseen_moment(answer, snapshot, context);
+  if (unseen) best = unseen->object;
   const WasObject& object = *best;
   const std::string name = bare_subject(object.object, names);
   const std::string where =
@@ -354,12 +384,13 @@ void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& re
               : fmt::format("At {}: {} was {} seen {} then.", context.times.text(reply.time->first), name,
                             asks == Asks::last_time ? "last" : "first", where);
     }
-  } else if (chance) {
-    reply.verdict = Verdict::yes;
-    reply.probability = *chance;
-    reply.text = fmt::format("Yes, with {}: {} was {}, seen there at {}{}.", percent(*chance), name, where,
-                             context.times.text(object.before->time),
-                             object.after ? " and " + context.times.text(object.after->time) : "");
+  } else if (unseen) {
+    reply.verdict = unseen->there ? Verdict::yes : Verdict::no;
+    reply.probability = unseen->there ? unseen->probability : 1 - unseen->probability;
+    reply.text = fmt::format("{}, with {}: {} was {}, seen there at {}{}.", unseen->there ? "Yes" : "No",
+                             percent(unseen->probability), name, in_words(unseen->place),
+                             context.times.text(unseen->before),
+                             unseen->after ? " and " + context.times.text(*unseen->after) : "");
   } else {
     reply.verdict = answer.verdict;
     reply.probability = object.verdict == Verdict::yes ? 1 : object.probability;
@@ -373,7 +404,7 @@ void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& re
       reply.text = fmt::format("Not observed: {}.", object.reason);
   }
   if (!object.seen_there.empty()) reply.evidence.push_back("seen there in " + scenes_text(object.seen_there));
-  if (object.verdict != Verdict::yes) {
+  if (object.verdict != Verdict::yes && !unseen) {
     if (object.before)
       reply.evidence.push_back("before, it was seen there at " + context.times.text(object.before->time));
     if (object.after)

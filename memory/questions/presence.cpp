@@ -12,6 +12,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "memory/questions/answer_format.h"
 #include "memory/questions/question.h"
@@ -510,15 +511,20 @@ void read_was(std::vector<std::string> words, Query& query) {
   query.arguments["object"] = fmt::format("{}", fmt::join(words, " "));
 }
 
-/// Without times: over all scenes.
+/// Without times: over all scenes. With `at`: at that moment, as looks before and afterwards show it.
 Answer ask_was(const Arguments& given) {
   const auto scenes = given.store().scenes();
-  return ask(given.store(),
-             WasQuestion{.subject = given.text("object"),
-                         .place = given.text("place"),
-                         .from = given.from().value_or(scenes.empty() ? 0 : scenes.front().time),
-                         .to = given.to().value_or(scenes.empty() ? 0 : scenes.back().time),
-                         .as_of = given.as_of()});
+  AsOf as_of = given.as_of();
+  const bool moment = !given.text("at").empty() && !given.from() && !given.to();
+  WasQuestion question{.subject = given.text("object"), .place = given.text("place")};
+  if (moment) {
+    question.from = question.to = *std::exchange(as_of.at, std::nullopt);
+  } else {
+    question.from = given.from().value_or(scenes.empty() ? 0 : scenes.front().time);
+    question.to = given.to().value_or(scenes.empty() ? 0 : scenes.back().time);
+  }
+  question.as_of = as_of;
+  return ask(given.store(), question);
 }
 
 std::vector<SentenceForm> was_sentences() {

@@ -457,6 +457,12 @@ std::string Snapshot::hint_for(const std::vector<std::string>& words, size_t unk
     const auto end = names.begin() + static_cast<std::ptrdiff_t>(std::min(kMax, names.size()));
     return fmt::format("{}{}", fmt::join(names.begin(), end, ", "), names.size() > kMax ? ", ..." : "");
   };
+  if (as_of_.at) {
+    const Snapshot later(store_, {{}, as_of_.known_at});
+    for (const Id object : later.find_by_word(words[unknown]))
+      if (const auto first = store_.first_observation_after(object, *as_of_.at, {}))
+        return "it was first seen at " + TimeWriter(store_).text(first->time);
+  }
   // "red cup", where no cup is known: the objects that are red may be meant.
   std::vector<std::string> known_words, meant;
   std::vector<Id> objects;

@@ -4,6 +4,8 @@
 #include "memory/questions/location.h"
 #include "memory/questions/objects.h"
 #include "memory/questions/presence.h"
+#include "memory/questions/question.h"
+#include "memory/questions/reply.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {
@@ -175,6 +177,13 @@ TEST_F(Questions, UnknownNamesAreErrorsWithTheNearest) {
               HasSubstr("no object is 'red blue'"));
 }
 
+TEST_F(Questions, ANameThatWasLearntLaterSaysSo) {
+  EXPECT_THAT(message([&] {
+                ask(*store_, WhereQuestion{"green", at("08:10")});
+              }),
+              HasSubstr("it was first seen at 08:30"));
+}
+
 TEST_F(Questions, SqlInAQuestionIsOnlyANameThatNobodyKnows) {
   for (const char* words :
        {"'; DROP TABLE object; --", "\" OR 1=1 --", "red' OR 'a'='a", "milk* NEAR(a b)"}) {
@@ -255,6 +264,24 @@ TEST_F(Questions, WasIsNotObservedWithoutScenesOutOfViewOrBehindSomething) {
   EXPECT_THAT(hidden.reason, HasSubstr("hidden"));
   EXPECT_THAT(message([&] { was("red", "table_1", "09:00", "08:00"); }),
               HasSubstr("first time is after the second"));
+}
+
+/// `was --at` agrees with `where --at`, also where nobody looked at that moment.
+TEST_F(Questions, WasAtAMomentIsWhatTheBeliefSaysOfIt) {
+  const auto reply = [&](const char* object, const char* place, const char* time) {
+    const Query query{.question = "was",
+                      .arguments = {{"object", object}, {"place", place}, {"at", time}},
+                      .asks = Asks::verdict};
+    const TimeWriter times(*store_);
+    return ask(*store_, query, {}).reply({.store = *store_, .query = query, .as_of = {}, .times = times});
+  };
+  const Reply there = reply("blue", "table_1", "2026-05-01 08:40");
+  EXPECT_EQ(there.verdict, Verdict::yes);
+  EXPECT_THAT(there.text, HasSubstr("was on table_1, seen there at 08:00 and 09:00"));
+  const Reply elsewhere = reply("red", "table_1", "2026-05-01 10:15");
+  EXPECT_EQ(elsewhere.verdict, Verdict::no);
+  EXPECT_LT(*elsewhere.probability, 0.5);
+  EXPECT_THAT(elsewhere.text, HasSubstr("was on counter_1, seen there at 09:30"));
 }
 
 TEST_F(Questions, WasOfAnUndescribedContainerThatNobodyOpenedIsNotObserved) {
