@@ -30,18 +30,6 @@ BackupResult commit_verified(TemporaryMemory& made, const fs::path& source, Prog
   return result;
 }
 
-/// Errors about the temporary file are reported of the memory.
-template <class Body>
-auto reported_of(const fs::path& memory, const TemporaryMemory& made, Body body) -> decltype(body()) {
-  try {
-    return body();
-  } catch (const Error& error) {
-    if (error.location().file != made.path().string()) throw;
-    throw Error(error.message(), {memory.string(), 0, {}},
-                "nothing of it remains; make room, or write it elsewhere");
-  }
-}
-
 /// Keeps other programs out of a memory that is about to be replaced, and leaves it without a log.
 std::unique_ptr<SQLite::Database> only_user_of(const fs::path& memory) {
   std::error_code none;
@@ -78,6 +66,7 @@ TemporaryMemory::~TemporaryMemory() {
 }
 
 void TemporaryMemory::commit() {
+  require_no_log(path());
   check_output(memory_, options_);  // before the log of one that appeared meanwhile would be removed
   remove_side_files(memory_);
   file_.commit();
@@ -114,6 +103,13 @@ void remove_side_files(const fs::path& memory) {
   for (const char* end : {"-wal", "-shm", "-journal"}) fs::remove(memory.string() + end, ignored);
 }
 
+void require_no_log(const fs::path& memory) {
+  std::error_code none;
+  for (const char* end : {"-wal", "-journal"})
+    if (const auto bytes = fs::file_size(memory.string() + end, none); !none && bytes > 0)
+      throw Error("cannot be written to its end: the disk is full or fails", {memory.string(), 0, {}});
+}
+
 void copy_memory(const fs::path& from, const fs::path& to) {
   { const Store is_memory = Store::open_read(from); }
   copy_database(from, to);
@@ -136,7 +132,7 @@ void copy_database(const fs::path& from, const fs::path& to) {
 void create_atomically(const fs::path& memory, const std::vector<fs::path>& inputs,
                        const std::function<void(const fs::path&)>& fill) {
   TemporaryMemory made(memory, inputs);
-  reported_of(memory, made, [&] {
+  reported_of(memory, made.path(), [&] {
     fill(made.path());
     made.commit();
   });
@@ -144,7 +140,7 @@ void create_atomically(const fs::path& memory, const std::vector<fs::path>& inpu
 
 BackupResult backup_memory(const fs::path& memory, const fs::path& backup, Progress& progress) {
   TemporaryMemory made(backup, {memory});
-  return reported_of(backup, made, [&] {
+  return reported_of(backup, made.path(), [&] {
     copy_memory(memory, made.path());
     return commit_verified(made, memory, progress);
   });
@@ -154,7 +150,7 @@ BackupResult restore_memory(const fs::path& backup, const fs::path& memory, Repl
                             Progress& progress) {
   TemporaryMemory made(memory, {backup}, replace);
   const std::unique_ptr<SQLite::Database> replaced = only_user_of(memory);
-  return reported_of(memory, made, [&] {
+  return reported_of(memory, made.path(), [&] {
     copy_memory(backup, made.path());
     return commit_verified(made, backup, progress);
   });

@@ -54,6 +54,10 @@ std::vector<std::filesystem::path> kept_copies(const std::filesystem::path& memo
 /// Removes the log, its index and the journal of a memory that is not there.
 void remove_side_files(const std::filesystem::path& memory);
 
+/// Error while some of what was written to a closed memory is only in its log: SQLite leaves it there when
+/// the disk fails at the end, and a file that is renamed alone would lose it.
+void require_no_log(const std::filesystem::path& memory);
+
 /// Copies a memory as it is at this moment into a file that is empty, also while a program writes to it. All
 /// of the copy is in the one file.
 void copy_memory(const std::filesystem::path& from, const std::filesystem::path& to);
@@ -61,8 +65,22 @@ void copy_memory(const std::filesystem::path& from, const std::filesystem::path&
 /// The same of a file that is known to be a memory.
 void copy_database(const std::filesystem::path& from, const std::filesystem::path& to);
 
+/// Runs `body`, which writes a temporary file for a memory; an Error about that file is reported of the
+/// memory.
+template <class Body>
+auto reported_of(const std::filesystem::path& memory, const std::filesystem::path& temporary, Body body)
+    -> decltype(body()) {
+  try {
+    return body();
+  } catch (const Error& error) {
+    if (error.location().file != temporary.string()) throw;
+    throw Error(error.message(), {memory.string(), 0, {}},
+                "nothing was changed; make room, or write it elsewhere");
+  }
+}
+
 /// Creates a memory completely or not at all: `fill` writes it under a temporary name, which then becomes
-/// `memory`. Error when `memory` exists. An Error about the temporary file is reported of `memory`.
+/// `memory`. Error when `memory` exists.
 void create_atomically(const std::filesystem::path& memory, const std::vector<std::filesystem::path>& inputs,
                        const std::function<void(const std::filesystem::path&)>& fill);
 

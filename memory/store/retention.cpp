@@ -103,11 +103,13 @@ const std::filesystem::path& create_empty(const std::filesystem::path& path) {
   return path;
 }
 
-void sync_to_disk(const std::filesystem::path& path, int flags) {
+/// Whether what was written will survive a loss of power.
+bool sync_to_disk(const std::filesystem::path& path, int flags) {
   const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::fsync(descriptor);
+  if (descriptor < 0) return false;
+  const bool synced = ::fsync(descriptor) == 0;
   ::close(descriptor);
+  return synced;
 }
 
 }  // namespace
@@ -125,7 +127,9 @@ void rewrite_memory(const std::filesystem::path& memory, const std::filesystem::
       Store store = Store::open_write(copy, {.keep_before_migration = false});
       change(store);
     }
-    sync_to_disk(copy, O_RDONLY);
+    require_no_log(copy);
+    if (!sync_to_disk(copy, O_RDONLY))
+      throw Error(std::string("cannot be written: ") + std::strerror(errno), {copy.string(), 0, {}});
   };
   if (!output.empty()) {
     create_atomically(output, {memory}, [&](const std::filesystem::path& copy) {
@@ -154,7 +158,7 @@ void rewrite_memory(const std::filesystem::path& memory, const std::filesystem::
       into.bind(1, copy.path().string());
       into.exec();
     });
-    changed(copy.path());
+    reported_of(memory, copy.path(), [&] { changed(copy.path()); });
   } catch (...) {
     restore();
     throw;
