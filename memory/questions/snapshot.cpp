@@ -10,6 +10,7 @@
 
 #include "mapping/base/text.h"
 #include "memory/questions/environment.h"
+#include "memory/questions/related_words.h"
 
 namespace loci::memory {
 namespace {
@@ -351,6 +352,9 @@ std::vector<PlaceRow> Snapshot::places_meant(const std::string& asked) const {
       last.pop_back();
     found = places_called(phrase(words, 0));
   }
+  if (found.empty() && !words.empty())
+    if (const std::string other = furniture_called(words.back()); !other.empty() && !restricted)
+      found = places_called(other);
   return found;
 }
 
@@ -370,6 +374,39 @@ std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
 }
 
 std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
+  std::vector<Id> found = find_named(word);
+  const std::vector<std::string> related = names_related_to(word, !found.empty());
+  for (const std::string& name : related)
+    for (const Id id : find_named(name)) found.push_back(id);
+  return related.empty() ? found : unique(std::move(found));
+}
+
+std::vector<std::string> Snapshot::names_related_to(const std::string& word) const {
+  return names_related_to(word, !find_named(word).empty());
+}
+
+std::vector<std::string> Snapshot::names_related_to(const std::string& word, bool known) const {
+  if (word.find_first_of(" _0123456789'") != std::string::npos) return {};
+  const auto [slot, fresh] = related_to_.try_emplace(word);
+  if (!fresh) return slot->second;
+  if (!class_names_) {
+    class_names_.emplace();
+    for (const FactRow& fact : facts_)
+      if (fact.object && fact.key == "class") class_names_->insert(lower_case(*fact.value));
+  }
+  std::set<std::string> related = related_names(word, *class_names_);
+  if (related.empty() && !known) {
+    std::set<std::string> annotated;
+    for (std::string& value : store_.annotation_values())
+      if (value.find_first_of(" ,0123456789") == std::string::npos) annotated.insert(std::move(value));
+    related = related_names(word, annotated);
+  }
+  // What is called so is meant by it, and what else is of that kind where it is a word for kinds.
+  if (!(known && related.size() < 2)) slot->second.assign(related.begin(), related.end());
+  return slot->second;
+}
+
+std::vector<Id> Snapshot::find_named(const std::string& word) const {
   std::vector<Id> found;
   if (const auto id = object_id(word)) {
     if (belief(*id) != nullptr) found.push_back(*id);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <unordered_map>
 
 #include "mapping/base/error.h"
@@ -69,6 +70,8 @@ class Snapshot {
   std::vector<Id> objects_at(Id place) const;
   /// All words for objects.
   std::vector<std::string> known_names() const;
+  /// Names of this memory that a word is taken for: "fruit" → apple, banana. Empty for most names.
+  std::vector<std::string> names_related_to(const std::string& word) const;
 
  private:
   FileLocation file() const { return {store_.path().string(), 0, {}}; }
@@ -76,7 +79,10 @@ class Snapshot {
   /// class_verdict().
   std::optional<std::string> annotated_name(Id object) const;
   std::vector<Id> find_at_place(const std::string& name) const;
+  /// What is called so, and what is related to it in meaning.
   std::vector<Id> find_by_word(const std::string& word) const;
+  std::vector<Id> find_named(const std::string& word) const;
+  std::vector<std::string> names_related_to(const std::string& word, bool known) const;
   /// The one that "biggest red" means; unset when no word is a superlative.
   std::optional<Id> find_superlative(const std::vector<std::string>& words) const;
   /// "red tea cup": the objects of the longest name that begins at words[next]; moves `next` past it.
@@ -101,6 +107,8 @@ class Snapshot {
   };
   mutable std::optional<Annotated> annotated_;
   mutable std::optional<ClassExperts> experts_;
+  mutable std::optional<std::set<std::string>> class_names_;
+  mutable std::map<std::string, std::vector<std::string>> related_to_;
   mutable std::optional<std::vector<SceneRow>> scenes_;
   mutable std::unordered_map<Id, std::optional<SceneRow>> scene_of_;
 };

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "mapping/base/text.h"
 
@@ -55,7 +57,11 @@ void add_all(const std::vector<T>& from, std::vector<T>& to) {
 }  // namespace
 
 Coordination coordination_of(const Query& query) {
-  if (query.asks != Asks::together)
+  static const std::set<std::string> superlatives = {"biggest",  "largest", "smallest", "tallest",
+                                                     "littlest", "longest", "highest"};
+  const std::vector<std::string> first = words_of(query.argument("object"));
+  const bool one_of_all = !first.empty() && superlatives.contains(first.front());  // "biggest cup or bowl"
+  if (query.asks != Asks::together && !one_of_all)
     for (const Parameter& parameter : find_question(query.question)->parameters) {
       const bool names = parameter.type == ParameterType::object || parameter.type == ParameterType::place ||
                          parameter.type == ParameterType::part || parameter.type == ParameterType::spot;
@@ -73,6 +79,42 @@ Coordination coordination_of(const Query& query) {
   return {{query}};
 }
 
+std::string with_choices_joined(const std::string& sentence) {
+  static const std::map<std::string, std::string> superlatives = {
+      {"biggest", "biggest"}, {"largest", "biggest"}, {"bigger", "biggest"},    {"larger", "biggest"},
+      {"tallest", "tallest"}, {"taller", "tallest"},  {"smallest", "smallest"}, {"smaller", "smallest"}};
+  constexpr size_t kMaxWordsOfName = 4;
+  std::string measure, text;
+  std::vector<std::string> names;
+  const auto end_name = [&] {
+    if (!text.empty()) names.push_back(text);
+    text.clear();
+  };
+  std::string spaced;
+  for (const char c : lower_case(sentence)) spaced += c == ',' ? std::string(" , ") : std::string(1, c);
+  bool listing = false;
+  for (const std::string& word : words_of(spaced, " ?!.:")) {
+    if (const auto found = superlatives.find(word); found != superlatives.end()) {
+      measure = found->second;
+    } else if (word == "of" || (word == "," && !listing)) {
+      listing = true;
+    } else if (word == "," || word == "and" || word == "or") {
+      end_name();
+    } else if (listing && (word == "which" || word == "is" || word == "what")) {
+      if (!measure.empty()) return sentence;
+      end_name();
+      listing = false;  // "of the cup, the bowl and the plate, which is biggest"
+    } else if (listing && word != "the" && word != "my" && word != "one") {
+      text += (text.empty() ? "" : " ") + word;
+    }
+  }
+  end_name();
+  const bool is_list = std::ranges::all_of(
+      names, [](const std::string& name) { return words_of(name).size() <= kMaxWordsOfName; });
+  if (measure.empty() || names.size() < 3 || !is_list) return sentence;
+  return "what is the " + measure + " " + joined(names, " or ") + "?";
+}
+
 Reply combined(const std::vector<Reply>& replies, const Coordination& coordination) {
   if (replies.size() == 1) return replies.front();
   const Query& query = coordination.queries.front();
@@ -87,7 +129,7 @@ Reply combined(const std::vector<Reply>& replies, const Coordination& coordinati
     add_all(reply.objects, all.objects);
     add_all(reply.places, all.places);
     add_all(reply.evidence, all.evidence);
-    bodies.push_back(body_of(reply));
+    add_all({body_of(reply)}, bodies);
     if (reply.number) all.number = all.number.value_or(0) + *reply.number;
     if (reply.probability) all.probability = std::min(all.probability.value_or(1), *reply.probability);
   }

@@ -17,6 +17,10 @@ struct Coordination {
 };
 Coordination coordination_of(const Query& query);
 
+/// "Which is the biggest, the cup, the bowl or the plate?" as "what is the biggest cup or bowl or plate?";
+/// other sentences as they are.
+std::string with_choices_joined(const std::string& sentence);
+
 /// One reply: of verdicts, "and" asks whether all hold and "or" whether any does; of places where it happened
 /// last, the latest is named; of the rest, all are stated. Not for no replies.
 Reply combined(const std::vector<Reply>& replies, const Coordination& coordination);

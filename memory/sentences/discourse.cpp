@@ -415,6 +415,12 @@ bool is_restriction(const Words& words) {
   if (!tokens.lemmas.empty() && class_of(tokens.lemmas[0]) == WordClass::question &&
       tokens.lemmas[0] != "when")
     return false;  // "since when"
+  // "If I fancied a coffee" restricts nothing.
+  static const WordSet wishes =
+      word_set("fancied fancy wanted want needed need were was wished wish liked like");
+  if (words[0] == "if" && words.size() > 2 && (words[1] == "i" || words[1] == "we") &&
+      wishes.contains(words[2]))
+    return false;
   if (beginnings.contains(words[0])) return true;
   return words[0] == "when" && tokens.lemmas.size() > 1 && class_of(tokens.lemmas[1]) != WordClass::auxiliary;
 }
@@ -433,6 +439,19 @@ void drop_old_place(Words& words) {
 
 }  // namespace
 
+namespace {
+
+/// "Name them all", "any tips", "help": asks for the answer to what else is said.
+bool asks_for_answer(const Words& words) {
+  static const std::vector<Words> all = expand_form(
+      "help|help me [please]|(name|list|tell me) (it|them|those) [all]|which ones|tell me [please]|"
+      "any (idea|ideas|tips|clue|clues|hint|hints)|just (asking|wondering|curious|checking)|"
+      "i mean|go on|quick|be (quick|honest)|that is all|no rush|asap");
+  return std::ranges::count(all, words) > 0;
+}
+
+}  // namespace
+
 std::vector<SentencePart> sentence_parts(const std::string& sentence, const TimeReader& times) {
   std::vector<SentencePart> parts;
   Words time;  // "after breakfast, ..."
@@ -444,8 +463,11 @@ std::vector<SentencePart> sentence_parts(const std::string& sentence, const Time
       before.insert(before.end(), fragment.begin(), fragment.end());
       continue;
     }
-    if (is_polite(fragment)) continue;
+    if (is_polite(fragment) || asks_for_answer(fragment)) continue;
     for (Words& piece : pieces_of(fragment)) {
+      for (size_t i = 0; i + 1 < piece.size(); ++i)  // "the box, is that one on the table?"
+        if ((piece[i] == "that" || piece[i] == "this") && piece[i + 1] == "one")
+          replace_words(piece, i, 2, {"it"});
       while (piece.size() > 1 && is_joint(piece[0])) piece.erase(piece.begin());
       if (const auto whether = std::ranges::find(piece, "whether");
           whether != piece.end() && whether + 1 != piece.end())

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <sstream>
 
 #include "mapping/base/error.h"
 #include "mapping/base/text.h"
+#include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
 namespace {
@@ -29,6 +31,38 @@ Words with_kinds(Words words) {
 
 bool is_placeholder(const std::string& lemma) {
   return lemma == "OBJECT" || lemma == "PLACE";
+}
+
+/// "shifted" as "shift", "spots" as "spot", where the lexicon says nothing of the word.
+std::string base_of(const std::string& word) {
+  using wordnet::PartOfSpeech;
+  if (is_placeholder(word) || lexicon().contains(word) || class_of(word) != WordClass::name) return word;
+  for (const PartOfSpeech part : {PartOfSpeech::verb, PartOfSpeech::noun}) {
+    const std::vector<std::string> bases = wordnet::base_forms(word, part);
+    if (!bases.empty()) return std::ranges::count(bases, word) > 0 ? word : bases.front();
+  }
+  return word;
+}
+
+/// What a word may mean: its frequent senses, and what the first one is a kind of. Words that the grammar
+/// gives a meaning of its own have none. How many was chosen by cross-validation.
+std::vector<std::string> meanings_of(const std::string& lemma) {
+  using wordnet::PartOfSpeech;
+  constexpr std::array<std::pair<PartOfSpeech, size_t>, 3> kMaxSenses = {
+      {{PartOfSpeech::verb, 5}, {PartOfSpeech::noun, 3}, {PartOfSpeech::adjective, 3}}};
+  const WordClass word_class = class_of(lemma);
+  std::vector<std::string> meanings;
+  if (is_placeholder(lemma) || (word_class != WordClass::name && word_class != WordClass::ordinary))
+    return meanings;
+  for (const auto& [part, max_senses] : kMaxSenses) {
+    const std::vector<wordnet::Synset> senses = wordnet::senses(lemma, part);
+    for (size_t i = 0; i < std::min(max_senses, senses.size()); ++i)
+      meanings.push_back(fmt::format("#{}", senses[i]));
+    if (!senses.empty())
+      for (const wordnet::Synset above : wordnet::hypernyms(senses[0]))
+        meanings.push_back(fmt::format("#{}", above));
+  }
+  return meanings;
 }
 
 /// Rows of weights of the features that a sentence has.
@@ -67,7 +101,7 @@ Tokens intent_tokens(const Words& words) {
     const WordClass word_class = class_of(all.lemmas[i]);
     if (word_class == WordClass::article || word_class == WordClass::empty) continue;
     tokens.words.push_back(std::move(all.words[i]));
-    tokens.lemmas.push_back(std::move(all.lemmas[i]));
+    tokens.lemmas.push_back(base_of(all.lemmas[i]));
   }
   return tokens;
 }
@@ -84,6 +118,7 @@ std::vector<std::string> intent_features(const Tokens& tokens) {
     features.push_back(before + " " + lemma);
     features.push_back(question + " ~ " + lemma);
     if (tokens.words[i] != lemma) features.push_back("'" + tokens.words[i]);
+    for (std::string& meaning : meanings_of(lemma)) features.push_back(std::move(meaning));
     before = lemma;
   }
   features.push_back(before + " $");
@@ -109,7 +144,10 @@ IntentModel train_intents(const std::vector<std::string>& forms, const std::vect
     for (std::string& feature : intent_features(sample.tokens)) model.features.push_back(std::move(feature));
   std::vector<std::set<std::string>> words(forms.size());
   for (const IntentSample& sample : samples)
-    words[sample.form].insert(sample.tokens.lemmas.begin(), sample.tokens.lemmas.end());
+    for (const std::string& lemma : sample.tokens.lemmas) {
+      words[sample.form].insert(lemma);
+      for (std::string& meaning : meanings_of(lemma)) words[sample.form].insert(std::move(meaning));
+    }
   for (const std::set<std::string>& of_form : words)
     model.words.push_back(" " + joined(Words(of_form.begin(), of_form.end()), " ") + " ");
   std::ranges::sort(model.features);
@@ -167,14 +205,33 @@ IntentReading best_intent(const IntentModel& model, const std::vector<std::strin
   return {static_cast<size_t>(best - scores.begin()), *best};
 }
 
+namespace {
+
+/// "lately", "sadly": adverbs and nothing else, and none that denies.
+bool is_adverb(const std::string& word) {
+  using wordnet::PartOfSpeech;
+  static const std::set<std::string> denying = {"hardly", "scarcely", "seldom", "rarely", "mostly",
+                                                "partly", "almost",   "nearly", "twice",  "never"};
+  return !denying.contains(word) && !lexicon().contains(word) && class_of(word) == WordClass::name &&
+         !wordnet::senses(word, PartOfSpeech::adverb).empty() &&
+         wordnet::senses(word, PartOfSpeech::noun).empty() &&
+         wordnet::senses(word, PartOfSpeech::verb).empty() &&
+         wordnet::senses(word, PartOfSpeech::adjective).empty();
+}
+
+}  // namespace
+
 Words uncovered_words(const IntentModel& model, size_t form, const Tokens& tokens) {
   Words uncovered;
   for (const std::string& lemma : tokens.lemmas) {
     const WordClass word_class = class_of(lemma);
     const bool neutral = word_class == WordClass::person ||
-                         (word_class == WordClass::auxiliary && lemma != "will" && lemma != "should");
-    if (!neutral && model.words[form].find(" " + lemma + " ") == std::string::npos)
-      uncovered.push_back(lemma);
+                         (word_class == WordClass::auxiliary && lemma != "will" && lemma != "should") ||
+                         is_adverb(lemma);
+    const auto has = [&](const std::string& word) {
+      return model.words[form].find(" " + word + " ") != std::string::npos;
+    };
+    if (!neutral && !has(lemma) && std::ranges::none_of(meanings_of(lemma), has)) uncovered.push_back(lemma);
   }
   return uncovered;
 }

@@ -74,11 +74,11 @@ std::vector<Mention> joined_mentions(const Named& part, bool coordinated, bool a
     for (size_t i = before == nullptr ? mention.first : before->last; i < mention.first; ++i)
       if (class_of(part.tokens.lemmas[i]) != WordClass::article)
         joint += (joint.empty() ? "" : " ") + part.tokens.lemmas[i];
-    const bool same =
-        before != nullptr && before->place == mention.place && (joint == "and" || joint == "or");
+    const bool same = before != nullptr && before->place == mention.place &&
+                      (joint == "and" || joint == "or" || joint == "or on" || joint == "or in");
     const bool at = before != nullptr && !before->place && mention.place && (joint == "on" || joint == "in");
     if ((coordinated && same) || (attached && at)) {
-      before->text += " " + joint + " " + mention.text;
+      before->text += " " + words_of(joint).front() + " " + mention.text;
       before->last = mention.last;
       before->known = before->known && mention.known;
     } else {
@@ -177,6 +177,23 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   return PlainQuestion{filled(form, sentence, time), true, best.probability, sentence.known};
 }
 
+/// "Be a love and tell me where OBJECT is": the question alone, where nothing is named before it; unset when
+/// it is no part of another sentence.
+std::optional<Delexicalised> embedded_question(const Delexicalised& sentence) {
+  static const std::set<std::string> bridges = {"where", "what", "how", "why", "whose", "whether"};
+  const Words& words = sentence.words;
+  for (size_t i = 1; i + 1 < words.size(); ++i) {
+    if (words[i] == "OBJECT" || words[i] == "PLACE") return std::nullopt;
+    if (!bridges.contains(words[i])) continue;
+    Delexicalised question = sentence;
+    question.words.erase(
+        question.words.begin(),
+        question.words.begin() + static_cast<std::ptrdiff_t>(words[i] == "whether" ? i + 1 : i));
+    return question;
+  }
+  return std::nullopt;
+}
+
 /// What was said, with the topic in place of its pronoun.
 std::string literal(const SentencePart& part, const Topic& topic) {
   Words words = part.words;
@@ -240,7 +257,10 @@ std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sente
     const auto stated = std::ranges::find_if(parts.rbegin(), parts.rend(), [&](const SentencePart& part) {
       return parts.size() == 1 || has_verb(part);
     });
-    if (stated != parts.rend()) stated->asks = true;
+    if (stated != parts.rend())
+      stated->asks = true;
+    else
+      for (SentencePart& part : parts) part.asks = true;
   }
   std::vector<std::vector<PlainQuestion>> questions;
   for (size_t i = 0; i < parts.size(); ++i) {
@@ -256,12 +276,25 @@ std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sente
       const auto mentions = joined_mentions(all[i], coordinated, attached);
       if ((coordinated || attached) && mentions.size() == all[i].mentions.size()) continue;
       Delexicalised sentence_of = delexicalised(all[i], mentions, topic);
-      if (auto reading = classified(sentence_of, all[i].time)) readings.push_back(std::move(*reading));
-      if (topic.object == nullptr || !sentence_of.objects.empty()) continue;
-      // "I need the milk, any idea where?"
-      sentence_of.words.emplace_back("OBJECT");
-      sentence_of.objects.push_back(topic.object->text);
-      if (auto reading = classified(sentence_of, all[i].time)) readings.push_back(std::move(*reading));
+      if (auto reading = classified(sentence_of, all[i].time))
+        readings.push_back(std::move(*reading));
+      else if (const auto question = embedded_question(sentence_of))
+        if (auto part = classified(*question, all[i].time)) readings.push_back(std::move(*part));
+      // "I need the milk, any idea where?", "Peek into the drawer, what is inside?"
+      const auto add_topic = [&](const Mention* mention, std::vector<std::string>& names, const char* kind) {
+        if (mention == nullptr || !names.empty()) return;
+        sentence_of.words.emplace_back(kind);
+        names.push_back(mention->text);
+        if (auto reading = classified(sentence_of, all[i].time)) readings.push_back(std::move(*reading));
+      };
+      if (sentence_of.objects.empty() && sentence_of.places.empty()) {
+        Delexicalised bare = sentence_of;
+        add_topic(topic.object, sentence_of.objects, "OBJECT");
+        std::swap(bare, sentence_of);
+        add_topic(topic.place, sentence_of.places, "PLACE");
+      } else {
+        add_topic(topic.object, sentence_of.objects, "OBJECT");
+      }
     }
     std::stable_sort(
         readings.begin() + 1, readings.end(),

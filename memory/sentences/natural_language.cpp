@@ -14,6 +14,7 @@
 #include "memory/questions/objects.h"
 #include "memory/questions/snapshot.h"
 #include "memory/sentences/coordination.h"
+#include "memory/sentences/event_clause.h"
 #include "memory/sentences/intent_reader.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/sentence_parser.h"
@@ -50,6 +51,9 @@ class ReferenceResolver {
       const auto given = query.arguments.find(parameter.name);
       if (given == query.arguments.end() || !names_something(parameter.type)) continue;
       std::string& text = given->second;
+      if (text.ends_with(" one") && text != "other one" && text != "this one" && text != "that one" &&
+          !last_subject_.empty())
+        text.replace(text.size() - 3, 3, last_subject_.substr(last_subject_.rfind(' ') + 1));
       if (text == "other one" || text == "other" || text == "other ones") replace_other(text, notes);
       if (kPronouns.contains(text) && is_place(parameter.type) && !last_place_.empty()) {
         notes.push_back(fmt::format("'{}' is taken as {}", text, last_place_));
@@ -58,6 +62,16 @@ class ReferenceResolver {
       if (kPronouns.contains(text)) replace_pronoun(text, notes);
       if (text.starts_with("this ") || text.starts_with("that ")) replace_demonstrative(text, notes);
       if (parameter.type == ParameterType::place && text == "there") replace_there(query, parameter, notes);
+    }
+  }
+
+  /// Notes which names of this memory a word is taken for: "crockery" for plate and bowl.
+  void note_related(const Query& query, std::vector<std::string>& notes) const {
+    for (const Parameter& parameter : find_question(query.question)->parameters) {
+      if (parameter.type != ParameterType::object && parameter.type != ParameterType::spot) continue;
+      for (const std::string& word : words_of(lower_case(query.argument(parameter.name))))
+        if (const std::vector<std::string> names = snapshot_.names_related_to(word); !names.empty())
+          notes.push_back(fmt::format("'{}' is taken as {}", word, fmt::join(names, ", ")));
     }
   }
 
@@ -212,9 +226,15 @@ class Conversation {
       : store_(store), question_(question), times_(store), writer_(store), references_(store, question) {}
 
   NaturalLanguageAnswer answer(const std::string& sentence) {
-    NaturalLanguageAnswer answer = answer_by_rules(sentence);
-    if (!answer.query)
-      if (auto in_parts = answer_in_parts(sentence)) answer = std::move(*in_parts);
+    NaturalLanguageAnswer answer = answer_by_rules(with_choices_joined(sentence));
+    answer.sentence = sentence;
+    // A name of several words that nothing is called by may be more than a name: "the bowl land".
+    const bool doubtful = answer.query && answer.why_not && !answer.reply && has_unknown_word(*answer.query);
+    if (!answer.query || doubtful) {
+      auto other = answer_in_parts(sentence);
+      if (!other) other = answer_at_event(sentence);
+      if (other && (!doubtful || other->reply)) answer = std::move(*other);
+    }
     if (!answer.query) return answer;
     references_.remember(*answer.query, answer.reply ? answer.reply->objects : std::vector<Id>{});
     last_ = answer.query;
@@ -241,6 +261,33 @@ class Conversation {
     }
     if (answer.why_not) answer.why_not->text = shortened(answer.why_not->text);
     answer.notes.insert(answer.notes.begin(), notes.begin(), notes.end());
+    return answer;
+  }
+
+  /// By both readers, without clauses of time.
+  NaturalLanguageAnswer answer_plainly(const std::string& sentence) {
+    NaturalLanguageAnswer answer = answer_by_rules(sentence);
+    if (!answer.query)
+      if (auto in_parts = answer_in_parts(sentence)) answer = std::move(*in_parts);
+    return answer;
+  }
+
+  /// "Where was the cup when the drawer was opened?": first when that was; unset when this is not understood.
+  std::optional<NaturalLanguageAnswer> answer_at_event(const std::string& sentence) {
+    const auto clause = find_event_clause(sentence, Snapshot(store_, question_.as_of));
+    if (!clause) return std::nullopt;
+    const bool condition = clause->link == EventClause::Link::condition;
+    NaturalLanguageAnswer event = answer_plainly((condition ? "" : "when ") + clause->event);
+    if (!event.reply || !(condition ? event.reply->verdict.has_value() : event.reply->time.has_value()))
+      return std::nullopt;
+    const std::string note = event.reply->text;
+    NaturalLanguageAnswer answer = std::move(event);
+    if (!condition || answer.reply->verdict == Verdict::yes) {
+      answer = answer_plainly(condition ? clause->question : question_at(*clause, *answer.reply->time));
+      if (!answer.query) return std::nullopt;
+      answer.notes.insert(answer.notes.begin(), clause->event + ": " + note);
+    }
+    answer.sentence = sentence;
     return answer;
   }
 
@@ -302,6 +349,20 @@ class Conversation {
         const bool verb = words[i].ends_with("ed") || words[i].ends_with("ing") || words[i].ends_with("ly");
         if (verb || (i + 1 < words.size() && means_something(words.back()))) return true;
       }
+    }
+    return false;
+  }
+
+  /// Whether a name of several words has one that means nothing in this memory.
+  bool has_unknown_word(const Query& query) const {
+    for (const Parameter& parameter : find_question(query.question)->parameters) {
+      const std::vector<std::string> words = words_of(lower_case(query.argument(parameter.name)));
+      const bool is_name = parameter.type == ParameterType::object ||
+                           parameter.type == ParameterType::place || parameter.type == ParameterType::part ||
+                           parameter.type == ParameterType::spot;
+      if (is_name && words.size() > 1 &&
+          std::ranges::any_of(words, [&](const std::string& word) { return names().count(word) == 0; }))
+        return true;
     }
     return false;
   }
@@ -369,6 +430,7 @@ class Conversation {
           NoAnswer{"not_possible", fmt::format("Not possible: {}.", error.message()), error.hint()};
     }
     references_.note_places(query, notes);
+    references_.note_related(query, notes);
     const bool answered = tried.answer.has_value() || tried.why_not->reason == "not_possible";
     if (!answered && !first) return false;
     tried.query = std::move(query);

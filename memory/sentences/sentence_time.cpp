@@ -23,6 +23,7 @@ class PeriodReader {
   std::optional<SentencePeriod> read() const {
     if (const auto period = read_last()) return period;
     if (const auto period = read_whole()) return period;
+    if (const auto period = read_throughout()) return period;
     const std::string& head = words_[first_];
     if (head == "between" || head == "from") return read_between(head == "between" ? "and" : "to");
     static const WordSet begins = {"since", "after"}, ends = {"until", "till", "before", "by", "to"};
@@ -84,13 +85,28 @@ class PeriodReader {
     return std::nullopt;
   }
 
+  /// "the whole time from ten to two".
+  std::optional<SentencePeriod> read_throughout() const {
+    if (words_[first_] != "throughout") return std::nullopt;
+    auto period = read_between("and");
+    if (!period) period = read_between("to");
+    if (period) period->throughout = true;
+    return period;
+  }
+
   std::optional<SentencePeriod> read_between(const std::string& middle) const {
     for (size_t i = first_ + 2; i + 1 < last_; ++i) {
       if ((words_[i] != middle && words_[i] != "until" && words_[i] != "till") ||
           !is_time(first_ + 1, i, true) || !is_time(i + 1, last_, true))
         continue;
       std::string from = join(first_ + 1, i);
-      const std::string to = join(i + 1, last_);
+      std::string to = join(i + 1, last_);
+      // "from ten to two" ends in the afternoon.
+      constexpr TimeNs kMaxHours = 8 * kLongSpan;
+      const TimeNs begin = times_.read(from).first;
+      if (times_.read(to).last < begin && times_.try_read(to + " pm") &&
+          times_.read(to + " pm").last < begin + kMaxHours)
+        to += " pm";
       // "between 2 and 3 pm" begins in the afternoon, too.
       for (const char* half : {"am", "pm"})
         if (to.ends_with(half) && i == first_ + 2 && times_.try_read(from + " " + half)) {
@@ -152,6 +168,10 @@ void normalize_times(Words& words) {
         {"earlier this", "this"},
         {"earlier on", "earlier"},
         {"sometime (this|in the)", "this"},
+        {"(the (whole|entire|full) time|all the time|all that time|continuously|without a break) "
+         "(from|between)",
+         "throughout"},
+        {"(the (whole|entire) time|all the time|continuously|the (whole|entire) day)", "all day"},
         {"(compared|comparing) (with|to)|in comparison (with|to)|relative to|as (against|opposed to)",
          "since"},
         {"breakfast time", "breakfast"},
@@ -159,6 +179,18 @@ void normalize_times(Words& words) {
         {"(dinner|supper) time", "dinner"},
         {"breakfasttime", "breakfast"},
         {"of today|for today|on today", "today"},
+        {"(go|goes|going|went|gone) on today", "happened today"},
+        {"(when|while) (i|we|someone) (had|ate|made|was having|were having|prepared) (breakfast)",
+         "at breakfast"},
+        {"(when|while) (i|we|someone) (had|ate|made|was having|were having|prepared) (lunch)", "at lunch"},
+        {"(when|while) (i|we|someone) (had|ate|made|was having|were having|prepared|cooked) (dinner|supper)",
+         "at dinner"},
+        {"after (i|we|someone) (had|ate|finished|had had) breakfast", "after breakfast"},
+        {"after (i|we|someone) (had|ate|finished|had had) lunch", "after lunch"},
+        {"after (i|we|someone) (had|ate|finished|had had) (dinner|supper)", "after dinner"},
+        {"before (i|we|someone) (had|ate|made) breakfast", "before breakfast"},
+        {"before (i|we|someone) (had|ate|made) lunch", "before lunch"},
+        {"before (i|we|someone) (had|ate|made) (dinner|supper)", "before dinner"},
         {"(a|the) couple of", "two"},
         {"couple of", "two"},
         {"(a few|several|some) (minutes|mins)", "5 minutes"},

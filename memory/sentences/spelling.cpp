@@ -9,6 +9,7 @@
 #include "memory/sentences/intent_model.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/vocabulary.h"
+#include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
 namespace {
@@ -41,15 +42,6 @@ const std::set<std::string>& known_words() {
         for (const std::string& word : words_of(form.form, " []<>|:-")) words.insert(word);
       }
     return words;
-  }();
-  return all;
-}
-
-/// Words that are none of the grammar and no typos either.
-const std::set<std::string>& near_words() {
-  static const std::set<std::string> all = [] {
-    const std::vector<std::string> words = words_of(vocabulary::kNearWords);
-    return std::set<std::string>(words.begin(), words.end());
   }();
   return all;
 }
@@ -129,8 +121,7 @@ std::vector<Respelling> respellings(const std::string& sentence, const std::set<
     }
     const std::string word = text.substr(i, end - i);
     std::vector<std::string> meant;
-    if (is_word(word) && !is_known(word, names) && !near_words().contains(word))
-      meant = corrections(word, names);
+    if (is_word(word) && !is_known(word, names) && !wordnet::is_word(word)) meant = corrections(word, names);
     if (meant.empty()) {
       append(std::string_view(sentence).substr(i, end - i));
     } else {

@@ -216,7 +216,13 @@ constexpr Compound kCompounds[] = {
     {"(take|took|takes|taken|taking) place", "happen"},
     {"(change|changed|changes|swap|swapped) (place|places|position|positions|location)", "move"},
     {"(play|playing|played) with", "move"},
-    {"(pull|pulled|pulling|pulls|slide|slid) (out|open) (the|a|any|my|that|this|drawer)", "opened the"},
+    {"(pull|pulled|pulling|pulls|slide|slid) (out|open) (the|a|any|my|that|this)", "opened the"},
+    {"(pull|pulled|pulling|pulls|slide|slid) (out|open) drawer", "opened drawer"},
+    {"(something|anything) to drink (from|out of)", "any cup"},
+    {"(something|anything) to eat with", "any cutlery"},
+    {"(something|anything) to drink", "any drink"},
+    {"(something|anything) to eat", "any food"},
+    {"(piece|bit|item) of furniture", "place"},
     {"(pull|pulls|pulled|slid|drawn) out of", "take from"},
     {"(pulled|slid|drawn) (out|open)", "opened"},
     {"(go|gone|went|going) (missing|walkabout|astray)", "vanish"},
@@ -312,7 +318,7 @@ constexpr ClassWords kClasses[] = {
      "because if whether unless while much nice good bad better worse best nicest old young tomorrow "
      "soon later early late more most less least fewer almost nearly twice once per "
      "weather joke song meaning news time date day days week year name language sky rain sun moon world "
-     "speak sing dance eat eats ate eaten eating drink drinks drank drunk drinking cook cooks cooked cooking "
+     "speak sing dance eat eats ate eaten eating drank drunk drinking cook cooks cooked cooking "
      "bake baked sleep sleeps slept sleeping buy buys bought cost costs price expensive cheap "
      "hungry thirsty tired hot cold warm weigh weighs weighed broken broke break breaks dirty fresh sour "
      "sweet expired spoiled rotten wet dry washed wash washes washing clean's boil boiled burn burnt burned "

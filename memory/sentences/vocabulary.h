@@ -44,7 +44,5 @@ extern const char* const kFurniture;
 extern const char* const kHouseholdWords;
 /// Words that are no typos, beside all these: pronouns, numbers, times.
 extern const char* const kOtherWords;
-/// English words that would pass for typos of all these (near_words.cpp).
-extern const char* const kNearWords;
 
 }  // namespace loci::memory::vocabulary

@@ -1,4 +1,5 @@
 #include "mapping/base/error.h"
+#include "memory/questions/facts.h"
 #include "memory/sentences/discourse.h"
 #include "memory/sentences/intent_model.h"
 #include "memory/sentences/natural_language.h"
@@ -34,6 +35,17 @@ TEST(Intents, AreTrainedFromParaphrases) {
   EXPECT_EQ(form_of({"is", "OBJECT", "fresh"}), "none");
   EXPECT_THAT(uncovered_words(model, 0, intent_tokens({"where", "else", "is", "OBJECT"})),
               ElementsAre("else"));
+}
+
+TEST(Intents, SynonymsOfAParaphraseCount) {
+  const Paraphrases paraphrases = read_paraphrases(
+      "= Where is OBJECT?\nwho has espied OBJECT\n= Is OBJECT gone?\nhas OBJECT vanished\n", "few.txt");
+  const IntentModel model = train_intents(paraphrases.forms, paraphrases.samples);
+  const Tokens tokens = intent_tokens({"who", "has", "descried", "OBJECT"});  // a synonym
+  EXPECT_EQ(best_intent(model, signatures_of(model.forms), tokens).form, 0U);
+  EXPECT_THAT(uncovered_words(model, 0, tokens), ElementsAre());
+  EXPECT_THAT(uncovered_words(model, 0, intent_tokens({"who", "has", "painted", "OBJECT"})),
+              ElementsAre("paint"));
 }
 
 TEST(Intents, AParaphraseNamesWhatItsFormNames) {
@@ -124,13 +136,39 @@ TEST_F(SecondReader, ComparesObjects) {
 TEST_F(SecondReader, DoesNotUnderstandWhatTheMemoryCannotKnow) {
   for (const char* sentence :
        {"who is the president", "is the red thing tasty", "what does the red thing cost", "blah blah blah",
-        "where was the red thing when the drawer was opened", "can you open the drawer",
-        "is the counter a mess", "will the red thing be on the counter tomorrow",
-        "what should I cook with the red thing", "the red thing is nicer than the blue thing",
-        "how do I get to the station", "which thing do you like best"}) {
+        "where was the red thing when my aunt came", "can you open the drawer", "is the counter a mess",
+        "will the red thing be on the counter tomorrow", "what should I cook with the red thing",
+        "the red thing is nicer than the blue thing", "how do I get to the station",
+        "which thing do you like best"}) {
     const NaturalLanguageAnswer answer = say(sentence);
     EXPECT_FALSE(answer.query) << sentence << ": " << text(answer);
   }
+}
+
+TEST_F(SecondReader, AnEventIsATime) {
+  const NaturalLanguageAnswer answer = say("Where was the blue thing when the red thing left the table?");
+  ASSERT_TRUE(answer.query) << text(answer);
+  EXPECT_THAT(answer.query->text(), HasSubstr("where 'blue thing' --at 2026-"));
+  EXPECT_THAT(answer.notes.front(), HasSubstr("the red thing left the table: "));
+  EXPECT_THAT(say("Was the blue thing on the counter before the red thing left the table?").query->text(),
+              HasSubstr("--to 2026-"));
+}
+
+TEST_F(SecondReader, ChoosesAmongMoreThanTwo) {
+  EXPECT_EQ(say("Which is the biggest, the red thing, the blue thing or the tea cup?").query->text(),
+            "objects 'biggest red thing or blue thing or tea cup'");
+}
+
+TEST_F(SecondReader, AWordForKindsNamesWhatItIsTakenFor) {
+  {
+    Store store = Store::open_write(file_, {});
+    set_fact(store, "tea cup", "class", "mug");
+  }
+  const NaturalLanguageAnswer answer = say("Is there any crockery on the counter?");
+  ASSERT_TRUE(answer.reply) << text(answer);
+  EXPECT_EQ(answer.reply->verdict, Verdict::yes) << text(answer);
+  EXPECT_THAT(text(answer), HasSubstr("'crockery' is taken as mug"));
+  EXPECT_THAT(text(say("What is on the worktop?")), HasSubstr("counter_1 is meant"));
 }
 
 TEST_F(SecondReader, AnUnknownObjectIsUnknown) {

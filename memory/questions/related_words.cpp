@@ -1,0 +1,96 @@
+#include "memory/questions/related_words.h"
+
+#include <algorithm>
+#include <map>
+
+#include "mapping/base/text.h"
+#include "memory/wordnet/wordnet.h"
+
+namespace loci::memory {
+namespace {
+
+using wordnet::PartOfSpeech;
+using wordnet::Relation;
+
+/// What WordNet does not say: the words of kitchens for what they hold.
+const std::map<std::string, std::string>& household_kinds() {
+  constexpr const char* kCrockery = "plate bowl cup mug saucer glass jug dish";
+  constexpr const char* kPackage = "box carton cereal tea";
+  constexpr const char* kCans = "can tin tomatoes soup";
+  static const std::map<std::string, std::string> kinds = {{"crockery", kCrockery},
+                                                           {"dishes", kCrockery},
+                                                           {"dishware", kCrockery},
+                                                           {"tableware", kCrockery},
+                                                           {"packet", kPackage},
+                                                           {"package", kPackage},
+                                                           {"pack", kPackage},
+                                                           {"tin", kCans},
+                                                           {"tins", kCans},
+                                                           {"cans", kCans},
+                                                           {"can", kCans},
+                                                           {"cookware", "pot pan wok casserole"},
+                                                           {"cutlery", "spoon fork knife"},
+                                                           {"silverware", "spoon fork knife"},
+                                                           {"teabag", "tea"},
+                                                           {"teabags", "tea"},
+                                                           {"cornflakes", "cereal"},
+                                                           {"muesli", "cereal"},
+                                                           {"mug", "cup"},
+                                                           {"mugs", "cup"},
+                                                           {"cup", "mug"},
+                                                           {"cups", "mug"},
+                                                           {"teacup", "cup mug"},
+                                                           {"beaker", "cup mug"},
+                                                           {"marmalade", "jam"},
+                                                           {"saucepan", "pot pan"},
+                                                           {"goblet", "glass"},
+                                                           {"tumbler", "glass"}};
+  return kinds;
+}
+
+/// The noun without its ending; itself where it is none.
+std::set<std::string> singulars(const std::string& word) {
+  const std::vector<std::string> bases = wordnet::base_forms(word, PartOfSpeech::noun);
+  std::set<std::string> all(bases.begin(), bases.end());
+  all.insert(word);
+  return all;
+}
+
+bool is_kind(const std::string& name, const std::string& word) {
+  constexpr int kMaxSteps = 6;
+  return wordnet::relation_of(name, word, kMaxSteps) != Relation::none;
+}
+
+}  // namespace
+
+std::set<std::string> related_names(const std::string& word, const std::set<std::string>& names) {
+  std::set<std::string> found;
+  if (word == "edible" || word == "edibles") return related_names("food", names);
+  if (word == "drinkable" || word == "drinkables") return related_names("drink", names);
+  const std::set<std::string> own = singulars(word);
+  const auto listed = household_kinds().find(word);
+  const std::vector<std::string> kinds =
+      listed == household_kinds().end() ? std::vector<std::string>() : words_of(listed->second);
+  for (const std::string& name : names)
+    for (const std::string& one : singulars(name))
+      if (!own.contains(name) && (std::ranges::count(kinds, one) > 0 || is_kind(one, word)))
+        found.insert(name);
+  if (!found.empty() || listed != household_kinds().end()) return found;
+  // A teaspoon is a spoon; that a kettle is a pot makes it none of the pots that are here.
+  for (const std::string& name : names)
+    if (word != name && word.ends_with(name) && wordnet::relation_of(word, name, 2) != Relation::none)
+      found.insert(name);
+  return found;
+}
+
+std::string furniture_called(const std::string& word) {
+  static const std::map<std::string, std::string> words = {
+      {"worktop", "counter"},  {"countertop", "counter"}, {"worksurface", "counter"},
+      {"benchtop", "counter"}, {"sideboard", "counter"},  {"desk", "table"},
+      {"tabletop", "table"},   {"rack", "shelf"},         {"ledge", "shelf"},
+      {"board", "shelf"},      {"cupboard", "cabinet"},   {"locker", "cabinet"}};
+  const auto found = words.find(word);
+  return found == words.end() ? "" : found->second;
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <set>
+#include <string>
+
+namespace loci::memory {
+
+/// Names of objects that a word means besides those called so: kinds of it ("fruit": apple, banana), synonyms
+/// ("tin": can); else what it is named after ("teaspoon": spoon). English of households and WordNet.
+std::set<std::string> related_names(const std::string& word, const std::set<std::string>& names);
+
+/// Another word for a piece of furniture: "worktop" is a counter; "" = none.
+std::string furniture_called(const std::string& word);
+
+}  // namespace loci::memory
