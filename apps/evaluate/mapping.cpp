@@ -18,6 +18,7 @@ struct Arguments {
   std::vector<std::string> worlds, truths, poses, starts, package_paths;
   std::string out;
   int seeds = 3;
+  bool walk = false;
   std::optional<double> ceiling;
   nbv::SurveyOptions survey;
   mapping::ComparisonOptions comparison;
@@ -43,16 +44,26 @@ const std::string& nth(const std::vector<std::string>& values, size_t n, const s
   return values.size() == 1 ? values.front() : values[n];
 }
 
+/// A folder as the generator of kitchens writes it.
+bool is_kitchen(const fs::path& path) {
+  return fs::is_regular_file(path / "kitchen.urdf") && fs::is_regular_file(path / "truth.json");
+}
+
 /// What the n-th world is mapped with, without its seed.
 Run run_of(const Arguments& arguments, size_t n, const Session& session) {
   const size_t worlds = arguments.worlds.size();
   Run run;
   run.world = arguments.worlds[n];
-  if (arguments.truths.empty() && fs::is_directory(run.world))
+  const bool kitchen = is_kitchen(run.world);
+  if (arguments.truths.empty() && fs::is_directory(run.world) && !kitchen)
     throw Error("a recording does not tell its truth", {run.world.string(), 0, ""},
                 "give --truth: a URDF, a truth.json, or measured fronts");
   // A world that has a sidecar, or shapes that say enough, is its own truth.
-  run.truth = arguments.truths.empty() ? arguments.worlds[n] : nth(arguments.truths, n, "--truth", worlds);
+  run.truth = !arguments.truths.empty() ? fs::path(nth(arguments.truths, n, "--truth", worlds))
+              : kitchen                 ? run.world / "truth.json"
+                                        : run.world;
+  if (kitchen) run.world /= "kitchen.urdf";
+  run.walk = arguments.walk;
   run.package_paths.assign(arguments.package_paths.begin(), arguments.package_paths.end());
   if (!arguments.poses.empty())
     run.poses = mapping::planar_poses_from(nth(arguments.poses, n, "--poses", worlds), "--poses");
@@ -71,17 +82,18 @@ void run(const Arguments& arguments, Session& session) {
                             : fs::temp_directory_path() / fmt::format("loci_evaluate_mapping_{}", ::getpid());
   std::vector<MappedWorld> maps;
   std::string text;
-  for (size_t i = 0; i < arguments.worlds.size(); ++i)
+  for (size_t i = 0; i < arguments.worlds.size(); ++i) {
+    Run one = run_of(arguments, i, session);
     // A recording is what it is: seeds are for simulated robots.
-    for (int seed = 1; seed <= (fs::is_directory(arguments.worlds[i]) ? 1 : arguments.seeds); ++seed) {
-      Run one = run_of(arguments, i, session);
+    for (int seed = 1; seed <= (fs::is_directory(one.world) ? 1 : arguments.seeds); ++seed) {
       one.seed = static_cast<uint64_t>(seed);
-      one.folder = out / fmt::format("{}_{}", one.world.stem().string(), seed);
+      one.folder = out / fmt::format("{}_{}", fs::path(arguments.worlds[i]).stem().string(), seed);
       maps.push_back(map_world(one, session.progress(), session.warnings()));
       if (!keep) fs::remove_all(out);
       if (session.flags().verbose)
         text += fmt::format("{}, seed {}\n{}\n", one.world.string(), seed, maps.back().last().text());
     }
+  }
   session.answer(text + table_text(maps), table_json(maps));
 }
 
@@ -97,12 +109,15 @@ Command mapping_command() {
             auto arguments = std::make_shared<Arguments>();
             table.positional(
                 "WORLD...", &arguments->worlds,
-                "Worlds (URDF) that a simulated robot maps, or recordings with poses (--truth is needed)");
+                "Worlds (URDF, or a folder with kitchen.urdf and truth.json) that a simulated robot maps, or "
+                "recordings with poses (--truth is needed)");
             table.option("--truth FILE", &arguments->truths, "Ground truth per world: URDF or truth.json");
             table.option("--start POSE", &arguments->starts, "Pose of the first scan per world: x,y,yaw_deg",
                          {.default_text = "the most open floor"});
             table.option("--poses POSES", &arguments->poses,
                          "Scan at these poses instead of exploring, per world: \"x,y,yaw_deg; …\"");
+            table.flag("--walk", arguments->walk,
+                       "Instead of a robot that explores, a person walks through with a Kinect");
             table.flag("--interact", arguments->survey.interact, "Pull each handle and scan again");
             table.package_path(&arguments->package_paths);
             table.option("--seeds", &arguments->seeds, "Number of maps per world, with seeds 1, 2, …",

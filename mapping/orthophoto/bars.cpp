@@ -23,7 +23,8 @@ struct SeenBar {
   double length() const { return along1 - along0 + 1; }
   double score = 0;        ///< mean contrast against both sides over its noise
   bool in_relief = false;  ///< seen there, not in colour
-  double beyond = 0;       ///< the same beyond its ends, at the end where it is higher, over `score`
+  size_t layer = 0;   ///< of the image that shows it: 0 = of the face itself, n = the n-th layer before it
+  double beyond = 0;  ///< the same beyond its ends, at the end where it is higher, over `score`
 };
 
 /// How much each pixel differs from both flanks in the same sense, for a bar of `width` rows.
@@ -120,9 +121,11 @@ std::optional<SeenBar> bar_in(const cv::Rect& box, const std::function<bool(int,
   return bar;
 }
 
-/// Level bars of an image (upright ones of its transpose).
-std::vector<SeenBar> seen_bars(const cv::Mat& image, const cv::Mat& mask, double pixel_m) {
-  cv::Mat strongest(image.size(), CV_32F, cv::Scalar(0)), widths(image.size(), CV_32S, cv::Scalar(0));
+/// Level bars of an image (upright ones of its transpose); `strongest`: the score of each pixel.
+std::vector<SeenBar> seen_bars(const cv::Mat& image, const cv::Mat& mask, double pixel_m,
+                               cv::Mat& strongest) {
+  strongest = cv::Mat(image.size(), CV_32F, cv::Scalar(0));
+  cv::Mat widths(image.size(), CV_32S, cv::Scalar(0));
   for (const int width : kBars.widths_px) {
     cv::Mat score = contrast(image, width);
     const double noise = std::max(1.4826 * masked_median(score, mask), kBars.min_noise);
@@ -173,23 +176,32 @@ class BarFinder {
   explicit BarFinder(const Orthophoto& photo) : photo_(photo), mask_(face_mask(photo)) {}
 
   std::vector<FaceFixture> run() {
-    cv::Mat image;
-    photo_.color.convertTo(image, CV_32FC3, 1.0 / 255);
-    std::vector<SeenBar> bars = seen_bars(image, mask_, photo_.pixel_m);
-    std::vector<SeenBar> upright = seen_bars(image.t(), mask_.t(), photo_.pixel_m);
-    for (SeenBar& bar : upright) bar.level = false;
-    bars.insert(bars.end(), upright.begin(), upright.end());
-    // Thin bars seen from very different places vanish in the median of the colours.
-    for (const bool level : {true, false})
-      for (SeenBar bar : seen_bars(level ? relief_image() : cv::Mat(relief_image().t()),
-                                   level ? mask_ : cv::Mat(mask_.t()), photo_.pixel_m)) {
-        bar.level = level;
-        bar.in_relief = true;
-        bars.push_back(bar);
+    std::vector<SeenBar> bars;
+    const auto look = [&](const cv::Mat& image, size_t layer, bool in_relief) {
+      for (const bool level : {true, false}) {
+        cv::Mat scores;
+        for (SeenBar bar : seen_bars(level ? image : cv::Mat(image.t()), level ? mask_ : cv::Mat(mask_.t()),
+                                     photo_.pixel_m, scores)) {
+          bar.level = level;
+          bar.layer = layer;
+          bar.in_relief = in_relief;
+          bars.push_back(bar);
+        }
+        if (layer == 0 && !in_relief) flat_scores_[level ? 1 : 0] = scores;
       }
+    };
+    for (size_t layer = 0; layer <= photo_.layers.size(); ++layer) {
+      cv::Mat image;
+      (layer == 0 ? photo_.color : photo_.layers[layer - 1].color).convertTo(image, CV_32FC3, 1.0 / 255);
+      look(image, layer, false);
+    }
+    // Thin bars seen from very different places vanish in the median of the colours.
+    look(relief_image(), 0, true);
     std::stable_sort(bars.begin(), bars.end(),
                      [](const SeenBar& a, const SeenBar& b) { return a.score > b.score; });
-    for (const SeenBar& bar : bars) consider(bar);
+    for (const bool standing : {true, false})
+      for (const SeenBar& bar : bars)
+        if (stands(bar) == standing) consider(bar);
     return std::move(bars_);
   }
 
@@ -233,11 +245,64 @@ class BarFinder {
     return share;
   }
 
+  double depth_of(const SeenBar& bar) const {
+    return bar.layer == 0 ? 0 : photo_.layers[bar.layer - 1].depth;
+  }
+
+  /// Where the frames show on the face what a bar's layer shows at its place, in mean, and how far they
+  /// scatter, pixels across the bar.
+  std::pair<double, double> displacement(const SeenBar& bar, double depth) const {
+    const int along = static_cast<int>((bar.along0 + bar.along1) / 2), across = static_cast<int>(bar.across);
+    const cv::Point at = bar.level ? cv::Point(along, across) : cv::Point(across, along);
+    if (!at.inside(cv::Rect({}, mask_.size()))) return {0, 0};
+    const int axis = bar.level ? 1 : 0;
+    const double pixels = depth / photo_.pixel_m;
+    // Rows count downwards.
+    const auto slope = static_cast<double>(photo_.slope.at<cv::Vec2f>(at)[axis]) * (bar.level ? 1 : -1);
+    return {slope * pixels, static_cast<double>(photo_.slope_sd.at<cv::Vec2f>(at)[axis]) * pixels};
+  }
+
+  /// Mean share of the frames that show one colour in a part of a layer.
+  double agreement(const cv::Rect& box, size_t layer) const {
+    return cv::mean(photo_.layers[layer - 1].agreement(box & cv::Rect({}, mask_.size())))[0];
+  }
+
+  /// Whether a layer shows the bar clearer than the face does, at its place or where its frames show the
+  /// face: what is on the face is sharp there.
+  bool stands(const SeenBar& bar) const {
+    if (bar.layer == 0 || bar.score < kBars.min_standing_score) return false;
+    const double moved = displacement(bar, depth_of(bar)).first;
+    const cv::Mat& flat = flat_scores_[bar.level ? 1 : 0];
+    double on_face = 0;
+    const int first = static_cast<int>(std::floor(std::min(0.0, moved))) - kBars.max_wander_px + 1;
+    const int last = static_cast<int>(std::ceil(std::max(0.0, moved))) + kBars.max_wander_px - 1;
+    for (int by = first; by <= last; ++by)
+      on_face =
+          std::max(on_face, median_ridge(flat, static_cast<int>(bar.along0), static_cast<int>(bar.along1) + 1,
+                                         static_cast<int>(std::lround(bar.across)) + by));
+    return bar.score > kBars.min_layer_gain * on_face;
+  }
+
+  /// Whether the frames see the bar's place from so different directions that a bar before the face would be
+  /// clearer in a layer.
+  bool would_stand(const SeenBar& bar) const {
+    return displacement(bar, kBars.usual_protrusion_m).second > bar.width;
+  }
+
   void consider(const SeenBar& bar) {
     const cv::Rect box = rect_of(bar, 0);
     const FaceRect rect = {photo_.u(box.x - 0.5), photo_.u(box.x + box.width - 0.5),
                            photo_.v(box.y + box.height - 0.5), photo_.v(box.y - 0.5)};
     if (bar.beyond > kBars.max_continuation || surroundings(bar) < kBars.min_beside) return;
+    if (stands(bar)) {
+      SeenBar behind = bar;  // What the frames show beside it is the face there.
+      behind.across += displacement(bar, depth_of(bar)).first;
+      if (surroundings(behind) < kBars.min_beside) return;
+      if (agreement(box, bar.layer) > kBars.min_agreement)
+        add(bar, rect, depth_of(bar), photo_.layers.front().depth);
+      return;
+    }
+    if (bar.layer > 0 || (!bar.in_relief && would_stand(bar))) return;
     if (!bar.in_relief && (divides_surfaces(bar) || ends_at_edges(bar))) return;
     double relief_sd = 0;
     const double relief = relief_of(bar, relief_sd);
@@ -334,7 +399,8 @@ class BarFinder {
   }
 
   void add(const SeenBar& bar, const FaceRect& seen, double relief, double relief_sd) {
-    const double protrusion = std::clamp(relief, kBars.usual_protrusion_m, kBars.max_protrusion_m);
+    const double protrusion =
+        bar.layer > 0 ? relief : std::clamp(relief, kBars.usual_protrusion_m, kBars.max_protrusion_m);
     FaceFixture found;
     found.box = seen;
     for (const FaceFixture& other : bars_)
@@ -343,18 +409,21 @@ class BarFinder {
     found.v = found.box.v();
     Fixture& fixture = found.fixture;
     fixture.kind = Fixture::Kind::handle;
-    fixture.centre = photo_.in_map({found.u, found.v}, protrusion);
+    fixture.centre = bar.layer > 0 ? photo_.in_layer({found.u, found.v}, protrusion)
+                                   : photo_.in_map({found.u, found.v}, protrusion);
     fixture.axis = bar.level ? photo_.face.right3() : Vector3d::UnitZ();
     fixture.length = bar.length() * photo_.pixel_m;
     fixture.radius = std::clamp(bar.width * photo_.pixel_m / 2, 0.003, 0.03);
     fixture.protrusion = protrusion;
     fixture.confidence = bar.score / (bar.score + kBars.half_score);
     fixture.evidence = {{"contrast", bar.score}, {"relief_m", relief}, {"relief_sd_m", relief_sd}};
+    if (bar.layer > 0) fixture.evidence["depth_from"] = "parallax";
     bars_.push_back(std::move(found));
   }
 
   const Orthophoto& photo_;
   cv::Mat mask_;
+  std::array<cv::Mat, 2> flat_scores_;  ///< of upright (transposed) and level bars in the image of the face
   std::vector<FaceFixture> bars_;
 };
 

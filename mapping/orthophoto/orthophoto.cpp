@@ -53,7 +53,7 @@ struct PhotoView {
   cv::Mat color;                       ///< CV_8UC3
   cv::Mat quality;                     ///< CV_32F, weight; 0 = not seen
   cv::Mat relief;                      ///< CV_32F, NaN = not measured
-  Vector3d camera = Vector3d::Zero();  ///< its position in the face's coordinates
+  Vector3d camera = Vector3d::Zero();  ///< position of the colour camera in the face's coordinates
 };
 
 /// Where the plane is for a frame: depth = offset + tilt_u · (u − mean_u) + tilt_v · (v − mean_v), and a
@@ -158,6 +158,7 @@ class Photographer {
       fuse();
     }
     for (const PhotoView& view : views_) photo_.frames.push_back(view.frame);
+    for (const double depth : kPhoto.layers_m) photo_.layers.push_back(layer(depth));
     straighten();
     return std::move(photo_);
   }
@@ -202,7 +203,8 @@ class Photographer {
   PhotoView project(const RgbdFrame& frame, const Isometry3d& face_from_camera,
                     const Correction& plane) const {
     PhotoView result;
-    result.camera = face_from_camera.translation();
+    result.camera = face_from_camera * frame.camera.depth_from_color.translation();
+    const double distance = face_from_camera.translation().z();
     result.relief = cv::Mat(size_, CV_32F, cv::Scalar(kNaN));
     result.quality = cv::Mat::zeros(size_, CV_32F);
     cv::Mat map(size_, CV_32FC2, cv::Scalar(-10, -10));
@@ -223,7 +225,7 @@ class Photographer {
         if (z > 0) {
           // Along the ray by the factor z / at.z(): the distance from the camera's to the plane shrinks
           // alike.
-          const double relief = (result.camera.z() - place.z()) * (1 - z / at.z());
+          const double relief = (distance - place.z()) * (1 - z / at.z());
           if (relief > kPhoto.before_m) continue;
           result.relief.at<float>(y, x) = static_cast<float>(relief);
           if (relief < -kPhoto.behind_m) continue;
@@ -337,7 +339,9 @@ class Photographer {
     });
   }
 
-  static void shift(PhotoView& view, double dx, double dy) {
+  void shift(PhotoView& view, double dx, double dy) const {
+    view.camera.x() -= dx * photo_.pixel_m;
+    view.camera.y() += dy * photo_.pixel_m;
     const cv::Mat by = (cv::Mat_<double>(2, 3) << 1, 0, dx, 0, 1, dy);
     const auto warp = [&](cv::Mat& image, int interpolation, const cv::Scalar& border) {
       cv::Mat moved;
@@ -355,6 +359,7 @@ class Photographer {
     photo_.relief = cv::Mat(size_, CV_32F, cv::Scalar(kNaN));
     photo_.relief_sd = cv::Mat(size_, CV_32F, cv::Scalar(kNaN));
     photo_.slope = cv::Mat::zeros(size_, CV_32FC2);
+    photo_.slope_sd = cv::Mat::zeros(size_, CV_32FC2);
     parallel_for(static_cast<size_t>(size_.height), threads_, [&](size_t begin, size_t end) {
       std::vector<std::pair<float, float>> samples;  // Value and weight.
       for (size_t y = begin; y < end; ++y)
@@ -403,6 +408,9 @@ class Photographer {
     warp(photo_.relief, cv::INTER_NEAREST, cv::Scalar(kNaN));
     warp(photo_.relief_sd, cv::INTER_NEAREST, cv::Scalar(kNaN));
     warp(photo_.slope, cv::INTER_NEAREST, {});
+    warp(photo_.slope_sd, cv::INTER_NEAREST, {});
+    for (PhotoLayer& layer : photo_.layers)
+      warp(layer.color, cv::INTER_LINEAR, {}), warp(layer.agreement, cv::INTER_NEAREST, {});
   }
 
   static float weighted_median(std::vector<std::pair<float, float>>& samples) {
@@ -417,20 +425,26 @@ class Photographer {
 
   void fuse_pixel(int y, int x, std::vector<std::pair<float, float>>& samples) {
     float total = 0;
-    cv::Vec2f slope(0, 0);
+    cv::Vec2f slope(0, 0), squares(0, 0);
     for (const PhotoView& view : views_) {
       const float weight = view.quality.at<float>(y, x);
       if (weight <= 0) continue;
       total += weight;
       const Vector3d& camera = view.camera;
-      slope += weight * cv::Vec2f(static_cast<float>((camera.x() - photo_.u(x)) / camera.z()),
-                                  static_cast<float>((camera.y() - photo_.v(y)) / camera.z()));
+      const cv::Vec2f own(static_cast<float>((camera.x() - photo_.u(x)) / camera.z()),
+                          static_cast<float>((camera.y() - photo_.v(y)) / camera.z()));
+      slope += weight * own;
+      squares += weight * own.mul(own);
     }
     photo_.weight.at<float>(y, x) = total;
     cv::Vec3b& color = photo_.color.at<cv::Vec3b>(y, x);
     color = {};
     if (total > 0) {
-      photo_.slope.at<cv::Vec2f>(y, x) = slope / total;
+      slope /= total;
+      photo_.slope.at<cv::Vec2f>(y, x) = slope;
+      for (int i = 0; i < 2; ++i)
+        photo_.slope_sd.at<cv::Vec2f>(y, x)[i] =
+            std::sqrt(std::max(0.F, squares[i] / total - slope[i] * slope[i]));
       for (int channel = 0; channel < 3; ++channel) {
         samples.clear();
         for (const PhotoView& view : views_)
@@ -440,6 +454,50 @@ class Photographer {
       }
     }
     fuse_relief(y, x, samples);
+  }
+
+  /// The frames projected onto a plane before the face instead: their median. What a frame shows of that
+  /// plane, it shows of the face where its ray ends: scaled about the foot of the camera.
+  PhotoLayer layer(double depth) const {
+    struct Scaling {
+      double scale, x, y;
+    };
+    std::vector<Scaling> scalings;
+    for (const PhotoView& view : views_) {
+      const double scale = view.camera.z() / (view.camera.z() - depth);
+      scalings.push_back(
+          {scale, (1 - scale) * photo_.column(view.camera.x()), (1 - scale) * photo_.row(view.camera.y())});
+    }
+    PhotoLayer layer{depth, cv::Mat::zeros(size_, CV_8UC3), cv::Mat::zeros(size_, CV_32F)};
+    parallel_for(static_cast<size_t>(size_.height), threads_, [&](size_t begin, size_t end) {
+      std::array<std::vector<uint8_t>, 3> samples;
+      for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+        for (int x = 0; x < size_.width; ++x) {
+          for (auto& channel : samples) channel.clear();
+          for (size_t i = 0; i < views_.size(); ++i) {
+            const int from_x = static_cast<int>(scalings[i].scale * x + scalings[i].x + 0.5);
+            const int from_y = static_cast<int>(scalings[i].scale * y + scalings[i].y + 0.5);
+            if (from_x < 0 || from_x >= size_.width || from_y < 0 || from_y >= size_.height) continue;
+            if (views_[i].quality.at<float>(from_y, from_x) <= 0) continue;
+            const cv::Vec3b& pixel = views_[i].color.at<cv::Vec3b>(from_y, from_x);
+            for (size_t channel = 0; channel < 3; ++channel)
+              samples[channel].push_back(pixel[static_cast<int>(channel)]);
+          }
+          if (samples[0].empty()) continue;
+          cv::Vec3b& color = layer.color.at<cv::Vec3b>(y, x);
+          for (int channel = 0; channel < 3; ++channel)
+            color[channel] = median(samples[static_cast<size_t>(channel)]);
+          int same = 0;
+          for (size_t i = 0; i < samples[0].size(); ++i)
+            same += std::abs(samples[0][i] - color[0]) < kPhoto.same_color &&
+                            std::abs(samples[1][i] - color[1]) < kPhoto.same_color &&
+                            std::abs(samples[2][i] - color[2]) < kPhoto.same_color
+                        ? 1
+                        : 0;
+          layer.agreement.at<float>(y, x) = static_cast<float>(same) / static_cast<float>(samples[0].size());
+        }
+    });
+    return layer;
   }
 
   /// Median over the frames, each weighted by its depth's precision.
@@ -479,6 +537,11 @@ Vector2d Orthophoto::slope_at(const Vector2d& at) const {
 
 Vector3d Orthophoto::in_map(const Vector2d& at, double depth) const {
   const Vector2d on_face = middle() + Eigen::Rotation2Dd(-roll) * (at - middle()) + depth * slope_at(at);
+  return face.at(on_face.x(), on_face.y(), depth);
+}
+
+Vector3d Orthophoto::in_layer(const Vector2d& at, double depth) const {
+  const Vector2d on_face = middle() + Eigen::Rotation2Dd(-roll) * (at - middle());
   return face.at(on_face.x(), on_face.y(), depth);
 }
 

@@ -9,20 +9,30 @@
 
 namespace loci::mapping {
 
+/// What the frames show in a plane before a face: what stands there is sharp, the face itself is blurred
+/// unless it is of one colour.
+struct PhotoLayer {
+  double depth = 0;   ///< metres before the face
+  cv::Mat color;      ///< CV_8UC3, BGR; as large as the orthophoto
+  cv::Mat agreement;  ///< CV_32F, share of the frames that show about this colour
+};
+
 /// Images of a furniture face as from an infinite distance before it. The first row is at the top, the first
 /// column at the left of a person before the face; all images have one size. A pixel stands for the rays that
 /// cross the plane there: what stands before the plane is displaced by `slope` times its relief.
 struct Orthophoto {
   FurnitureFace face;
-  double pixel_m = 0;          ///< size of a pixel
-  double u0 = 0, v0 = 0;       ///< left edge of the first column, lower edge of the last row
-  double roll = 0;             ///< radians by which the images were turned about their middle, clockwise
-  cv::Mat color;               ///< CV_8UC3, BGR; black where nothing was seen
-  cv::Mat weight;              ///< CV_32F, sum of the weights of the frames; 0 = not seen
-  cv::Mat relief;              ///< CV_32F, metres before the plane; NaN = not measured
-  cv::Mat relief_sd;           ///< CV_32F, metres, of the relief
-  cv::Mat slope;               ///< CV_32FC2, mean change of (u, v) of the rays per metre towards the observer
-  std::vector<size_t> frames;  ///< numbers of the frames used
+  double pixel_m = 0;     ///< size of a pixel
+  double u0 = 0, v0 = 0;  ///< left edge of the first column, lower edge of the last row
+  double roll = 0;        ///< radians by which the images were turned about their middle, clockwise
+  cv::Mat color;          ///< CV_8UC3, BGR; black where nothing was seen
+  cv::Mat weight;         ///< CV_32F, sum of the weights of the frames; 0 = not seen
+  cv::Mat relief;         ///< CV_32F, metres before the plane; NaN = not measured
+  cv::Mat relief_sd;      ///< CV_32F, metres, of the relief
+  cv::Mat slope;          ///< CV_32FC2, mean change of (u, v) of the rays per metre towards the observer
+  cv::Mat slope_sd;       ///< CV_32FC2, standard deviation of it over the frames
+  std::vector<PhotoLayer> layers;  ///< nearest to the face first
+  std::vector<size_t> frames;      ///< numbers of the frames used
 
   int width() const { return color.cols; }
   int height() const { return color.rows; }
@@ -32,6 +42,8 @@ struct Orthophoto {
   double row(double v) const { return height() - 0.5 - (v - v0) / pixel_m; }
   /// The point of the map that the images show at (u, v), when it stands `depth` before the plane.
   Vector3d in_map(const Vector2d& at, double depth = 0) const;
+  /// The point of the map that a layer shows at (u, v).
+  Vector3d in_layer(const Vector2d& at, double depth) const;
   /// Where the images show a point of the map that is on or before the face: the inverse of in_map().
   Vector2d seen_at(const Vector3d& point) const;
 

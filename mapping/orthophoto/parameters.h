@@ -9,9 +9,12 @@ namespace loci::mapping {
 
 /// Orthophotos of furniture faces.
 struct PhotoParameters {
-  double pixel_m = 0.003;                    ///< a colour pixel of a 640 × 480 camera at 1.6 m
-  double min_area_m2 = 0.12;                 ///< of a face: smaller than two drawers is clutter
-  double margin_m = 0.08;                    ///< around a face
+  double pixel_m = 0.003;        ///< a colour pixel of a 640 × 480 camera at 1.6 m
+  double min_area_m2 = 0.12;     ///< of a face: smaller than two drawers is clutter
+  double same_face_m = 0.06;     ///< between planes of one face that depth errors divide …
+  double same_face_cover = 0.6;  ///< … and of the smaller one that the larger one covers
+  double margin_m = 0.08;        ///< around a face
+  std::array<double, 5> layers_m = {0.015, 0.025, 0.035, 0.045, 0.055};  ///< before it: bars and knobs
   double max_range_m = 4;                    ///< of a frame: a pixel is 7 mm there
   double min_cosine = 0.25;                  ///< of incidence: flatter views stretch pixels fourfold
   double probe_m = 0.10;                     ///< between the places by which frames are chosen
@@ -33,6 +36,7 @@ struct PhotoParameters {
   double roll_step = 0.00175;                ///< radians, a tenth of a degree
   int roll_steps = 30;                       ///< to each side
   double min_roll_gain = 1.02;               ///< of the straightness, to turn an image at all
+  int same_color = 25;                       ///< between frames that agree, of 255 per channel
   int align_rounds = 2;                      ///< alternating shifts and medians settle
 };
 inline constexpr PhotoParameters kPhoto;
@@ -60,8 +64,26 @@ struct BarParameters {
   double max_protrusion_m = 0.06;    ///< of usual hardware
   double half_score = 8;             ///< twice the minimum: confidence 0.5
   double same_bar_m = 0.03;          ///< between two findings of one bar and its shadow
+  double min_standing_score = 9;     ///< of a bar that a layer shows
+  double min_agreement = 0.5;        ///< of the frames on what a layer shows there
+  double min_layer_gain = 1.1;       ///< of a standing bar's score over that of the face at its place
 };
 inline constexpr BarParameters kBars;
+
+/// Knobs in the layers before orthophotos.
+struct KnobParameters {
+  std::array<int, 2> radii_px = {4, 6};  ///< 24 and 36 mm across
+  double ring = 1.9;               ///< of the places around a knob where the face shows, over its radius
+  double min_score = 15;           ///< contrast over its noise, in the weakest direction
+  double min_noise = 0.004;        ///< of contrasts: one grey level
+  double min_layer_gain = 1.3;     ///< of its score over that of the face at its place
+  double min_relief_m = 0.015;     ///< of a knob that no layer shows clearer
+  double max_protrusion_m = 0.05;  ///< of a knob: deeper layers are not looked at
+  double min_beside = 0.93;        ///< of the pixels around that are face
+  double min_apart_m = 0.03;       ///< between knobs, and to bars
+  double half_score = 15;          ///< confidence 0.5
+};
+inline constexpr KnobParameters kKnobs;
 
 /// Seams and edges in orthophotos.
 struct LineParameters {
@@ -88,15 +110,28 @@ struct PhotoFrontParameters {
   double bar_margin_m = 0.01;  ///< between a bar and the edge of its front
   double max_width_m = kFronts.max_width_m;
   double max_area_m2 = kFronts.max_area_m2;
-  double front_value = 2;        ///< of a front with a bar where bars are, against none
-  double extra_bar = 2;          ///< cost of a further bar in a front
-  double bare_cost = 1.5;        ///< of a part without a bar: fronts have one where others have
-  double bare_side_m = 0.2;      ///< of such a part: larger than plinths and slabs
-  double line_cost = 0.25;       ///< of a line across a front, per standard score
-  double max_line_z = 12;        ///< more makes a line no more certain: shadows are strong, too
-  double same_fixture_m = 0.05;  ///< between two findings of one handle
-  int min_resolved = 2;          ///< edges of a front that are lines
-  int max_depth = 40;            ///< of the recursion
+  double front_value = 2;          ///< of a front with a bar where bars are, against none
+  double extra_bar = 2;            ///< cost of a further bar in a front
+  double bare_cost = 1.5;          ///< of a part without a bar: fronts have one where others have
+  double bare_side_m = 0.2;        ///< of such a part: larger than plinths and slabs
+  double line_cost = 0.25;         ///< of a line across a front, per standard score
+  double max_line_z = 12;          ///< more makes a line no more certain: shadows are strong, too
+  double same_fixture_m = 0.05;    ///< between two findings of one handle
+  int min_resolved = 2;            ///< edges of a front that are lines or ends of the face
+  int min_bare_resolved = 4;       ///< of a front without a bar, beside one that has one
+  double min_bare_m = 0.12;        ///< narrower ones are filler strips
+  double neighbour_m = 0.02;       ///< between neighbouring fronts
+  double min_shared = 0.6;         ///< of the shorter edge of such neighbours
+  double outline_m = 0.04;         ///< beside an end of the face …
+  double outline_open = 0.3;       ///< … in which so much is known to be farther or nearer
+  double min_lone_area_m2 = 0.35;  ///< of a face with a single front: backs of chairs, boxes
+  double min_outline_step_m = kLayout.min_outline_step_m;  ///< of the face's extent, where it is cut
+  double outline_window_m = 0.06;                          ///< on each side of such a step
+  double outline_share = 0.75;  ///< of the window that is face on one side, but not on the other
+  double min_between_m = 0.05;  ///< between bars of different fronts
+  double weak_z = 2.5;          ///< of a line between two bars
+  double regular_cost = 1;      ///< of a cut that no line shows; less for weak lines
+  int max_depth = 40;           ///< of the recursion
 };
 inline constexpr PhotoFrontParameters kPhotoFronts;
 

@@ -12,6 +12,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/orthophoto/bars.h"
+#include "mapping/orthophoto/knobs.h"
 #include "mapping/orthophoto/lines.h"
 #include "mapping/orthophoto/parameters.h"
 
@@ -22,7 +23,7 @@ enum Side : size_t { left, right, bottom, top };
 constexpr std::array<const char*, 4> kSideNames = {"left", "right", "bottom", "top"};
 
 struct Edge {
-  std::string kind = "border";  ///< border, seam, step, regular
+  std::string kind = "border";  ///< border, seam, step, outline, regular
   double z = 0;
 };
 
@@ -75,6 +76,8 @@ std::vector<FaceFixture> all_bars(const Orthophoto& photo, const std::vector<Fix
     if (std::none_of(bars.begin(), bars.begin() + static_cast<std::ptrdiff_t>(count), same))
       bars.push_back(std::move(bar));
   }
+  const std::vector<FaceFixture> knobs = find_knobs(photo, bars);
+  bars.insert(bars.end(), knobs.begin(), knobs.end());
   return bars;
 }
 
@@ -87,6 +90,8 @@ class PhotoLayout {
         min_side_(px(kPhotoFronts.min_side_m)) {
     known_ = (photo.relief == photo.relief) & (photo.weight > 0);
     face_ = (cv::abs(photo.relief) < kBars.face_relief_m) & known_;
+    open_ = cv::abs(photo.relief) >= kBars.face_relief_m;
+    cv::integral(face_ / 255, face_sums_, CV_32S);
   }
 
   std::vector<Front> run() {
@@ -94,8 +99,11 @@ class PhotoLayout {
     whole.x1 = photo_.width();
     whole.y1 = photo_.height();
     shrink(whole);
-    if (whole.width() > min_side_ && whole.height() > min_side_) return best_layout(whole, 0).fronts;
-    return {};
+    if (whole.width() <= min_side_ || whole.height() <= min_side_) return {};
+    Layout layout = best_layout(whole, 0);
+    if (layout.fronts.size() < 2 && photo_.face.area < kPhotoFronts.min_lone_area_m2) return {};
+    add_bare(layout);
+    return std::move(layout.fronts);
   }
 
  private:
@@ -117,12 +125,129 @@ class PhotoLayout {
       while (part.height() > 1 && share(part.x0, part.y1 - 1, part.width(), 1) < kPhotoFronts.min_face)
         --part.y1;
     }
+    const int reach = px(kPhotoFronts.outline_m);
+    mark_outline(part, left, {part.x0 - reach, part.y0, reach, part.height()});
+    mark_outline(part, right, {part.x1, part.y0, reach, part.height()});
+    mark_outline(part, top, {part.x0, part.y0 - reach, part.width(), reach});
+    mark_outline(part, bottom, {part.x0, part.y1, part.width(), reach});
+  }
+
+  /// The end of the face is an edge where another surface shows beyond it.
+  void mark_outline(Part& part, Side side, const cv::Rect& beyond) const {
+    const cv::Rect inside = beyond & cv::Rect({}, open_.size());
+    if (part.edges[side].kind == "border" && !inside.empty() &&
+        cv::countNonZero(open_(inside)) > kPhotoFronts.outline_open * beyond.area())
+      part.edges[side] = {"outline", 0};
   }
 
   struct Layout {
     double value = 0;
     std::vector<Front> fronts;
+    std::vector<Part> parts;  ///< of the fronts
+    std::vector<Part> bare;   ///< parts with edges on all sides, without a bar
+    void append(const Layout& other) {
+      value += other.value;
+      fronts.insert(fronts.end(), other.fronts.begin(), other.fronts.end());
+      parts.insert(parts.end(), other.parts.begin(), other.parts.end());
+      bare.insert(bare.end(), other.bare.begin(), other.bare.end());
+    }
   };
+
+  /// Bare parts beside a front with a bar are fronts, too: some open by a push.
+  void add_bare(Layout& layout) const {
+    for (const Part& part : layout.bare)
+      if (std::any_of(layout.parts.begin(), layout.parts.end(),
+                      [&](const Part& other) { return are_neighbours(part, other); }))
+        layout.fronts.push_back(front_of(part, nullptr));
+  }
+
+  bool are_neighbours(const Part& a, const Part& b) const {
+    const int gap = px(kPhotoFronts.neighbour_m);
+    const auto overlap = [](int a0, int a1, int b0, int b1) { return std::min(a1, b1) - std::max(a0, b0); };
+    const int across = overlap(a.x0, a.x1, b.x0, b.x1), down = overlap(a.y0, a.y1, b.y0, b.y1);
+    const auto beside = [&](int apart, int shared, int shorter) {
+      return std::abs(apart) <= gap && shared > kPhotoFronts.min_shared * shorter;
+    };
+    return beside(across, down, std::min(a.height(), b.height())) ||
+           beside(down, across, std::min(a.width(), b.width()));
+  }
+
+  struct Cut {
+    bool along_u = true;
+    int position = 0;
+    Edge edge;
+    double cost = 0;
+  };
+
+  static Edge edge_of(const PhotoLine& line) {
+    return {line.kind == PhotoLine::Kind::seam ? "seam" : "step", line.z};
+  }
+
+  double face_share(const cv::Rect& rect) const {
+    const auto sum = [&](int x, int y) { return face_sums_.at<int>(y, x); };
+    const int inside = sum(rect.x + rect.width, rect.y + rect.height) - sum(rect.x, rect.y + rect.height) -
+                       sum(rect.x + rect.width, rect.y) + sum(rect.x, rect.y);
+    return static_cast<double>(inside) / rect.area();
+  }
+
+  /// The cut where the extent of the face changes most, as beside tall furniture.
+  void add_outline_cut(const Part& part, std::vector<Cut>& cuts) const {
+    constexpr int kStep = 3;  // Pixels along the cut.
+    const int window = px(kPhotoFronts.outline_window_m);
+    for (const bool along_u : {true, false}) {
+      const int first = along_u ? part.x0 : part.y0, last = along_u ? part.x1 : part.y1;
+      const int from = along_u ? part.y0 : part.x0, to = along_u ? part.y1 : part.x1;
+      double most = 0;
+      int position = 0;
+      for (int at = first + window; at <= last - window; ++at) {
+        double changed = 0;
+        for (int along = from; along + kStep <= to; along += kStep) {
+          const auto share = [&](int start) {
+            return face_share(along_u ? cv::Rect(start, along, window, kStep)
+                                      : cv::Rect(along, start, kStep, window));
+          };
+          const double change = std::abs(share(at - window) - share(at));
+          if (change > kPhotoFronts.outline_share) changed += change;
+        }
+        if (changed > most) most = changed, position = at;
+      }
+      if (most * kStep * photo_.pixel_m > kPhotoFronts.min_outline_step_m)
+        cuts.push_back({along_u, position, {"outline", 0}, 0});
+    }
+  }
+
+  /// Cuts between bars that belong to different fronts: at the strongest line between them, however weak, or
+  /// in their middle where upright bars face each other.
+  void add_cuts_between_bars(const Part& part, std::vector<Cut>& cuts) const {
+    std::vector<const FaceFixture*> bars;
+    const FaceRect rect = rect_of(part);
+    for (const FaceFixture& bar : bars_)
+      if (rect.contains(bar.u, bar.v)) bars.push_back(&bar);
+    if (bars.size() < 2 || bars.size() > 12) return;
+    for (const bool along_u : {true, false}) {
+      std::sort(bars.begin(), bars.end(), [&](const FaceFixture* a, const FaceFixture* b) {
+        return along_u ? a->u < b->u : a->v < b->v;
+      });
+      for (size_t i = 1; i < bars.size(); ++i) {
+        const double low = bars[i - 1]->box.high(along_u), high = bars[i]->box.low(along_u);
+        if (high - low < kPhotoFronts.min_between_m) continue;
+        const int first = static_cast<int>(std::lround(along_u ? photo_.column(low) : photo_.row(high)));
+        const int last = static_cast<int>(std::lround(along_u ? photo_.column(high) : photo_.row(low)));
+        PhotoLine best;
+        for (int position = first + 3; position <= last - 3; ++position) {
+          const PhotoLine line = along_u ? lines_.line(true, position, part.y0, part.y1)
+                                         : lines_.line(false, position, part.x0, part.x1);
+          if (line.z > best.z) best = line;
+        }
+        const auto upright = [](const FaceFixture* bar) { return bar->box.height() >= bar->box.width(); };
+        if (best.z > kPhotoFronts.weak_z)
+          cuts.push_back({along_u, best.position, edge_of(best),
+                          kPhotoFronts.regular_cost * std::max(0.0, 1 - best.z / kLines.min_z)});
+        else if (along_u && upright(bars[i - 1]) && upright(bars[i]))
+          cuts.push_back({true, (first + last) / 2, {"regular", 0}, kPhotoFronts.regular_cost});
+      }
+    }
+  }
 
   /// The best of one front and of the layouts on both sides of the strongest upright and the strongest level
   /// line.
@@ -136,23 +261,24 @@ class PhotoLayout {
     best = one_front(part);
     best.value -= kPhotoFronts.line_cost * std::min(std::max(upright.z, level.z), kPhotoFronts.max_line_z);
     if (depth > kPhotoFronts.max_depth) return best;
-    for (const bool along_u : {true, false}) {
-      const PhotoLine& line = along_u ? upright : level;
-      if (line.kind == PhotoLine::Kind::none) continue;
-      const Edge edge{line.kind == PhotoLine::Kind::seam ? "seam" : "step", line.z};
+    std::vector<Cut> cuts;
+    if (upright.kind != PhotoLine::Kind::none) cuts.push_back({true, upright.position, edge_of(upright), 0});
+    if (level.kind != PhotoLine::Kind::none) cuts.push_back({false, level.position, edge_of(level), 0});
+    add_outline_cut(part, cuts);
+    if (cuts.empty()) add_cuts_between_bars(part, cuts);
+    for (const Cut& cut : cuts) {
       Part low = part, high = part;
-      if (along_u) {
-        low.x1 = high.x0 = line.position;
-        low.edges[right] = high.edges[left] = edge;
+      if (cut.along_u) {
+        low.x1 = high.x0 = cut.position;
+        low.edges[right] = high.edges[left] = cut.edge;
       } else {
-        low.y1 = high.y0 = line.position;
-        low.edges[bottom] = high.edges[top] = edge;
+        low.y1 = high.y0 = cut.position;
+        low.edges[bottom] = high.edges[top] = cut.edge;
       }
-      Layout cut = best_layout(low, depth + 1);
-      const Layout& other = best_layout(high, depth + 1);
-      cut.value += other.value;
-      cut.fronts.insert(cut.fronts.end(), other.fronts.begin(), other.fronts.end());
-      if (cut.value >= best.value) best = std::move(cut);
+      Layout divided = best_layout(low, depth + 1);
+      divided.append(best_layout(high, depth + 1));
+      divided.value -= cut.cost;
+      if (divided.value >= best.value) best = std::move(divided);
     }
     return best;
   }
@@ -176,11 +302,14 @@ class PhotoLayout {
       if (!fits(bar.box, part, core)) continue;
       const Front front = front_of(part, &bar);
       const double value = kPhotoFronts.front_value + front_log_likelihood(front);
-      if (layout.fronts.empty() || value > layout.value) layout = {value, {front}};
+      if (layout.fronts.empty() || value > layout.value) layout = {value, {front}, {part}, {}};
     }
     if (layout.value < 0) layout = {};
-    if (layout.fronts.empty() && std::min(rect.width(), rect.height()) > kPhotoFronts.bare_side_m)
-      layout.value -= kPhotoFronts.bare_cost;
+    const double side = std::min(rect.width(), rect.height());
+    if (layout.fronts.empty() && side > kPhotoFronts.bare_side_m) layout.value -= kPhotoFronts.bare_cost;
+    if (layout.fronts.empty() && bars == 0 && side > kPhotoFronts.min_bare_m &&
+        resolved >= kPhotoFronts.min_bare_resolved)
+      layout.bare.push_back(part);
     layout.value -= kPhotoFronts.extra_bar * std::max(0.0, bars - static_cast<double>(layout.fronts.size()));
     return layout;
   }
@@ -222,6 +351,8 @@ class PhotoLayout {
   std::vector<FaceFixture> bars_;
   PhotoLines lines_;
   cv::Mat known_, face_;
+  cv::Mat face_sums_;  ///< integral image of face_
+  cv::Mat open_;       ///< measured, but not of the face
   int min_side_;
   std::map<std::array<int, 4>, Layout> layouts_;  ///< by part: columns and rows
 };

@@ -50,6 +50,21 @@ bool same_furniture(const Front& a, const Front& b) {
           (a.fixture->centre - b.fixture->centre).norm() < kPhotoFronts.same_fixture_m);
 }
 
+/// Errors of depth divide a face into planes a few centimetres apart: whether a larger one covers most of it.
+bool is_part_of_larger(const FurnitureFace& face, const std::vector<FurnitureFace>& faces) {
+  const auto overlap = [](double a0, double a1, double b0, double b1) {
+    return std::max(0.0, std::min(a1, b1) - std::max(a0, b0));
+  };
+  return std::any_of(faces.begin(), faces.end(), [&](const FurnitureFace& other) {
+    const double extent = (face.u_max - face.u_min) * (face.v_max - face.v_min);
+    return !other.wall && other.area > face.area && face.normal.dot(other.normal) > kFaces.parallel_cosine &&
+           std::abs(face.offset - other.offset) < kPhoto.same_face_m &&
+           overlap(face.u_min, face.u_max, other.u_min, other.u_max) *
+                   overlap(face.v_min, face.v_max, other.v_min, other.v_max) >
+               kPhoto.same_face_cover * extent;
+  });
+}
+
 /// Appends fronts, but for those of which a better one is there.
 void unite(std::vector<Front>& fronts, const std::vector<Front>& more) {
   for (const Front& front : more)
@@ -74,7 +89,7 @@ std::vector<PhotographedFace> interpret_photos(const Recording& recording, int t
   std::vector<Front> fronts;
   for (size_t i = 0; i < map.faces.size(); ++i) {
     const FurnitureFace& face = map.faces[i];
-    if (!face.wall && face.area >= kPhoto.min_area_m2) {
+    if (!face.wall && face.area >= kPhoto.min_area_m2 && !is_part_of_larger(face, map.faces)) {
       PhotographedFace one{make_orthophoto(recording, poses, face, threads), {}};
       std::vector<Fixture> known;
       for (const Front& front : map.fronts)

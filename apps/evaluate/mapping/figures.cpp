@@ -200,7 +200,7 @@ class Table {
   std::vector<Figure> figures_;
 };
 
-/// The worlds in the order in which they were mapped.
+/// The worlds in the order in which they were mapped, then all of them together.
 std::vector<std::pair<std::string, std::vector<Figure>>> by_world(const std::vector<MappedWorld>& maps) {
   std::vector<std::pair<std::string, std::vector<const MappedWorld*>>> worlds;
   for (const MappedWorld& map : maps) {
@@ -210,7 +210,18 @@ std::vector<std::pair<std::string, std::vector<Figure>>> by_world(const std::vec
   }
   std::vector<std::pair<std::string, std::vector<Figure>>> columns;
   for (const auto& [world, of_world] : worlds) columns.emplace_back(world, figures_of(of_world));
+  if (worlds.size() < 2) return columns;
+  std::vector<const MappedWorld*> all;
+  for (const MappedWorld& map : maps) all.push_back(&map);
+  columns.emplace_back("all", figures_of(all));
   return columns;
+}
+
+/// Drawn kitchens are called kitchen.urdf in a folder with their name.
+std::string column_name(const std::filesystem::path& world) {
+  return world.filename() == "kitchen.urdf" && world.has_parent_path()
+             ? world.parent_path().filename().string()
+             : world.stem().string();
 }
 
 }  // namespace
@@ -222,8 +233,7 @@ std::vector<Figure> figures_of(const std::vector<const MappedWorld*>& maps) {
 std::string table_text(const std::vector<MappedWorld>& maps) {
   const auto columns = by_world(maps);
   std::string text = fmt::format("{:<36} {:>8}", "", "aim");
-  for (const auto& [world, figures] : columns)
-    text += fmt::format(" {:>18}", std::filesystem::path(world).stem().string());
+  for (const auto& [world, figures] : columns) text += fmt::format(" {:>18}", column_name(world));
   text += "\n";
   for (size_t row = 0; row < columns.front().second.size(); ++row) {
     const Figure& first = columns.front().second[row];

@@ -1,12 +1,17 @@
 #include "apps/evaluate/mapping/mapper.h"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/time.h"
 #include "mapping/fusion/fusion.h"
+#include "mapping/image/image_io.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/orthophoto/photo_interpretation.h"
+#include "mapping/simulation/record.h"
+#include "mapping/simulation/walk.h"
 #include "mapping/world/contacts.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
@@ -18,6 +23,10 @@ double peak_memory_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+mapping::MeshSearch search_of(const Run& run, const std::filesystem::path& file) {
+  return {run.package_paths, file.parent_path()};
 }
 
 mapping::SimulatedRobotOptions world_of(const Run& run) {
@@ -46,6 +55,12 @@ mapping::ScanSet scan_from(const Run& run, Progress& progress, Warnings& warning
   return scans;
 }
 
+void write_map(const Run& run, const nbv::SurveyResult& result) {
+  make_folder(run.folder);
+  write_urdf(result.map.world, run.folder / "map.urdf");
+  write_semantic_map(result.map.semantics, mapping::sidecar_path(run.folder / "map.urdf"));
+}
+
 nbv::SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings& warnings) {
   nbv::SurveyResult result;
   result.scans = scan_from(run, progress, warnings);
@@ -54,16 +69,35 @@ nbv::SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings
   const Stopwatch watch;
   result.map = interpret(result.scans, options, progress);
   result.seconds = watch.seconds();
-  make_folder(run.folder);
-  write_urdf(result.map.world, run.folder / "map.urdf");
-  write_semantic_map(result.map.semantics, mapping::sidecar_path(run.folder / "map.urdf"));
+  write_map(run, result);
   return result;
 }
 
+/// Records a walk through the world; the folder of the recording.
+std::filesystem::path recorded_walk(const Run& run, Progress& progress, Warnings& warnings) {
+  const mapping::World world = mapping::read_urdf(run.world);
+  mapping::Scenario scenario;
+  scenario.file = scenario.world = run.world;
+  scenario.camera = mapping::kinect_camera();
+  if (world.find_link("floor") == nullptr) scenario.floor = 0;
+  mapping::SceneSpec scene;
+  scene.time_ns = parse_time("2026-05-01T06:00:00Z");
+  scene.map_from_camera = walk_through(world, search_of(run, run.world), warnings);
+  scenario.scenes = {scene};
+  mapping::RecordOptions options;
+  options.seed = static_cast<int>(run.seed);
+  options.threads = run.threads;
+  options.package_paths = run.package_paths;
+  const std::filesystem::path folder = run.folder / "recording";
+  make_folder(run.folder);
+  record(scenario, folder, options, progress, warnings);
+  return folder;
+}
+
 /// The map of a recording: fused, interpreted, with fronts from its colour frames.
-nbv::SurveyResult map_of_recording(const Run& run, Progress& progress) {
+nbv::SurveyResult map_of_recording(const Run& run, const std::filesystem::path& folder, Progress& progress) {
   nbv::SurveyResult result;
-  const auto recording = mapping::open_recording(run.world);
+  const auto recording = mapping::open_recording(folder);
   mapping::FusionOptions fusion;
   fusion.threads = run.threads;
   mapping::InterpretationOptions options = run.survey.interpretation;
@@ -71,8 +105,11 @@ nbv::SurveyResult map_of_recording(const Run& run, Progress& progress) {
   const Stopwatch watch;
   result.scans = fuse(*recording, fusion, progress).scans;
   result.map = interpret(result.scans, options, progress);
-  interpret_photos(*recording, run.threads, progress, result.map);
+  const auto faces = interpret_photos(*recording, run.threads, progress, result.map);
   result.seconds = watch.seconds();
+  write_map(run, result);
+  for (size_t i = 0; i < faces.size(); ++i)
+    mapping::write_image(run.folder / fmt::format("face_{:02}.png", i), drawn(faces[i]));
   return result;
 }
 
@@ -86,19 +123,17 @@ nbv::SurveyResult survey_by_exploring(const Run& run, Progress& progress, Warnin
   return survey(robot, start, run.folder, false, options, progress, warnings);
 }
 
-mapping::MeshSearch search_of(const Run& run, const std::filesystem::path& file) {
-  return {run.package_paths, file.parent_path()};
-}
-
 }  // namespace
 
 MappedWorld map_world(const Run& run, Progress& progress, Warnings& warnings) {
   MappedWorld mapped;
   mapped.world = run.world;
   mapped.seed = run.seed;
-  nbv::SurveyResult made = std::filesystem::is_directory(run.world) ? map_of_recording(run, progress)
-                           : run.poses.empty() ? survey_by_exploring(run, progress, warnings)
-                                               : survey_from_poses(run, progress, warnings);
+  nbv::SurveyResult made =
+      std::filesystem::is_directory(run.world) ? map_of_recording(run, run.world, progress)
+      : run.walk          ? map_of_recording(run, recorded_walk(run, progress, warnings), progress)
+      : run.poses.empty() ? survey_by_exploring(run, progress, warnings)
+                          : survey_from_poses(run, progress, warnings);
   mapped.seconds = made.seconds;
   mapped.scans = made.scans.scans.size();
   mapped.pulls = made.interactions.size();

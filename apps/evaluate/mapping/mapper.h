@@ -12,14 +12,15 @@
 
 namespace loci::apps::mapping_claim {
 
-/// One run: a world is mapped by a simulated robot that has not seen the truth, or from a recording (then
-/// `world` is its folder), and compared with it.
+/// One run: a world is mapped by a simulated robot that has not seen the truth, or from a recording of a walk
+/// through it (`walk`), or `world` is a folder with a recording; the map is compared with the truth.
 struct Run {
   std::filesystem::path world, truth;
   std::filesystem::path folder;  ///< of the survey: scans, map, report
   std::vector<std::filesystem::path> package_paths;
   std::vector<mapping::PlanarPose> poses;    ///< where to scan from, exactly; empty: the robot explores
   std::optional<mapping::PlanarPose> start;  ///< of the exploration; unset: the most open floor
+  bool walk = false;                         ///< a person walks through the world with a simulated Kinect
   std::optional<double> ceiling;
   uint64_t seed = 1;
   int threads = 0;

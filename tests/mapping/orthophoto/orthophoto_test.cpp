@@ -109,6 +109,36 @@ TEST(PhotoFronts, CutsDrawersAtLevelSeams) {
   EXPECT_EQ(find_photo_fronts(photo_of(PaintedRecording(drawers))).size(), 3U);
 }
 
+/// Two doors with a spot of 3 cm each, at a depth before them.
+PaintedFront doors_with_spots(double depth) {
+  PaintedFront doors = two_doors();
+  doors.bars = {{-0.075, -0.045, 0.735, 0.765, depth}, {0.045, 0.075, 0.735, 0.765, depth}};
+  return doors;
+}
+
+TEST(PhotoFronts, FindsKnobs) {
+  std::vector<Front> fronts = find_photo_fronts(photo_of(PaintedRecording(doors_with_spots(0.03))));
+  ASSERT_EQ(fronts.size(), 2U);
+  for (const Front& front : fronts) {
+    ASSERT_TRUE(front.fixture);
+    EXPECT_EQ(front.fixture->kind, Fixture::Kind::knob);
+    const Vector3d truth(0.03, front.centre.y() < 0 ? -0.06 : 0.06, 0.75);
+    EXPECT_LT((front.fixture->centre - truth).norm(), 0.015);
+  }
+}
+
+TEST(PhotoFronts, TakesNoSpotOnTheFaceForAKnob) {
+  EXPECT_TRUE(find_photo_fronts(photo_of(PaintedRecording(doors_with_spots(0.0005)))).empty());
+}
+
+TEST(PhotoFronts, BarePartsBesideAFrontWithAHandleAreFronts) {
+  PaintedFront doors = two_doors();
+  doors.bars.pop_back();
+  const std::vector<Front> fronts = find_photo_fronts(photo_of(PaintedRecording(doors)));
+  ASSERT_EQ(fronts.size(), 2U);
+  EXPECT_NE(fronts[0].fixture.has_value(), fronts[1].fixture.has_value());
+}
+
 InterpretedMap map_with_face() {
   InterpretedMap map;
   map.world.name = map.world.root = "map";
@@ -135,6 +165,18 @@ TEST(PhotoInterpretation, ReplacesTheFrontsOfAFace) {
             2);
   const cv::Mat image = drawn(faces[0]);
   EXPECT_EQ(image.rows, 2 * faces[0].photo.height());
+}
+
+TEST(PhotoInterpretation, PhotographsAFaceOnceThatDepthErrorsDivide) {
+  InterpretedMap map = map_with_face();
+  FurnitureFace second = painted_face();
+  second.offset = -0.035;
+  second.u_max = 0;
+  second.area = 0.4;
+  map.faces.push_back(second);
+  NoProgress progress;
+  EXPECT_EQ(interpret_photos(recording(), 2, progress, map).size(), 1U);
+  EXPECT_EQ(map.fronts.size(), 2U);
 }
 
 TEST(PhotoInterpretation, RefusesARecordingWithoutPoses) {

@@ -1,0 +1,41 @@
+#include "mapping/simulation/walk.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include "mapping/world/urdf.h"
+
+namespace loci::mapping {
+namespace {
+
+const std::filesystem::path kSamples = std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples";
+
+TEST(Walk, StaysInsideAndTurnsRound) {
+  Warnings warnings;
+  const std::vector<Isometry3d> views =
+      walk_through(read_urdf(kSamples / "kitchen.urdf"), {{}, kSamples}, warnings);
+  ASSERT_GE(views.size(), 72U);
+  std::array<int, 4> quarters{};
+  for (const Isometry3d& view : views) {
+    const Vector3d from = view.translation(), forward = view.linear().col(2);
+    EXPECT_TRUE(from.x() > 0.2 && from.x() < 3.8 && from.y() > 0.2 && from.y() < 2.8) << from.transpose();
+    EXPECT_TRUE(from.z() > 0.8 && from.z() < 1.6);
+    EXPECT_GT(view.linear().col(1).dot(-Vector3d::UnitZ()), 0.8) << "upright";
+    ++quarters[(forward.x() > 0 ? 1 : 0) + (forward.y() > 0 ? 2 : 0)];
+  }
+  for (const int quarter : quarters) EXPECT_GE(quarter, static_cast<int>(views.size()) / 6);
+}
+
+TEST(Walk, NeedsAPlaceToStand) {
+  World world;
+  world.name = world.root = "map";
+  world.links.push_back({.name = "map", .visuals = {}, .collisions = {}, .inertial = {}});
+  Warnings warnings;
+  EXPECT_THROW(walk_through(world, {}, warnings), Error);
+}
+
+}  // namespace
+}  // namespace loci::mapping
