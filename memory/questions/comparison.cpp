@@ -14,8 +14,11 @@
 namespace loci::memory {
 namespace {
 
+bool is_of_height(const std::string& by) {
+  return by == "taller" || by == "shorter";
+}
 bool is_of_size(const std::string& by) {
-  return by == "bigger" || by == "smaller";
+  return by == "bigger" || by == "smaller" || is_of_height(by);
 }
 bool is_of_time(const std::string& by) {
   return by == "left-before" || by == "moved-before";
@@ -37,9 +40,11 @@ std::optional<Vector3d> position_of(const Snapshot& snapshot, const Compared& on
   return belief == nullptr || belief->status == ObjectStatus::gone ? std::nullopt : belief->position;
 }
 
-std::optional<double> volume_of(const Snapshot& snapshot, const Compared& one) {
+/// Its height, else its volume.
+std::optional<double> size_of(const Snapshot& snapshot, const Compared& one, bool height) {
   const auto size = snapshot.object_ref(*one.object).size;
-  return size ? std::optional(size->prod()) : std::nullopt;
+  if (!size) return std::nullopt;
+  return height ? size->z() : size->prod();
 }
 
 /// The last time that it left or was moved; of several objects the last of all.
@@ -75,7 +80,8 @@ Verdict verdict_of(const ComparisonAnswer& answer) {
   if (answer.by == "distance") return all[1].value ? Verdict::yes : Verdict::not_observed;
   const Compared &a = all[answer.by == "nearer" ? 1 : 0], &b = all[answer.by == "nearer" ? 2 : 1];
   if (!a.value || !b.value) return Verdict::not_observed;
-  return verdict_of(answer.by == "bigger" || answer.by == "more" ? *a.value > *b.value : *a.value < *b.value);
+  const bool more = answer.by == "bigger" || answer.by == "taller" || answer.by == "more";
+  return verdict_of(more ? *a.value > *b.value : *a.value < *b.value);
 }
 
 /// "56 cm", "1.2 l", "3 objects", "between 08:00 and 09:30".
@@ -87,7 +93,7 @@ std::string value_text(const std::string& by, const Compared& one, const TimeWri
                 : fmt::format("between {} and {}", times.text(one.time->first), times.text(one.time->last));
   }
   if (!one.value) return "not known";
-  if (is_of_size(by)) return fmt::format("{:.2g} l", kLitres * *one.value);
+  if (is_of_size(by) && !is_of_height(by)) return fmt::format("{:.2g} l", kLitres * *one.value);
   if (by == "more") return fmt::format("{:.0f} {}", *one.value, *one.value == 1 ? "object" : "objects");
   return fmt::format("{:.0f} cm", 100 * *one.value);
 }
@@ -101,6 +107,8 @@ std::string statement(const ComparisonAnswer& answer, const std::vector<std::str
   if (answer.by == "nearer")
     return fmt::format("{} is {} from {} and {} from {}", names[0], value(1), names[1], value(2), names[2]);
   if (answer.by == "more") return fmt::format("{} on {}, {} on {}", value(0), names[0], value(1), names[1]);
+  if (is_of_height(answer.by))
+    return fmt::format("{} is {} high, {} {}", names[0], value(0), names[1], value(1));
   const std::string verb = answer.by == "left-before"    ? "left"
                            : answer.by == "moved-before" ? "moved"
                                                          : "takes up";
@@ -129,7 +137,7 @@ ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question) {
       continue;
     }
     Compared one = compared_object(snapshot, subject);
-    if (is_of_size(question.by)) one.value = volume_of(snapshot, one);
+    if (is_of_size(question.by)) one.value = size_of(snapshot, one, is_of_height(question.by));
     if (is_of_time(question.by))
       one.time =
           last_change(store, subject, question.by == "left-before" ? "left" : "handled", question.as_of);
@@ -193,50 +201,55 @@ void write_reply(const ComparisonAnswer& answer, const ReplyContext& context, Re
 std::vector<Question> comparison_questions() {
   const auto by = [](const char* what) { return std::map<std::string, std::string>{{"by", what}}; };
   using enum Asks;
-  return {
-      {.name = "compare",
-       .description =
-           "Two objects against each other: distance, size, what left or moved first; or two places",
-       .parameters =
-           {{.name = "object",
-             .type = ParameterType::spot,
-             .help = "An object; for more a place",
-             .positional = true,
-             .required = true},
-            {.name = "with", .type = ParameterType::spot, .help = "The other one", .required = true},
-            {.name = "than", .type = ParameterType::object, .help = "Nearer than to this object"},
-            {.name = "by",
-             .help = "What is compared",
-             .default_text = "distance",
-             .choices = {"distance", "nearer", "bigger", "smaller", "left-before", "moved-before", "more"}}},
-       .asks = verdict,
-       .examples = {"green --with red", "green --with red --by bigger --json"},
-       .run = [](const Arguments& given) -> Answer {
-         ComparisonQuestion question{.subject = given.text("object"),
-                                     .with = given.text("with"),
-                                     .than = given.text("than"),
-                                     .as_of = given.as_of()};
-         if (!given.text("by").empty()) question.by = given.text("by");
-         return ask(given.store(), question);
-       },
-       .sentences = {
-           {"howfar: <object> from<with> [away|apart]", property, "How far is the tea from the oil?",
-            by("distance")},
-           {"howfar: <object> and<with> [apart|away|from]", property, "", by("distance")},
-           {"what|bare: distance between<object> and<with>", property, "", by("distance")},
-           {"what|bare: distance from<object> to<with>", property, "", by("distance")},
-           {"what|bare: distance of<object> to<with>", property, "", by("distance")},
-           {"yes|bare: nearer|nearest <object> to<with> than<than>", verdict,
-            "Is the tea nearer to the oil than the pot?", by("nearer")},
-           {"yes|bare: bigger <object> than<with>", verdict, "Is the pot bigger than the cup?", by("bigger")},
-           {"yes|bare: smaller <object> than<with>", verdict, "", by("smaller")},
-           {"what: bigger <object> and<with>", objects, "", by("bigger")},
-           {"what: smaller <object> and<with>", objects, "", by("smaller")},
-           {"yes: vanish|go|leave|take <object> before<with> [away]", verdict,
-            "Did the plate disappear before the bowl?", by("left-before")},
-           {"yes: move <object> before<with>", verdict, "", by("moved-before")},
-           {"yes|bare: morethings than at<object> at<with>", verdict,
-            "Is there more on the counter than on the table?", by("more")}}}};
+  return {{.name = "compare",
+           .description =
+               "Two objects against each other: distance, size, what left or moved first; or two places",
+           .parameters =
+               {{.name = "object",
+                 .type = ParameterType::spot,
+                 .help = "An object; for more a place",
+                 .positional = true,
+                 .required = true},
+                {.name = "with", .type = ParameterType::spot, .help = "The other one", .required = true},
+                {.name = "than", .type = ParameterType::object, .help = "Nearer than to this object"},
+                {.name = "by",
+                 .help = "What is compared",
+                 .default_text = "distance",
+                 .choices = {"distance", "nearer", "bigger", "smaller", "taller", "shorter", "left-before",
+                             "moved-before", "more"}}},
+           .asks = verdict,
+           .examples = {"green --with red", "green --with red --by bigger --json"},
+           .run = [](const Arguments& given) -> Answer {
+             ComparisonQuestion question{.subject = given.text("object"),
+                                         .with = given.text("with"),
+                                         .than = given.text("than"),
+                                         .as_of = given.as_of()};
+             if (!given.text("by").empty()) question.by = given.text("by");
+             return ask(given.store(), question);
+           },
+           .sentences = {{"howfar: <object> from<with> [away|apart]", property,
+                          "How far is the tea from the oil?", by("distance")},
+                         {"howfar: <object> and<with> [apart|away|from]", property, "", by("distance")},
+                         {"what|bare: distance between<object> and<with>", property, "", by("distance")},
+                         {"what|bare: distance from<object> to<with>", property, "", by("distance")},
+                         {"what|bare: distance of<object> to<with>", property, "", by("distance")},
+                         {"yes|bare: nearer|nearest <object> to<with> than<than>", verdict,
+                          "Is the tea nearer to the oil than the pot?", by("nearer")},
+                         {"yes|bare: bigger <object> than<with>", verdict, "Is the pot bigger than the cup?",
+                          by("bigger")},
+                         {"yes|bare: smaller <object> than<with>", verdict, "", by("smaller")},
+                         {"yes|bare: taller <object> than<with>", verdict, "Is the milk taller than the oil?",
+                          by("taller")},
+                         {"yes|bare: shorter <object> than<with>", verdict, "", by("shorter")},
+                         {"what: taller <object> and<with>", objects, "", by("taller")},
+                         {"what: shorter <object> and<with>", objects, "", by("shorter")},
+                         {"what: bigger <object> and<with>", objects, "", by("bigger")},
+                         {"what: smaller <object> and<with>", objects, "", by("smaller")},
+                         {"yes: vanish|go|leave|take <object> before<with> [away]", verdict,
+                          "Did the plate disappear before the bowl?", by("left-before")},
+                         {"yes: move <object> before<with>", verdict, "", by("moved-before")},
+                         {"yes|bare: morethings than at<object> at<with>", verdict,
+                          "Is there more on the counter than on the table?", by("more")}}}};
 }
 
 }  // namespace loci::memory

@@ -122,7 +122,7 @@ std::vector<Question> digest_questions() {
            .run = [](const Arguments& given) -> Answer {
              return ask(given.store(), DigestQuestion{given.text("day"), given.as_of()});
            },
-           .time = SentenceTime::none,
+           .time = SentenceTime::at,
            .sentences = {{"order|bare|what: digest|summary [give|show|tell]", Asks::summary,
                           "Give me a digest of the day."}}}};
 }

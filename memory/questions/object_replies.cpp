@@ -85,6 +85,7 @@ void where_time(const WhereAnswer& answer, const Names& names, const ReplyContex
                              ": " + names.subject(object->object), "at " + context.times.text(time));
     return;
   }
+  if (asks == Asks::last_time && object->place) reply.places = {object->place->name};
   reply.text =
       fmt::format("At {}: {} was {} seen then{}.", context.times.text(time), names.subject(object->object),
                   asks == Asks::first_time ? "first" : "last",

@@ -65,7 +65,12 @@ bool is_kind(const std::string& name, const std::string& word) {
 
 std::set<std::string> related_names(const std::string& word, const std::set<std::string>& names) {
   std::set<std::string> found;
-  if (word == "edible" || word == "edibles") return related_names("food", names);
+  if (word == "edible" || word == "edibles") {
+    std::set<std::string> food = related_names("food", names);
+    for (const char* one : {"oil", "butter", "salt", "sugar", "pepper", "vinegar"})
+      if (names.contains(one)) food.insert(one);
+    return food;
+  }
   if (word == "drinkable" || word == "drinkables") return related_names("drink", names);
   const std::set<std::string> own = singulars(word);
   const auto listed = household_kinds().find(word);

@@ -37,9 +37,12 @@ struct Delexicalised {
   Words words;
   std::vector<std::string> objects, places;
   bool known = true;
+  bool throughout = false;
 };
 
 std::string text_of(const SentencePeriod& period) {
+  if (period.throughout && period.from != period.to) return "throughout " + period.from + " and " + period.to;
+  if (period.throughout) return "all " + (period.from == "today" ? "day" : words_of(period.from).back());
   if (period.from.empty()) return "before " + period.to;
   if (period.to.empty()) return "since " + period.from;
   if (period.from != period.to) return "between " + period.from + " and " + period.to;
@@ -131,6 +134,9 @@ Delexicalised delexicalised(const Named& part, const std::vector<Mention>& menti
     } else if (const Mention* meant = topic.meant_at(part.tokens, i)) {
       if (part.tokens.lemmas[i] == "there") result.words.emplace_back("on");
       add(meant->text, meant->place, meant->known);
+    } else if (is_pronoun(part.tokens.lemmas[i]) && mentions.empty() && topic.object == nullptr &&
+               topic.place == nullptr && result.objects.empty()) {
+      add("it", false, true);  // what was spoken of before
     } else {
       result.words.push_back(part.tokens.words[i]);
     }
@@ -143,7 +149,8 @@ std::string filled(const std::string& form, const Delexicalised& names, const st
   static const std::set<std::string> bare = {"any", "many", "which"};
   std::string text, before;
   size_t object = 0, place = 0;
-  for (const std::string& word : words_of(form, " ?")) {
+  const bool order = form.ends_with('.');
+  for (const std::string& word : words_of(form, " ?.")) {
     const std::string comma = word.ends_with(",") ? "," : "";
     const std::string name = word.substr(0, word.size() - comma.size());
     const bool is_object = name == "OBJECT" || name == "OTHER" || name == "THIRD";
@@ -157,7 +164,7 @@ std::string filled(const std::string& form, const Delexicalised& names, const st
     text += (text.empty() ? "" : " ") + said + comma;
     before = name;
   }
-  return text + (time.empty() ? "" : " " + time) + "?";
+  return text + (time.empty() ? "" : " " + time) + (order ? "." : "?");
 }
 
 std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std::string& time) {
@@ -170,11 +177,17 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   const bool present = form.starts_with("Is ") || form.find(" is ") != std::string::npos ||
                        form.find(" are ") != std::string::npos;
   if (past && present && form.find("PLACE") != std::string::npos) return std::nullopt;
+  // Of a whole time only this is asked.
+  if (sentence.throughout && form != "Was OBJECT on PLACE?" && form != "Is OBJECT on PLACE?")
+    return std::nullopt;
   // "How many?" says too little.
   if (tokens.lemmas.size() < 2 || best.probability < kMinProbability || form == kNoIntent)
     return std::nullopt;
   if (!uncovered_words(trained_intents(), best.form, tokens).empty()) return std::nullopt;
-  return PlainQuestion{filled(form, sentence, time), true, best.probability, sentence.known};
+  // "Is it on the table or on the counter?" asks for one of them.
+  const bool choice = form == "Is OBJECT on PLACE?" && sentence.places[0].find(" or ") != std::string::npos;
+  const std::string asked = sentence.throughout ? "Was OBJECT on PLACE?" : choice ? "Where is OBJECT?" : form;
+  return PlainQuestion{filled(asked, sentence, time), true, best.probability, sentence.known};
 }
 
 /// "Be a love and tell me where OBJECT is": the question alone, where nothing is named before it; unset when
@@ -192,6 +205,20 @@ std::optional<Delexicalised> embedded_question(const Delexicalised& sentence) {
     return question;
   }
   return std::nullopt;
+}
+
+/// "Is the pot grey?", "Is the cup red or blue?": asks for the colour; unset for other questions.
+std::optional<PlainQuestion> colour_question(const SentencePart& part, const Snapshot& snapshot) {
+  static const std::set<std::string> colours = {"black", "white",  "grey", "gray",  "red",
+                                                "brown", "beige",  "pink", "green", "yellow",
+                                                "cyan",  "orange", "blue", "purple"};
+  Words words = part.words;
+  if (words.size() < 3 || (words[0] != "is" && words[0] != "are") || !colours.contains(words.back()))
+    return std::nullopt;
+  while (words.size() > 2 && (colours.contains(words.back()) || words.back() == "or")) words.pop_back();
+  const std::string name = join_words(words, 1, words.size());
+  if (!snapshot.means_objects(name)) return std::nullopt;
+  return PlainQuestion{.text = "What colour is " + name + "?", .reworded = true};
 }
 
 /// What was said, with the topic in place of its pronoun.
@@ -267,15 +294,13 @@ std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sente
     if (!parts[i].asks) continue;
     const Topic topic = topic_for(all, i);
     std::vector<PlainQuestion> readings = {{literal(parts[i], topic)}};
-    if (all[i].throughout) {
-      questions.push_back(std::move(readings));
-      continue;
-    }
+    if (auto colour = colour_question(parts[i], snapshot)) readings.push_back(std::move(*colour));
     for (const auto& [coordinated, attached] :
          {std::pair(false, false), {true, false}, {false, true}, {true, true}}) {
       const auto mentions = joined_mentions(all[i], coordinated, attached);
       if ((coordinated || attached) && mentions.size() == all[i].mentions.size()) continue;
       Delexicalised sentence_of = delexicalised(all[i], mentions, topic);
+      sentence_of.throughout = all[i].throughout;
       if (auto reading = classified(sentence_of, all[i].time))
         readings.push_back(std::move(*reading));
       else if (const auto question = embedded_question(sentence_of))

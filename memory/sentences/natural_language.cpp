@@ -79,7 +79,9 @@ class ReferenceResolver {
   void note_places(const Query& query, std::vector<std::string>& notes) const {
     for (const Parameter& parameter : find_question(query.question)->parameters) {
       const std::string name = query.argument(parameter.name);
-      if (parameter.type != ParameterType::place || name.empty() || !snapshot_.places_called(name).empty())
+      const bool several = name.find(" or ") != std::string::npos || name.find(" and ") != std::string::npos;
+      if (parameter.type != ParameterType::place || name.empty() || several ||
+          !snapshot_.places_called(name).empty())
         continue;
       try {
         const auto places = snapshot_.find_places(name);

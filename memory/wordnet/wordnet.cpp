@@ -146,9 +146,9 @@ std::span<const Synset> hypernyms(Synset sense) {
 }
 
 Relation relation_of(const std::string& noun, const std::string& other, int max_steps) {
-  constexpr size_t kMaxSenses = 2, kMaxOtherSenses = 3;
+  constexpr size_t kMaxSenses = 2;
   std::set<Synset> reached = touchable_senses(noun, kMaxSenses);
-  const std::set<Synset> wanted = touchable_senses(other, kMaxOtherSenses);
+  const std::set<Synset> wanted = touchable_senses(other, kMaxSenses);
   const auto meets = [&] {
     return std::ranges::any_of(reached, [&](Synset one) { return wanted.contains(one); });
   };
