@@ -187,7 +187,7 @@ class BarFinder {
           bar.in_relief = in_relief;
           bars.push_back(bar);
         }
-        if (layer == 0 && !in_relief) flat_scores_[level ? 1 : 0] = scores;
+        if (layer == 1) flat_scores_[level ? 1 : 0] = scores;
       }
     };
     for (size_t layer = 0; layer <= photo_.layers.size(); ++layer) {
@@ -270,7 +270,7 @@ class BarFinder {
   /// Whether a layer shows the bar clearer than the face does, at its place or where its frames show the
   /// face: what is on the face is sharp there.
   bool stands(const SeenBar& bar) const {
-    if (bar.layer == 0 || bar.score < kBars.min_standing_score) return false;
+    if (depth_of(bar) == 0 || bar.score < kBars.min_standing_score) return false;
     const double moved = displacement(bar, depth_of(bar)).first;
     const cv::Mat& flat = flat_scores_[bar.level ? 1 : 0];
     double on_face = 0;
@@ -298,15 +298,14 @@ class BarFinder {
       SeenBar behind = bar;  // What the frames show beside it is the face there.
       behind.across += displacement(bar, depth_of(bar)).first;
       if (surroundings(behind) < kBars.min_beside) return;
-      if (agreement(box, bar.layer) > kBars.min_agreement)
-        add(bar, rect, depth_of(bar), photo_.layers.front().depth);
+      if (agreement(box, bar.layer) > kBars.min_agreement) add(bar, rect, depth_of(bar), kBars.layer_sd_m);
       return;
     }
-    if (bar.layer > 0 || (!bar.in_relief && would_stand(bar))) return;
-    if (!bar.in_relief && (divides_surfaces(bar) || ends_at_edges(bar))) return;
+    if (bar.layer > 0) return;
+    if (!bar.in_relief && !would_stand(bar) && (divides_surfaces(bar) || ends_at_edges(bar))) return;
     double relief_sd = 0;
     const double relief = relief_of(bar, relief_sd);
-    if (bar.in_relief && relief < kBars.min_relief_m) return;
+    if ((bar.in_relief || would_stand(bar)) && relief < kBars.min_relief_m) return;
     if (relief < -kBars.max_recess_sigmas * relief_sd) return;
     add(bar, rect, relief, relief_sd);
   }

@@ -72,10 +72,10 @@ class KnobFinder {
   std::vector<FaceFixture> run() {
     std::vector<SeenKnob> knobs;
     for (const int radius : kKnobs.radii_px) {
-      const cv::Mat flat = spot_contrast(unit_image(photo_.color), radius) / kKnobs.min_noise;
+      const cv::Mat flat = spot_contrast(unit_image(photo_.layers.front().color), radius) / kKnobs.min_noise;
       cv::Mat around;
       cv::blur(mask_, around, {5 * radius, 5 * radius});
-      for (size_t layer = 0; layer < photo_.layers.size(); ++layer)
+      for (size_t layer = 1; layer < photo_.layers.size(); ++layer)
         if (photo_.layers[layer].depth < kKnobs.max_protrusion_m)
           look(spot_contrast(unit_image(photo_.layers[layer].color), radius) / kKnobs.min_noise, flat, around,
                {{}, {}, radius, layer, 0, 0}, knobs);
@@ -173,7 +173,7 @@ class KnobFinder {
     fixture.confidence = score / (score + kKnobs.half_score);
     fixture.evidence = {{"contrast", score},
                         {"relief_m", depth},
-                        {"relief_sd_m", photo_.layers.front().depth},
+                        {"relief_sd_m", kBars.layer_sd_m},
                         {"depth_from", by_relief ? "relief" : "parallax"}};
     return found;
   }

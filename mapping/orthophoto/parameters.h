@@ -14,7 +14,8 @@ struct PhotoParameters {
   double same_face_m = 0.06;     ///< between planes of one face that depth errors divide …
   double same_face_cover = 0.6;  ///< … and of the smaller one that the larger one covers
   double margin_m = 0.08;        ///< around a face
-  std::array<double, 5> layers_m = {0.015, 0.025, 0.035, 0.045, 0.055};  ///< before it: bars and knobs
+  /// Layers: the face as all frames alike show it, with which the others are compared, and bars and knobs.
+  std::array<double, 6> layers_m = {0, 0.015, 0.025, 0.035, 0.045, 0.055};
   double max_range_m = 4;                    ///< of a frame: a pixel is 7 mm there
   double min_cosine = 0.25;                  ///< of incidence: flatter views stretch pixels fourfold
   double probe_m = 0.10;                     ///< between the places by which frames are chosen
@@ -66,6 +67,7 @@ struct BarParameters {
   double same_bar_m = 0.03;          ///< between two findings of one bar and its shadow
   double min_standing_score = 9;     ///< of a bar that a layer shows
   double min_agreement = 0.5;        ///< of the frames on what a layer shows there
+  double layer_sd_m = 0.005;         ///< of the depth that a layer tells: half of their distance
   double min_layer_gain = 1.1;       ///< of a standing bar's score over that of the face at its place
 };
 inline constexpr BarParameters kBars;

@@ -101,7 +101,7 @@ class PhotoLayout {
     shrink(whole);
     if (whole.width() <= min_side_ || whole.height() <= min_side_) return {};
     Layout layout = best_layout(whole, 0);
-    if (layout.fronts.size() < 2 && photo_.face.area < kPhotoFronts.min_lone_area_m2) return {};
+    if (layout.fronts.size() == 1 && !may_stand_alone(layout.parts.front())) return {};
     add_bare(layout);
     return std::move(layout.fronts);
   }
@@ -152,6 +152,15 @@ class PhotoLayout {
       bare.insert(bare.end(), other.bare.begin(), other.bare.end());
     }
   };
+
+  /// Backs of chairs, boxes and sides of furniture have ends, but hardly lines, and now and then a bar before
+  /// them.
+  bool may_stand_alone(const Part& part) const {
+    const auto lines = std::count_if(part.edges.begin(), part.edges.end(), [](const Edge& edge) {
+      return edge.kind == "seam" || edge.kind == "step";
+    });
+    return photo_.face.area > kPhotoFronts.min_lone_area_m2 && lines >= kPhotoFronts.min_resolved;
+  }
 
   /// Bare parts beside a front with a bar are fronts, too: some open by a push.
   void add_bare(Layout& layout) const {
