@@ -10,12 +10,13 @@
 #include "memory/sentences/mentions.h"
 #include "memory/sentences/relative_clause.h"
 #include "memory/sentences/sentence_time.h"
+#include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
 namespace {
 
 /// Set by `loci_train_intents paraphrases.txt --cross-validate`: of sentences with this probability, all of
-/// whose words some paraphrase of the form has, 95 % are read right; of those with one word more no more than
+/// whose words some paraphrase of the form has, 94 % are read right; of those with one word more no more than
 /// 90 %.
 constexpr double kMinProbability = 0.7;
 
@@ -167,6 +168,26 @@ std::string filled(const std::string& form, const Delexicalised& names, const st
   return text + (time.empty() ? "" : " " + time) + (order ? "." : "?");
 }
 
+/// Whether a word is a verb that the grammar gives no meaning: "rummaged", "did you make out".
+bool is_other_verb(const Tokens& tokens, const std::string& lemma) {
+  const auto found = std::ranges::find(tokens.lemmas, lemma);
+  const auto at = static_cast<size_t>(found - tokens.lemmas.begin());
+  const std::string& word = tokens.words[at];
+  if (lexicon().contains(word) || class_of(lemma) != WordClass::name) return false;
+  const WordClass before = at == 0 ? WordClass::name : class_of(tokens.lemmas[at - 1]);
+  const bool placed = before == WordClass::person || word.ends_with("ed") || word.ends_with("ing");
+  return placed && !wordnet::senses(lemma, wordnet::PartOfSpeech::verb).empty();
+}
+
+/// Whether the form says all that a sentence does. One verb that it has not met is passed over where the rest
+/// is certain: 97 % of such sentences are read right in cross-validation.
+bool is_covered(const IntentReading& reading, const Tokens& tokens) {
+  constexpr double kCertain = 0.95;
+  const Words uncovered = uncovered_words(trained_intents(), reading.form, tokens);
+  return uncovered.empty() || (uncovered.size() == 1 && reading.probability >= kCertain &&
+                               is_other_verb(tokens, uncovered.front()));
+}
+
 std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std::string& time) {
   static const std::vector<std::string> signatures = signatures_of(trained_intents().forms);
   const Tokens tokens = intent_tokens(sentence.words);
@@ -183,7 +204,7 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   // "How many?" says too little.
   if (tokens.lemmas.size() < 2 || best.probability < kMinProbability || form == kNoIntent)
     return std::nullopt;
-  if (!uncovered_words(trained_intents(), best.form, tokens).empty()) return std::nullopt;
+  if (!is_covered(best, tokens)) return std::nullopt;
   // "Is it on the table or on the counter?" asks for one of them.
   const bool choice = form == "Is OBJECT on PLACE?" && sentence.places[0].find(" or ") != std::string::npos;
   const std::string asked = sentence.throughout ? "Was OBJECT on PLACE?" : choice ? "Where is OBJECT?" : form;

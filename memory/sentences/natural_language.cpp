@@ -19,6 +19,7 @@
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/sentence_parser.h"
 #include "memory/sentences/spelling.h"
+#include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
 namespace {
@@ -221,6 +222,14 @@ NoAnswer why_not(const Store& store, const Query& query, const AsOf& as_of, cons
   return {"never_seen", sentence(error.message()), error.hint()};
 }
 
+/// "grown", "drank": a form of a verb, and no noun.
+bool is_inflected_verb(const std::string& word) {
+  using wordnet::PartOfSpeech;
+  const std::vector<std::string> bases = wordnet::base_forms(word, PartOfSpeech::verb);
+  return !bases.empty() && std::ranges::count(bases, word) == 0 &&
+         wordnet::base_forms(word, PartOfSpeech::noun).empty();
+}
+
 /// Answers sentences, one after the other.
 class Conversation {
  public:
@@ -348,7 +357,8 @@ class Conversation {
       const std::vector<std::string> words = words_of(lower_case(query.argument(parameter.name)));
       for (size_t i = 0; i < words.size(); ++i) {
         if (known(words[i])) continue;
-        const bool verb = words[i].ends_with("ed") || words[i].ends_with("ing") || words[i].ends_with("ly");
+        const bool verb = words[i].ends_with("ed") || words[i].ends_with("ing") || words[i].ends_with("ly") ||
+                          is_inflected_verb(words[i]);
         if (verb || (i + 1 < words.size() && means_something(words.back()))) return true;
       }
     }
