@@ -9,7 +9,6 @@
 namespace loci::memory {
 namespace {
 
-constexpr const char* kClassType = "loci.annotation.ClassificationAnnotation";
 constexpr size_t kMaxObservations = 20;  // the latest
 constexpr double kDefaultConfidence = 0.5;
 /// Before anybody has confirmed or corrected an expert.
@@ -32,15 +31,27 @@ std::string expert_of(const Store& store, const AnnotationRow& row) {
 
 }  // namespace
 
+bool ClassVerdict::calls_it(const std::string& class_name) const {
+  constexpr double kHardlyLess = 0.5;
+  if (name.empty()) return false;
+  const auto share_of = [&](const std::string& one) {
+    double share = 0;
+    for (const Vote& vote : votes)
+      if (lower_case(vote.name) == lower_case(one)) share += vote.share;
+    return share;
+  };
+  return share_of(class_name) >= kHardlyLess * share_of(name);
+}
+
 ClassExperts::ClassExperts(const Store& store, const std::vector<FactRow>& facts, const AsOf& as_of)
     : store_(store), as_of_(as_of) {
   for (const FactRow& fact : facts) {
     if (!fact.object || !fact.value || fact.key != "class" || fact.clock.source == "catalogue") continue;
     const std::string truth = lower_case(*fact.value);
-    for (const auto& [expert, names] : votes_of(*fact.object)) {
+    for (const auto& [expert, opinion] : votes_of(*fact.object)) {
       double all = 0;
-      for (const auto& [name, confidence] : names) all += confidence;
-      for (const auto& [name, confidence] : names)
+      for (const auto& [name, confidence] : opinion.names) all += confidence;
+      for (const auto& [name, confidence] : opinion.names)
         (lower_case(name) == truth ? records_[expert].right : records_[expert].wrong) += confidence / all;
     }
   }
@@ -55,9 +66,21 @@ ClassExperts::Votes ClassExperts::votes_of(Id object) const {
       std::ranges::all_of(rows, [&](const AnnotationRow& row) { return row.value == rows[0].value; });
   const std::string last = expert_of(store_, rows.back());
   Votes votes;
-  for (const AnnotationRow& row : rows)
-    votes[agree ? last : expert_of(store_, row)][row.value] +=
-        std::max(1e-3, row.confidence.value_or(kDefaultConfidence));
+  std::map<std::string, std::set<std::pair<Id, std::optional<Id>>>> named;
+  for (const AnnotationRow& row : rows) {
+    const std::string expert = agree ? last : expert_of(store_, row);
+    Opinion& opinion = votes[expert];
+    opinion.names[row.value] += std::max(1e-3, row.confidence.value_or(kDefaultConfidence));
+    opinion.runs.insert(store_.scene(row.scene).run);
+    named[expert].emplace(row.scene, row.observation);
+  }
+  const std::map<Id, size_t> looks = store_.latest_observations_by_run(object, kMaxObservations, as_of_);
+  for (auto& [expert, opinion] : votes) {
+    opinion.named = static_cast<double>(named[expert].size());
+    for (const auto& [run, count] : looks)
+      if (opinion.runs.contains(run)) opinion.looked += static_cast<double>(count);
+    opinion.looked = std::max(opinion.looked, opinion.named);
+  }
   return votes;
 }
 
@@ -68,24 +91,33 @@ double ClassExperts::competence(const std::string& expert) const {
 }
 
 std::optional<ClassVerdict> ClassExperts::verdict(Id object) const {
+  const auto [slot, fresh] = verdicts_.try_emplace(object);
+  if (fresh) slot->second = judge(object);
+  return slot->second;
+}
+
+std::optional<ClassVerdict> ClassExperts::judge(Id object) const {
   const Votes votes = votes_of(object);
   if (votes.empty()) return std::nullopt;
   ClassVerdict verdict;
   std::map<std::string, double> evidence;
-  for (const auto& [expert, names] : votes) {
+  double none = 0;
+  for (const auto& [expert, opinion] : votes) {
     const double right = competence(expert);
     const double weight = std::log(std::max(1e-6, right) * kAlternatives / std::max(1e-6, 1 - right));
+    const double known = opinion.named / opinion.looked;
     double all = 0;
-    for (const auto& [name, confidence] : names) all += confidence;
-    for (const auto& [name, confidence] : names) {
-      verdict.votes.push_back({expert, name, confidence / all, right});
-      evidence[name] += weight * confidence / all;
+    for (const auto& [name, confidence] : opinion.names) all += confidence;
+    for (const auto& [name, confidence] : opinion.names) {
+      verdict.votes.push_back({expert, name, known * confidence / all, right});
+      evidence[name] += weight * known * confidence / all;
     }
+    none += weight * (1 - known);
   }
-  double sum = std::max(0.0, kAlternatives - static_cast<double>(evidence.size()));  // none of them
+  double sum = std::exp(none) + std::max(0.0, kAlternatives - 1 - static_cast<double>(evidence.size()));
   for (const auto& [name, log_odds] : evidence) sum += std::exp(log_odds);
   const auto best = std::ranges::max_element(evidence, {}, &std::pair<const std::string, double>::second);
-  verdict.name = best->first;
+  if (best->second >= none) verdict.name = best->first;
   verdict.probability = std::exp(best->second) / sum;
   std::ranges::stable_sort(verdict.votes, [&](const ClassVerdict::Vote& a, const ClassVerdict::Vote& b) {
     return (a.name == verdict.name) > (b.name == verdict.name);

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -9,24 +10,31 @@
 
 namespace loci::memory {
 
+inline constexpr const char* kClassType = "loci.annotation.ClassificationAnnotation";
+
 /// What the experts (annotators with their models) together make of the class of an object.
 struct ClassVerdict {
   /// What one expert says: the same may say several things of the views of an object.
   struct Vote {
     std::string expert;     ///< "HouseholdClassifier household"; "" where nobody is named
     std::string name;       ///< the class
-    double share = 0;       ///< of the views that it says anything of, weighted with its confidence
+    double share = 0;       ///< of the views that it looked at, weighted with its confidence
     double competence = 0;  ///< probability that it is right, by what people have confirmed and corrected
   };
 
-  std::string name;
+  std::string name;         ///< empty where experts know it in fewer views than they do not
   double probability = 0;   ///< against the other classes that were voted for, and none of them
   std::vector<Vote> votes;  ///< of the best class first; contradictions stay
+
+  /// Whether it is called so, or hardly less often than by its name.
+  bool calls_it(const std::string& class_name) const;
 };
 
 /// Learns from the classes that people state how often each expert is right (a Beta distribution that begins
 /// at 4 of 5), and weighs votes by it: the log odds of each expert's competence, over all its views of an
-/// object together, because views of one object are not independent (Dawid and Skene 1979, one coin).
+/// object together, because views of one object are not independent (Dawid and Skene 1979, one coin). A view
+/// of which an expert says nothing is a vote for none of its classes: what it does not know, it calls now
+/// this, now that.
 class ClassExperts {
  public:
   ClassExperts(const Store& store, const std::vector<FactRow>& facts, const AsOf& as_of);
@@ -35,9 +43,16 @@ class ClassExperts {
   std::optional<ClassVerdict> verdict(Id object) const;
 
  private:
-  /// By expert and class: the sum of its confidences.
-  using Votes = std::map<std::string, std::map<std::string, double>>;
+  /// Of one expert: the sum of its confidences by class, and the views that it looked at and named.
+  struct Opinion {
+    std::map<std::string, double> names;
+    std::set<Id> runs;
+    double named = 0;
+    double looked = 0;
+  };
+  using Votes = std::map<std::string, Opinion>;  ///< by expert
   Votes votes_of(Id object) const;
+  std::optional<ClassVerdict> judge(Id object) const;
   double competence(const std::string& expert) const;
 
   struct Record {
@@ -47,6 +62,7 @@ class ClassExperts {
   const Store& store_;
   AsOf as_of_;
   std::map<std::string, Record> records_;
+  mutable std::map<Id, std::optional<ClassVerdict>> verdicts_;  ///< that were asked for
 };
 
 }  // namespace loci::memory

@@ -232,9 +232,9 @@ ObjectRef Snapshot::object_ref(Id object) const {
 std::optional<std::string> Snapshot::annotated_name(Id object) const {
   constexpr size_t kMaxObservations = 20;  // the latest
   constexpr const char* kProduct = "loci.annotation.ProductAnnotation";
-  constexpr const char* kClass = "loci.annotation.ClassificationAnnotation";
   if (!annotated_)
-    annotated_ = {store_.objects_annotated_by(kProduct, as_of_), store_.objects_annotated_by(kClass, as_of_)};
+    annotated_ = {store_.objects_annotated_by(kProduct, as_of_),
+                  store_.objects_annotated_by(kClassType, as_of_)};
   if (std::ranges::binary_search(annotated_->products, object)) {
     std::map<std::string, size_t> products;
     for (const AnnotationRow& row : store_.latest_annotations(object, kProduct, kMaxObservations, as_of_))
@@ -244,7 +244,7 @@ std::optional<std::string> Snapshot::annotated_name(Id object) const {
   }
   if (!std::ranges::binary_search(annotated_->classes, object)) return std::nullopt;
   const std::optional<ClassVerdict> verdict = class_verdict(object);
-  return verdict ? std::optional(verdict->name) : std::nullopt;
+  return verdict && !verdict->name.empty() ? std::optional(verdict->name) : std::nullopt;
 }
 
 std::optional<ClassVerdict> Snapshot::class_verdict(Id object) const {
@@ -450,9 +450,18 @@ std::vector<Id> Snapshot::find_named(const std::string& word) const {
       classed.insert(*fact.object);
       classes.insert(lower_case(*fact.value));
     }
-  for (const std::string& meaning : meanings)
-    for (const Id id : store_.objects_annotated(meaning, as_of_))
-      if (belief(id) != nullptr && !(classed.contains(id) && classes.contains(meaning))) found.push_back(id);
+  for (const std::string& meaning : meanings) {
+    const auto take = [&](const std::vector<Id>& objects, auto is_meant) {
+      for (const Id id : objects)
+        if (belief(id) != nullptr && !(classed.contains(id) && classes.contains(meaning)) && is_meant(id))
+          found.push_back(id);
+    };
+    take(store_.objects_annotated(meaning, kClassType, false, as_of_), [](Id) { return true; });
+    take(store_.objects_annotated(meaning, kClassType, true, as_of_), [&](Id id) {
+      const std::optional<ClassVerdict> verdict = class_verdict(id);
+      return verdict && verdict->calls_it(meaning);
+    });
+  }
   return unique(std::move(found));
 }
 
@@ -466,7 +475,8 @@ std::vector<std::string> Snapshot::known_names() const {
     if (fact.object) names.insert(*fact.value);
   // Words, not sentences.
   for (const std::string& value : store_.annotation_values())
-    if (value.find_first_of(",0123456789") == std::string::npos) names.insert(value);
+    if (value.find_first_of(",0123456789") == std::string::npos && !find_by_word(lower_case(value)).empty())
+      names.insert(value);
   for (const PlaceRow& place : places_) names.erase(place.name);
   names.erase("");
   return {names.begin(), names.end()};

@@ -117,9 +117,9 @@ void keep_exact(Store::Connection& db, std::vector<Id>& candidates, Id place, bo
 }
 
 /// Objects of which an observation has one of the terms that the query `terms` finds for ?1.
-std::vector<Id> objects_with_terms(Store::Connection& db, const std::string& terms, const std::string& text,
+std::vector<Id> objects_with_terms(Store::Connection& db, const std::string& terms, const SqlValues& values,
                                    const AsOf& as_of) {
-  Where where("1", {sql(text)});
+  Where where("1", values);
   if (!db.needs_known(as_of)) {
     where.between("since", {}, as_of.at);
     return db.values<Id>(
@@ -250,19 +250,28 @@ std::vector<Id> Store::objects_near(const Vector3d& point, double radius, const 
 }
 
 std::vector<Id> Store::objects_annotated(const std::string& value, const AsOf& as_of) const {
-  return objects_with_terms(*connection_, "SELECT id FROM term WHERE value = ?1 COLLATE NOCASE", value,
+  return objects_with_terms(*connection_, "SELECT id FROM term WHERE value = ?1 COLLATE NOCASE", {sql(value)},
                             as_of);
 }
 
+std::vector<Id> Store::objects_annotated(const std::string& value, const std::string& type, bool of_type,
+                                         const AsOf& as_of) const {
+  return objects_with_terms(
+      *connection_,
+      fmt::format("SELECT id FROM term WHERE value = ?1 COLLATE NOCASE AND type {} ?2", of_type ? "=" : "<>"),
+      {sql(value), sql(type)}, as_of);
+}
+
 std::vector<Id> Store::objects_annotated_by(const std::string& type, const AsOf& as_of) const {
-  return objects_with_terms(*connection_, "SELECT id FROM term WHERE type = ?1", type, as_of);
+  return objects_with_terms(*connection_, "SELECT id FROM term WHERE type = ?1", {sql(type)}, as_of);
 }
 
 std::vector<Id> Store::objects_with_text(const std::string& words, const AsOf& as_of) const {
   std::string match = "\"";  // each word quoted: nothing in it is an operator
   for (const char c : words) match += c == '"' ? "\"\"" : c == ' ' ? "\" \"" : std::string(1, c);
-  return objects_with_terms(*connection_, "SELECT rowid FROM term_text WHERE term_text MATCH ?1", match + '"',
-                            as_of);
+  match += '"';
+  return objects_with_terms(*connection_, "SELECT rowid FROM term_text WHERE term_text MATCH ?1",
+                            {sql(match)}, as_of);
 }
 
 std::vector<std::string> Store::annotation_values() const {

@@ -172,6 +172,19 @@ std::vector<AnnotationRow> Store::latest_annotations(Id object, const std::strin
             latest.values()));
 }
 
+std::map<Id, size_t> Store::latest_observations_by_run(Id object, size_t count, const AsOf& as_of) const {
+  Where latest = observed(object);
+  latest.known(as_of).begun(as_of);
+  std::map<Id, size_t> runs;
+  connection_->query(
+      fmt::format(
+          "SELECT run, count(*) AS number FROM scene JOIN (SELECT scene AS seen FROM association_known "
+          "WHERE {} ORDER BY valid_from DESC, scene DESC LIMIT {}) ON id = seen GROUP BY run",
+          latest.text(), count),
+      latest.values(), [&](const SqlRow& row) { runs[row.get<Id>("run")] = row.get<size_t>("number"); });
+  return runs;
+}
+
 std::optional<ObjectObservation> Store::last_observation_before(Id object, TimeNs time,
                                                                 const std::vector<Id>& places,
                                                                 const AsOf& as_of) const {

@@ -228,12 +228,17 @@ class Store {
   /// Objects of which an observation is annotated with a value (in upper or lower case), e.g. a class or a
   /// text.
   std::vector<Id> objects_annotated(const std::string& value, const AsOf& as_of = {}) const;
+  /// The same with annotations of a type alone, or of all others.
+  std::vector<Id> objects_annotated(const std::string& value, const std::string& type, bool of_type,
+                                    const AsOf& as_of = {}) const;
   /// Objects of which an observation has an annotation of a type, e.g. "loci.annotation.ProductAnnotation";
   /// in order.
   std::vector<Id> objects_annotated_by(const std::string& type, const AsOf& as_of = {}) const;
   /// Annotations of a type of the latest observations of an object, `count` at most.
   std::vector<AnnotationRow> latest_annotations(Id object, const std::string& type, size_t count,
                                                 const AsOf& as_of = {}) const;
+  /// How many of the latest `count` observations of an object each run made.
+  std::map<Id, size_t> latest_observations_by_run(Id object, size_t count, const AsOf& as_of = {}) const;
   /// Objects of which an observation is annotated with a text that contains these words in this order (FTS5).
   std::vector<Id> objects_with_text(const std::string& words, const AsOf& as_of = {}) const;
   /// All values of annotations of objects, each once.

@@ -22,9 +22,9 @@ class ClassVerdicts : public testing_support::TemporaryFolder {
   /// One more scene, in which each object is seen and named by experts.
   void see(const std::vector<std::vector<Vote>>& objects) {
     Store store = Store::open_write(file_);
-    const Id run = store.begin_run("test", "{}");
+    if (run_ == 0) run_ = store.begin_run("test", "{}");
     {
-      SceneTransaction scene(store, run);
+      SceneTransaction scene(store, run_);
       time_ += 60 * kSecond;
       const Id id = scene.add_scene({.time = time_});
       for (size_t i = 0; i < objects.size(); ++i) {
@@ -46,7 +46,7 @@ class ClassVerdicts : public testing_support::TemporaryFolder {
       }
       scene.commit();
     }
-    store.finish_run(run);
+    store.finish_run(run_);
   }
 
   static void annotate(SceneTransaction& scene, Id id, Id seen, const Vote& vote) {
@@ -69,6 +69,7 @@ class ClassVerdicts : public testing_support::TemporaryFolder {
   }
 
   TimeNs time_ = 0;
+  Id run_ = 0;
 };
 
 TEST_F(ClassVerdicts, WhatMostViewsSayIsTheNameAndContradictionsStay) {
@@ -94,6 +95,27 @@ TEST_F(ClassVerdicts, AnExpertThatPeopleCorrectLosesItsWeight) {
   EXPECT_EQ(verdict(6).name, "cup");
   EXPECT_GT(verdict(6).votes[0].competence, 0.85);
   EXPECT_LT(verdict(6).votes[1].competence, 0.55);
+}
+
+/// What an expert does not know it names now and then, now this, now that.
+TEST_F(ClassVerdicts, WhatMostViewsDoNotNameHasNoName) {
+  see({{{"shape", "cup"}}, {{"shape", "cup"}}});
+  for (int view = 0; view < 3; ++view) see({{}, {{"shape", "cup"}}});
+  see({{{"shape", "bowl"}}, {}});
+  EXPECT_EQ(verdict(1).name, "");
+  EXPECT_EQ(verdict(1).votes.size(), 2U) << "what was said stays";
+  EXPECT_LT(verdict(1).probability, 0.5);
+  EXPECT_EQ(verdict(2).name, "cup") << "one view in five says nothing";
+  const Store store = Store::open_read(file_);
+  const Snapshot snapshot(store, {});
+  EXPECT_FALSE(snapshot.object_ref(1).label);
+  EXPECT_EQ(snapshot.find_objects("cup"), std::vector<Id>{2});
+  try {
+    snapshot.find_objects("bowl");
+    FAIL() << "nothing is called so";
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()).find("'bowl'?"), std::string::npos) << error.what();
+  }
 }
 
 TEST_F(ClassVerdicts, TwoExpertsThatAgreeOutvoteOne) {
