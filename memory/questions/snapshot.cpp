@@ -475,7 +475,7 @@ std::vector<std::string> Snapshot::known_names() const {
     if (fact.object) names.insert(*fact.value);
   // Words, not sentences.
   for (const std::string& value : store_.annotation_values())
-    if (value.find_first_of(",0123456789") == std::string::npos && !find_by_word(lower_case(value)).empty())
+    if (value.find_first_of(",0123456789") == std::string::npos && !find_named(lower_case(value)).empty())
       names.insert(value);
   for (const PlaceRow& place : places_) names.erase(place.name);
   names.erase("");
