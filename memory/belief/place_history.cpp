@@ -49,8 +49,8 @@ double PlaceHistory::unseen_seconds(double from_s, double to_s) const {
 }
 
 double PlaceHistory::unseen_share(double from_s, double to_s) const {
-  if (to_s > from_s) return unseen_seconds(from_s, to_s) / (to_s - from_s);
-  return 1;
+  const double begin = std::min(from_s, to_s - kOneView);
+  return unseen_seconds(begin, to_s) / (to_s - begin);
 }
 
 }  // namespace loci::memory::belief

@@ -498,6 +498,7 @@ std::string to_bytes(const ProtoObject& object) {
   message.set_hidden_scenes(object.hidden_scenes);
   message.set_hidden_reported(object.hidden_reported);
   message.set_missed_views(object.missed_views);
+  message.set_gone_by_s(object.gone_by_s);
   message.set_place(object.place);
   Codec::write(object.box, *message.mutable_box());
   message.set_variance(object.variance);
@@ -532,6 +533,7 @@ ProtoObject object_from_bytes(std::string_view bytes) {
   object.hidden_scenes = message.hidden_scenes();
   object.hidden_reported = message.hidden_reported();
   object.missed_views = message.missed_views();
+  object.gone_by_s = message.gone_by_s();
   object.place = message.place();
   object.box = Codec::read(message.box());
   object.variance = finite(message.variance(), "variance");

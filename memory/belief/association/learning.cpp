@@ -105,11 +105,14 @@ void SceneUpdate::learn_similarity() {
   }
 }
 
-void SceneUpdate::learn_clutter(ProtoObject& object, double if_clutter, double if_object) {
-  if (object.clutter_probability <= 0) return;
+void SceneUpdate::weigh_clutter(ProtoObject& object, double if_clutter, double if_object) const {
   const double clutter = object.clutter_probability * if_clutter;
-  state_.interaction.learn_clutter(
-      clutter / std::max(1e-300, clutter + (1 - object.clutter_probability) * if_object), options_);
+  object.clutter_probability =
+      clutter / std::max(1e-300, clutter + (1 - object.clutter_probability) * if_object);
+}
+
+void SceneUpdate::learn_clutter(ProtoObject& object) {
+  if (object.clutter_probability > 0) state_.interaction.learn_clutter(object.clutter_probability, options_);
   object.clutter_probability = 0;
 }
 

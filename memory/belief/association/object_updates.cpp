@@ -42,8 +42,10 @@ void SceneUpdate::update_observed(size_t o, size_t k) {
 
   if (timing_.independent && object.status == Status::gone)
     state_.interaction.learn_returns(timing_.exposure_s - object.last_seen_exposure_s, 1, options_);
-  if (timing_.independent)
-    learn_clutter(object, options_.repeat_clutter, predicted_[o].here * state_.detection.value(options_));
+  if (timing_.independent) {
+    weigh_clutter(object, options_.repeat_clutter, predicted_[o].here * state_.detection.value(options_));
+    learn_clutter(object);
+  }
   if (explanation == Explanation::move && status_before == Status::present) keep_alternative(o, k);
   update_box_and_views(o, observation, explanation, piece);
   learn_detection(object, explanation);
@@ -189,7 +191,7 @@ void SceneUpdate::update_unobserved(size_t o) {
   if (timing_.independent) object.missed_views += in_view;
   object.probability_here = presence.probability();
   if (timing_.independent && in_view >= kParameters.min_observed)
-    learn_clutter(object, presence.empty * (1 - options_.repeat_clutter), presence.there + presence.away);
+    weigh_clutter(object, presence.empty * (1 - options_.repeat_clutter), presence.there + presence.away);
   object.last_update = scene_.time;
   object.exposure_s = timing_.exposure_s;
   // The undetectable part explains neither presence nor absence.
@@ -210,7 +212,9 @@ void SceneUpdate::update_unobserved(size_t o) {
   if (object.status != Status::present) return;
   // Time alone makes nothing go: objects out of view stay present until their spot is observed.
   if (1 - object.probability_here >= options_.gone && in_view >= kParameters.min_observed) {
+    learn_clutter(object);
     object.status = Status::gone;
+    object.gone_by_s = timing_.exposure_s;
     object.hidden_reported = false;
     update_.events.push_back({EventKind::gone,
                               object.id,
@@ -266,7 +270,7 @@ void SceneUpdate::note_hidden(ProtoObject& object, const Prediction& predicted) 
 void SceneUpdate::delete_clutter() {
   const double min_log_odds = -log_odds(options_.confirm);
   const double unrefuted = log_odds(options_.first_sight);
-  std::erase_if(state_.objects, [&](const ProtoObject& object) {
+  const auto is_clutter = [&](const ProtoObject& object) {
     if (object.status != Status::tentative) return false;
     if (object.alternative_of != 0)
       return probability_here(object, state_, options_) < kParameters.min_alternative_hypothesis;
@@ -275,7 +279,10 @@ void SceneUpdate::delete_clutter() {
         options_.snapshot_gap_s * (object.exists_log_odds > unrefuted ? kParameters.patience : 1.0);
     return object.exists_log_odds <= min_log_odds || 1 - object.probability_here >= options_.gone ||
            (!timing_.snapshot && unobserved > patience);
-  });
+  };
+  for (ProtoObject& object : state_.objects)
+    if (is_clutter(object)) learn_clutter(object);
+  std::erase_if(state_.objects, is_clutter);
 }
 
 void SceneUpdate::prune_gone() {

@@ -87,8 +87,11 @@ class SceneUpdate {
   void learn_view_noise();
   /// Distances between views of one object and of different ones.
   void learn_similarity();
-  /// Whether a new object is observed again shows how often new objects are clutter.
-  void learn_clutter(ProtoObject& object, double if_clutter, double if_object);
+  /// Each later view of a new object's spot shows whether it was clutter. `if_clutter`, `if_object`:
+  /// likelihoods of what it showed.
+  void weigh_clutter(ProtoObject& object, double if_clutter, double if_object) const;
+  /// A new object was found again, or is gone: how often new objects are clutter.
+  void learn_clutter(ProtoObject& object);
   void learn_arrivals();
 
   BeliefState& state_;

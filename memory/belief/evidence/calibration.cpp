@@ -209,7 +209,7 @@ Corrections Calibration::corrections() const {
   static const PriorDistributions prior = prior_distributions();
   static const std::vector<SameDistances> same_of = same_distances(prior);
   Corrections all{};
-  all.color_variance = kColorVariance * color_noise_.variance_factor(kParameters.calibration_spread);
+  all.color_noise = color_noise_.main_weights(kParameters.calibration_spread);
   for (size_t kind = 0; kind < kComparisons; ++kind) {
     if (kind == kMeanColor) continue;
     for (const bool achromatic : {false, true}) {

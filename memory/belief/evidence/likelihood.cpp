@@ -11,6 +11,8 @@ double mass(const Measured& number, const Domain& domain) {
   constexpr double kMin = 1e-12;
   const double scale = 1 / std::sqrt(2 * number.variance);
   const double high = (domain.high - number.mean) * scale, low = (domain.low - number.mean) * scale;
+  constexpr double kAll = 6;  // beyond it erfc() is below the precision of its sum
+  if (low < -kAll && high > kAll) return 1;
   // The difference of two tails is only exact where both are small.
   const double inside = low > 0 ? std::erfc(low) - std::erfc(high) : std::erfc(-high) - std::erfc(-low);
   return std::max(kMin, 0.5 * inside);

@@ -17,6 +17,17 @@ NoiseScale::Levels NoiseScale::weights(double spread) const {
   return weights;
 }
 
+NoiseScale::Levels NoiseScale::main_weights(double spread) const {
+  constexpr double kFar = 1.5;
+  const double mean = std::sqrt(variance_factor(spread));
+  Levels weight = weights(spread);
+  for (size_t i = 0; i < kLevels; ++i)
+    if (kFactors[i] > kFar * mean || kFactors[i] * kFar < mean) weight[i] = 0;
+  const double sum = std::accumulate(weight.begin(), weight.end(), 0.0);
+  for (double& share : weight) share /= sum;
+  return weight;
+}
+
 double NoiseScale::variance_factor(double spread) const {
   const Levels weight = weights(spread);
   double log_factor = 0;

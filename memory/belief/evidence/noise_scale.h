@@ -23,6 +23,8 @@ class NoiseScale {
   /// Probability of each factor. `spread`: standard deviation of the factor's logarithm before anything is
   /// known.
   Levels weights(double spread) const;
+  /// The same without factors far from the mean: what differs that much has changed, or is another object.
+  Levels main_weights(double spread) const;
   /// Expected factor on the variance.
   double variance_factor(double spread) const;
   /// An offset was observed that is, with a probability, an error only. `density`: its likelihood by factor.

@@ -50,6 +50,7 @@ void predict_locations(const ProtoObject& object, const BeliefState& state,
                        const std::vector<double>& destinations, double exposure_s, double returns,
                        Prediction& p) {
   const double since = object.last_seen_exposure_s;
+  const double until = object.status == Status::gone ? object.gone_by_s : exposure_s;
   p.moved_to.assign(views, 0.0);
   std::vector<double> shares(views, 0.0);
   double put_down = 0, unseen = 0;
@@ -57,7 +58,7 @@ void predict_locations(const ProtoObject& object, const BeliefState& state,
   for (const PlaceHistory& place : std::views::values(state.places)) {
     const double share = destinations[i];
     const std::optional<size_t> view = view_of[i++];
-    const double still_unseen = share * place.unseen_share(since, exposure_s);
+    const double still_unseen = share * place.unseen_share(since, until);
     put_down += share;
     unseen += still_unseen;
     if (!view) continue;

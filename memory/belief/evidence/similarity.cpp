@@ -186,15 +186,22 @@ double distance_of(const Comparison& comparison, const Appearance::Feature& a, c
 }
 
 /// Mean colours of one object against those of unrelated ones, which are anywhere in the colour cube.
-double color_log_ratio(const std::vector<float>& a, const std::vector<float>& b, double variance) {
+/// `variance` is the home's; bright and dark, near and far objects differ from it by a factor.
+double color_log_ratio(const std::vector<float>& a, const std::vector<float>& b,
+                       const NoiseScale::Levels& noise_levels) {
   constexpr double kImpossible = 60;  // more than any pair's evidence counts
-  double squares = 0, sum = 0;
+  double squares = 0, likelihood = 0;
   for (size_t i = 0; i < a.size(); ++i) squares += (double(a[i]) - b[i]) * (double(a[i]) - b[i]);
-  if (squares > 2 * kImpossible * variance) return -kImpossible;
   const Domain cube;
-  for (size_t i = 0; i < a.size(); ++i)
-    sum += log_same({a[i], variance / 2}, cube, {b[i], variance / 2}, cube);
-  return sum;
+  for (size_t level = 0; level < NoiseScale::kLevels; ++level) {
+    const double noise = kColorVariance * NoiseScale::kFactors[level] * NoiseScale::kFactors[level];
+    if (noise_levels[level] == 0 || squares > 2 * kImpossible * noise) continue;
+    double log_ratio = 0;
+    for (size_t i = 0; i < a.size(); ++i)
+      log_ratio += log_same({a[i], noise / 2}, cube, {b[i], noise / 2}, cube);
+    likelihood += noise_levels[level] * std::exp(log_ratio);
+  }
+  return likelihood > 0 ? std::max(-kImpossible, std::log(likelihood)) : -kImpossible;
 }
 
 }  // namespace
@@ -230,7 +237,7 @@ ViewSimilarity compare(const Appearance& a, const Appearance& b, PartialViews pa
     if (!comparable(of_a, of_b)) continue;
     const double distance = distance_of(comparison, of_a, of_b, partial);
     if (!std::isfinite(distance)) continue;
-    double ratio = (i == kMeanColor ? color_log_ratio(*of_a.values, *of_b.values, corrections.color_variance)
+    double ratio = (i == kMeanColor ? color_log_ratio(*of_a.values, *of_b.values, corrections.color_noise)
                                     : prior_log_ratio(comparison, distance, result.achromatic)) +
                    corrections.of[i][result.achromatic].at(distance);
     if (comparison.summarised_by && result.parts[*comparison.summarised_by].distance >= 0) ratio = 0;

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "memory/belief/evidence/noise_scale.h"
+#include "memory/belief/parameters.h"
 #include "memory/belief/scene.h"
 
 namespace loci::memory::belief {
@@ -65,8 +67,8 @@ inline constexpr double kColorVariance = 0.02;
 struct Corrections {
   /// By kind, in the order of comparisons(); the second is for two achromatic objects.
   std::array<std::array<Correction, 2>, kComparisons> of{};
-  double color_variance =
-      kColorVariance;  ///< of a channel of the mean colour between two views of one object
+  /// Of the factors on the noise of mean colours between two views of one object.
+  NoiseScale::Levels color_noise = NoiseScale().main_weights(kParameters.calibration_spread);
 };
 
 /// Log-likelihood ratio of the table. Achromatic objects are common: that two of them agree in colour counts

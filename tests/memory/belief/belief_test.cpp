@@ -172,6 +172,50 @@ TEST_F(Belief, GoneObjectThatReturnsIsRecognised) {
   EXPECT_THAT(events(observe(600)), ElementsAre("reappeared 1"));
 }
 
+/// A detector without depth looks at one table; `colors`: of what it finds there.
+Scene look_at(const std::string& table, double seconds, const std::vector<std::vector<float>>& colors) {
+  Scene scene;
+  scene.time = static_cast<TimeNs>(seconds * 1e9);
+  scene.view.has_camera = false;
+  scene.view.observed = {{table, 1}};
+  for (size_t i = 0; i < colors.size(); ++i) {
+    Observation& observation = scene.observations.emplace_back();
+    observation.box = {at(0.3 * double(i), 0), Vector3d(0.1, 0.1, 0.1)};
+    observation.place = table;
+    observation.descriptors = {{"mean_color", colors[i]}};
+  }
+  return scene;
+}
+
+TEST(BeliefOfDetections, GoneObjectIsNotExpectedOnAPlaceThatWasLookedAtSinceItWent) {
+  BeliefOptions options;
+  options.reappear = 0;
+  const auto move_prior = [&](bool looked) {
+    BeliefState state;
+    advance(state, look_at("table_1", 0, {kRed}), options);
+    advance(state, look_at("table_2", 30, {kBlue}), options);
+    for (int i = 1; i <= 5; ++i) {
+      advance(state, look_at("table_1", 600 * i, {}), options);
+      if (looked) advance(state, look_at("table_2", 600 * i + 300, {kBlue}), options);
+    }
+    EXPECT_EQ(state.find(1)->status, Status::gone);
+    return advance(state, look_at("table_2", 4000, {kBlue, kRed}), options).problem.move_prior(0, 1);
+  };
+  EXPECT_LT(move_prior(true), move_prior(false) - 1);
+}
+
+TEST(BeliefOfDetections, ViewAfterViewShowsThatANewObjectWasClutter) {
+  const auto clutter = [](int views) {
+    BeliefState state;
+    advance(state, look_at("table_1", 0, {kRed}));
+    advance(state, look_at("table_1", 10, {kRed, kBlue}));
+    for (int i = 1; i <= views; ++i) advance(state, look_at("table_1", 10 + 10 * i, {kRed}));
+    return state.interaction.statistics().clutter.found;
+  };
+  EXPECT_EQ(clutter(1), 0) << "it may be missed once";
+  EXPECT_GT(clutter(4), 0.5);
+}
+
 TEST_F(Belief, AnotherAppearanceAtTheSameSpotIsReported) {
   kitchen.objects = {{"mug", at(0, 0)}};
   observe(0);

@@ -27,6 +27,18 @@ TEST(NoiseScale, WithoutEvidenceIsWhatTheOptionsState) {
   EXPECT_NEAR(NoiseScale().variance_factor(0.3), 1, 0.05);
 }
 
+TEST(NoiseScale, MainWeightsAreThoseNearTheMean) {
+  const NoiseScale scale = learned(0.5, 100, 0.7);
+  double sum = 0;
+  const NoiseScale::Levels main = scale.main_weights(0.7);
+  for (size_t i = 0; i < NoiseScale::kLevels; ++i) {
+    sum += main[i];
+    const double factor = NoiseScale::kFactors[i];
+    EXPECT_TRUE(main[i] == 0 || (factor > 0.2 && factor < 1)) << factor;
+  }
+  EXPECT_NEAR(sum, 1, 1e-9);
+}
+
 TEST(NoiseScale, IsTheMoreTolerantTheLessIsKnown) {
   const double far = 16;  // squared offset of four standard deviations
   const auto density = [&](double spread) {
