@@ -198,6 +198,7 @@ struct ExportArguments {
   std::vector<std::string> include;
   std::string dataset, recording;
   bool by_object = false;
+  bool keep_people = false;
 
   bool includes(std::string_view what) const {
     return std::find(include.begin(), include.end(), what) != include.end();
@@ -207,6 +208,7 @@ struct ExportArguments {
 void write_dataset(const ExportArguments& arguments, const memory::Store& store, Session& session) {
   memory::DatasetOptions options;
   options.by_object = arguments.by_object;
+  options.keep_people = arguments.keep_people;
   options.inputs.emplace_back(arguments.memory);
   if (!arguments.recording.empty()) {
     options.frame_of = frames_of(store, arguments.recording);
@@ -276,6 +278,9 @@ Command export_command() {
             table.option("--recording RECORDING", &arguments->recording,
                          "The recording that the memory was made from, for its full depth",
                          {.needs = {"--dataset"}});
+            table.flag("--keep-people", arguments->keep_people,
+                       "Write the faces of people in the recording, which are blurred otherwise",
+                       {.needs = {"--recording"}});
             table.flag("--by-object", arguments->by_object, "Make each object a class of its own",
                        {.needs = {"--dataset"}});
             return [arguments](Session& session) {

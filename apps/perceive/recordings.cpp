@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mutex>
 
 #include "apps/perceive/annotators.h"
 #include "apps/perceive/commands.h"
@@ -28,6 +29,7 @@
 #include "perception/annotators/frame_outcome.h"
 #include "perception/annotators/io/labelled_recording.h"
 #include "perception/annotators/structure/known_map.h"
+#include "perception/detection/people_detector.h"
 #include "perception/pipeline/goal.h"
 #include "perception/pipeline/pipeline.h"
 #include "perception/types/scene_json.h"
@@ -92,6 +94,7 @@ struct ConvertArguments {
   RecordingArguments recording;
   std::string out, format, map, memory;
   int every = 1;
+  bool keep_people = false;
 };
 
 /// Of the map that was given, else of the memory's.
@@ -104,6 +107,29 @@ std::vector<mapping::MarkerLayer> layers_of_map(const ConvertArguments& argument
   const std::optional<mapping::World> map = memory::named_map(*store);
   return map ? memory::map_layers(*map, search, warnings) : std::vector<mapping::MarkerLayer>();
 }
+
+/// A recording in which nobody can be recognised.
+class AnonymousRecording : public mapping::Recording {
+ public:
+  explicit AnonymousRecording(std::unique_ptr<mapping::Recording> recording)
+      : recording_(std::move(recording)) {}
+  const mapping::RecordingInfo& info() const override { return recording_->info(); }
+  size_t size() const override { return recording_->size(); }
+  mapping::RgbdFrame frame(size_t i) const override {
+    mapping::RgbdFrame frame = recording_->frame(i);
+    const std::lock_guard lock(mutex_);
+    perception::anonymise(frame, detector_);
+    return frame;
+  }
+  TimeNs time_of(size_t i) const override { return recording_->time_of(i); }
+  int64_t index_of(size_t i) const override { return recording_->index_of(i); }
+  std::string name_of(size_t i) const override { return recording_->name_of(i); }
+
+ private:
+  std::unique_ptr<mapping::Recording> recording_;
+  mutable std::mutex mutex_;
+  mutable perception::PeopleDetector detector_;
+};
 
 void convert(const ConvertArguments& arguments, Session& session) {
   static const std::map<std::string, mapping::RecordingFormat> kFormats = {
@@ -123,7 +149,8 @@ void convert(const ConvertArguments& arguments, Session& session) {
                   "write --format mcap");
     options.inputs.emplace_back(drawn);
   }
-  const auto recording = arguments.recording.open();
+  std::unique_ptr<mapping::Recording> recording = arguments.recording.open();
+  if (!arguments.keep_people) recording = std::make_unique<AnonymousRecording>(std::move(recording));
   for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
   std::optional<memory::Store> store;
   if (!arguments.memory.empty()) {
@@ -151,6 +178,8 @@ Command convert_command() {
             table.option("--format FORMAT", &arguments->format, "Layout of the output",
                          {.default_text = "by the ending of OUT", .choices = {"loci", "mcap", "tum"}});
             table.option("--every N", &arguments->every, "Take every n-th frame", {.min = 1});
+            table.flag("--keep-people", arguments->keep_people,
+                       "Write the faces of people, which are blurred otherwise");
             table.option("-m,--memory MEMORY", &arguments->memory,
                          "MCAP also shows the objects of this memory, and its map, as markers");
             table.option("--map MAP", &arguments->map, "MCAP also shows this map (URDF) as markers");
@@ -193,6 +222,7 @@ std::string scene_text(const perception::types::SceneCas& facade) {
 struct MemoryTarget {
   std::string memory;  ///< file; empty = none
   bool resume = false;
+  bool keep_people = false;
   std::string now;        ///< ISO 8601; empty = the machine's clock
   std::string time_zone;  ///< empty = the recording's, or the machine's
 
@@ -205,6 +235,8 @@ struct MemoryTarget {
 
 void MemoryTarget::declare(ArgumentTable& table) {
   table.option("-m,--memory MEMORY", &memory, "Memory to write to, FILE.loci; created if absent");
+  table.flag("--keep-people", keep_people,
+             "Store images with the faces of people, which are blurred otherwise");
   table.flag("--resume", resume, "Continue a recording that the memory has in part");
   table.option("--now TIME", &now, "Transaction time of the rows, ISO 8601", {.default_text = "the clock"});
   table.time_zone(time_zone);
@@ -220,6 +252,7 @@ void MemoryTarget::prepare(const std::string& map, perception::Pipeline& pipelin
   memory::MemorySessionOptions options;
   options.memory = memory;
   options.resume = resume;
+  if (keep_people) options.people = memory::People::kept;
   options.map = map;
   if (!now.empty()) options.write.now = parse_time(now);
   options.write.time_zone = time_zone;
@@ -369,7 +402,7 @@ void write_images(const RunArguments& arguments, const perception::types::SceneC
   }
   if (!arguments.images.empty()) {
     session.check_outputs(arguments.images, {std::to_string(scene.scene().frame_index.get()) + ".png"});
-    perception::write_overlay(scene, arguments.images);
+    perception::write_overlay(scene, arguments.images, arguments.memory.keep_people);
   }
 }
 

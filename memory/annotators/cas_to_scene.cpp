@@ -9,6 +9,7 @@
 #include "memory/recorder/observation_pixels.h"
 #include "memory/store/scene_images.h"
 #include "perception/conversions/opencv.h"
+#include "perception/detection/people_detector.h"
 #include "perception/types/geometry.h"
 
 namespace loci::memory {
@@ -52,8 +53,16 @@ void add_place_poses(const mapping::World& world, SceneRecord& record) {
     if (moving[i]) record.place_poses.push_back({world.links[i].name, poses[i]});
 }
 
+/// JPEG of a colour image whose top left corner is `offset` in that of the scene.
+BlobRecord stored_image(const cv::Mat& image, const cv::Point& offset, const std::vector<cv::Rect>& heads) {
+  if (heads.empty()) return {encoded_image(image, ".jpg"), "image/jpeg"};
+  cv::Mat anonymous = image.clone();
+  perception::anonymise(anonymous, heads, offset);
+  return {encoded_image(anonymous, ".jpg"), "image/jpeg"};
+}
+
 void read_camera(const perception::types::SceneCas& cas, const perception::types::Scene& scene,
-                 SceneRecord& record) {
+                 const std::vector<cv::Rect>& heads, SceneRecord& record) {
   const mapping::RgbdCamera cameras = perception::types::cameras(cas);
   record.view.camera = cameras.depth;
   record.view.map_from_camera = perception::types::from<Isometry3d>(scene.map_from_camera.get());
@@ -71,9 +80,8 @@ void read_camera(const perception::types::SceneCas& cas, const perception::types
   record.row.camera = row;
   record.row.map_from_camera = record.view.map_from_camera;
   if (cas.has(perception::types::SceneCas::kColor))
-    record.image = {
-        encoded_image(perception::types::view_image(cas, perception::types::SceneCas::kColor), ".jpg"),
-        "image/jpeg"};
+    record.image =
+        stored_image(perception::types::view_image(cas, perception::types::SceneCas::kColor), {}, heads);
   // The columns of the scene describe the depth camera; drawing on the image needs the colour camera.
   if (cas.has_camera("color")) record.structures.push_back(cas.camera("color"));
 }
@@ -120,6 +128,7 @@ std::string value_of(const perception::types::Annotation& annotation) {
     return result->title.get();
   if (const auto geometry = perception::types::try_as<perception::types::GeometryAnnotation>(structure))
     return geometry->place.get();
+  if (perception::types::try_as<perception::types::PersonAnnotation>(structure)) return "person";
   return first_word(structure);
 }
 
@@ -145,7 +154,8 @@ std::string place_of(const perception::types::Cluster& cluster) {
   return cluster.support.is_set() ? cluster.support.get().name.get() : std::string();
 }
 
-ObservationRecord read_cluster(const perception::types::Cluster& cluster, SceneRecord& record) {
+ObservationRecord read_cluster(const perception::types::Cluster& cluster, const std::vector<cv::Rect>& heads,
+                               SceneRecord& record) {
   ObservationRecord observation;
   set_pixels(indices_of(cluster).span(), record, observation);
   observation.evidence.partial = cluster.at_image_border.get() || cluster.partly_hidden.get();
@@ -154,8 +164,8 @@ ObservationRecord read_cluster(const perception::types::Cluster& cluster, SceneR
   observation.row.position = observation.evidence.box.centre;
   read_annotations(cluster, observation);
   if (const auto roi = cluster.hypotheses.first<perception::types::StandaloneImageROI>())
-    observation.crop = {encoded_image(perception::types::from<cv::Mat>(roi.image.get()), ".jpg"),
-                        "image/jpeg"};
+    observation.crop = stored_image(perception::types::from<cv::Mat>(roi.image.get()),
+                                    perception::types::from<cv::Rect>(roi.roi.get()).tl(), heads);
   return observation;
 }
 
@@ -220,8 +230,10 @@ std::vector<belief::Descriptor> descriptors_of(const perception::types::Cluster&
   return descriptors;
 }
 
-SceneRecord scene_record(const perception::types::SceneCas& cas, const mapping::World* world) {
+SceneRecord scene_record(const perception::types::SceneCas& cas, const mapping::World* world, People people) {
   const perception::types::Scene scene = cas.scene();
+  const std::vector<cv::Rect> heads =
+      people == People::blurred ? perception::types::heads_of_people(scene) : std::vector<cv::Rect>();
   SceneRecord record;
   record.row.time = scene.timestamp.get();
   record.row.frame_index = scene.frame_index.get();
@@ -232,20 +244,24 @@ SceneRecord scene_record(const perception::types::SceneCas& cas, const mapping::
       record.row.joints[names[i]] = positions[i];
     record.structures.push_back(joints);
   }
-  read_camera(cas, scene, record);
+  read_camera(cas, scene, heads, record);
   if (world != nullptr) add_place_poses(*world, record);
   for (const perception::types::PlanarSupport& support : cas.supports()) {
     describe_place(support, world, record);
     record.structures.push_back(support);
   }
   for (const perception::types::Annotation& annotation : scene.annotations) {
+    if (perception::types::try_as<perception::types::PersonAnnotation>(annotation)) {
+      record.annotations.push_back(annotation_record(annotation));
+      continue;
+    }
     const auto joint = perception::types::try_as<perception::types::JointAnnotation>(annotation);
     if (!joint || joint->moved.get())
       record.structures.push_back(annotation);  // An assumed position is not stored.
   }
   record.view.labels = cv::Mat(record.view.depth.size(), CV_32S, cv::Scalar(-1));
   for (const perception::types::Cluster& cluster : cas.clusters())
-    record.observations.push_back(read_cluster(cluster, record));
+    record.observations.push_back(read_cluster(cluster, heads, record));
   return record;
 }
 

@@ -6,9 +6,13 @@
 
 namespace loci::memory {
 
+/// Whether the heads of people are blurred in the images that are stored.
+enum class People { blurred, kept };
+
 /// Converts a processed CAS: what the belief compares and what the memory stores. `world` (may be null) gives
 /// the poses of places that move with a joint. The row's recording and map are left to the caller.
-SceneRecord scene_record(const perception::types::SceneCas& scene, const mapping::World* world);
+SceneRecord scene_record(const perception::types::SceneCas& scene, const mapping::World* world,
+                         People people = People::blurred);
 
 /// An annotation and its searchable value.
 AnnotationRecord annotation_record(const perception::types::Annotation& annotation);

@@ -51,7 +51,8 @@ std::string fingerprint_of(const mapping::Recording& recording) {
 }
 
 MemorySession::MemorySession(const MemorySessionOptions& options, const mapping::Recording& recording)
-    : store_(Store::open_write(options.memory, in_zone_of(recording, options.write))) {
+    : store_(Store::open_write(options.memory, in_zone_of(recording, options.write))),
+      people_(options.people) {
   const mapping::RecordingInfo& info = recording.info();
   const std::string fingerprint = fingerprint_of(recording);
   if (const std::optional<RecordingRow> known = store_.recording(fingerprint)) {
@@ -88,6 +89,7 @@ std::optional<double> MemorySession::seconds_after(TimeNs time) const {
 
 void add_memory_session(MemorySessionOptions options, perception::Pipeline& pipeline,
                         const perception::AnnotatorRegistry& registry, perception::Resources& resources) {
+  if (options.people == People::blurred) pipeline.add("PersonAnnotator", registry);
   pipeline.add("IdentityResolution", registry);
   pipeline.add_writer("MemoryWriter", registry);
   pipeline.check(registry);

@@ -7,6 +7,7 @@
 #include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
 #include "mapping/world/world.h"
+#include "memory/annotators/cas_to_scene.h"
 #include "memory/annotators/known_planes.h"
 #include "memory/recorder/recorder.h"
 #include "perception/pipeline/pipeline.h"
@@ -20,6 +21,7 @@ struct MemorySessionOptions {
   Json configuration = Json::object();
   bool resume = false;        ///< go on with a recording that is in the memory already
   std::filesystem::path map;  ///< URDF; empty = none
+  People people = People::blurred;
   belief::BeliefOptions belief;
   WriteOptions write;
 };
@@ -42,6 +44,7 @@ class MemorySession {
   Id recording() const { return recording_; }
   std::optional<Id> map() const { return map_; }
   KnownPlanes& planes() { return planes_; }
+  People people() const { return people_; }
 
   /// Seconds until the frame that will be read next; unset at the end, or when nobody said who reads.
   std::optional<double> seconds_after(TimeNs time) const;
@@ -63,6 +66,7 @@ class MemorySession {
   Id run_ = 0;
   Id recording_ = 0;
   std::optional<Id> map_;
+  People people_;
   const perception::Reader* reader_ = nullptr;
   /// The time of a frame and its index, because two frames may have one time.
   using Moment = std::pair<TimeNs, int64_t>;
@@ -71,8 +75,9 @@ class MemorySession {
   std::unique_ptr<Recorder> recorder_;
 };
 
-/// Makes a pipeline remember what it perceives of the recording among the resources: adds identity and
-/// writer, and a MemorySession to the resources. The options' configuration becomes that of the pipeline.
+/// Makes a pipeline remember what it perceives of the recording among the resources: adds identity, writer
+/// and, unless people are kept, the PersonAnnotator where the pipeline has none, and a MemorySession to the
+/// resources. The options' configuration becomes that of the pipeline.
 void add_memory_session(MemorySessionOptions options, perception::Pipeline& pipeline,
                         const perception::AnnotatorRegistry& registry, perception::Resources& resources);
 

@@ -14,6 +14,7 @@
 #include "memory/edits/edits.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/store/scene_images.h"
+#include "perception/detection/people_detector.h"
 
 namespace loci::memory {
 namespace {
@@ -89,6 +90,7 @@ class Dataset {
     if (scene.map_from_camera) frame->map_from_camera = scene.map_from_camera;
     frame->time_ns = scene.time;
     const cv::Size color(camera_.color.width, camera_.color.height);  // one for all images of a recording
+    if (!options_.keep_people && options_.frame_of) perception::anonymise(*frame, people_);
     if (!frame->color.empty() && frame->color.size() != color) cv::resize(frame->color, frame->color, color);
     writer_->add(*frame);
     cv::Mat labels = cv::Mat::zeros(frame->depth.size(), CV_16U);
@@ -175,6 +177,7 @@ class Dataset {
   std::vector<PlaceRow> places_ = store_.places();
   std::unique_ptr<mapping::RecordingWriter> writer_;
   mapping::RgbdCamera camera_;
+  perception::PeopleDetector people_;
   std::string table_;
   DatasetResult result_;
 };

@@ -15,7 +15,8 @@
 namespace loci::memory {
 
 struct DatasetOptions {
-  bool by_object = false;  ///< each object is a class of its own: to recognise it again
+  bool by_object = false;    ///< each object is a class of its own: to recognise it again
+  bool keep_people = false;  ///< faces in frames, which are blurred otherwise
   /// The frame that a scene was made from, for its full depth and colour; unset = what the memory has.
   std::function<std::optional<mapping::RgbdFrame>(const SceneRow&)> frame_of = {};
   std::vector<std::filesystem::path> inputs = {};  ///< what frame_of reads; never replaced

@@ -16,6 +16,7 @@
 #include "memory/ingest/detection_scene.h"
 #include "memory/recorder/recorder.h"
 #include "perception/detection/detection_set.h"
+#include "perception/detection/people_detector.h"
 
 namespace loci::memory {
 namespace {
@@ -268,6 +269,8 @@ std::unique_ptr<SceneSource> source_of(const fs::path& file, const Input& input,
 void IngestOptions::declare(OptionTable& table) {
   table.flag("strict", strict, "Refuse the whole file for one bad line, before anything is added.");
   table.flag("resume", resume, "Resume a file that the memory has in part.");
+  table.flag("keep_people", keep_people,
+             "Store images with the faces of people, which are blurred otherwise.");
   table.number("noise_m", noise_m, "m", "Noise of positions per axis (sigma); 0 = estimate it from the file.",
                0, 10);
 }
@@ -335,6 +338,8 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
       {.fingerprint = ahead.fingerprint, .name = file.filename().string(), .kind = "detections"});
   const Id run = store.begin_run(options.program, result.report().dump());
   Recorder recorder(store, run, options.belief);
+  std::optional<perception::PeopleDetector> people;
+  if (!options.recording.empty() && !options.keep_people) people.emplace();
   while (current) {
     progress.check(reader.fraction(), "ingesting detections");
     std::optional<NumberedScene> after = reader.next();
@@ -342,6 +347,7 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
       current = std::move(after);
       continue;
     }
+    if (people && current->scene.frame) perception::anonymise(*current->scene.frame, *people);
     SceneRecord record = detections_to_scene(current->scene, result.noise_m, places);
     record.row.recording = recording;
     record.row.frame_index = current->line;

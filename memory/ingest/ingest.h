@@ -18,6 +18,7 @@ struct IngestOptions {
   double noise_m = 0;               ///< of positions; 0 = estimate it from the file
   std::filesystem::path map;        ///< URDF; empty = none
   std::filesystem::path recording;  ///< that was detected in; empty = none, all detections have positions
+  bool keep_people = false;         ///< store faces, which are blurred otherwise
   std::string default_time_zone;    ///< of a new memory when nothing else names one; empty = UTC
   belief::BeliefOptions belief;
   std::string program = "loci-memory ingest";

@@ -170,6 +170,16 @@ void most_often(const ChangesAnswer& answer, const Names& names, Reply& reply) {
   reply.text = fmt::format("{}, {}.", list_in_words(list), counted(most, "time"));
 }
 
+/// The time of the last scene with a person in view from before a change was seen to that moment.
+std::optional<TimeNs> person_in_view(const ReplyContext& context, const Change& change) {
+  std::vector<SceneRow> scenes =
+      context.store.scenes(context.as_of, change.since.value_or(change.time), change.time);
+  for (auto scene = scenes.rbegin(); scene != scenes.rend(); ++scene)
+    for (const AnnotationRow& row : context.store.annotations(scene->id))
+      if (row.type == "loci.annotation.PersonAnnotation") return scene->time;
+  return std::nullopt;
+}
+
 }  // namespace
 
 void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply& reply) {
@@ -225,6 +235,8 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
       reply.not_known = true;
       reply.text = fmt::format("Not known who: people are not recognised; {} by {}.", what,
                                context.times.text(last.time));
+      if (const auto seen = person_in_view(context, last))
+        reply.text += fmt::format(" Somebody was in view by {}.", context.times.text(*seen));
       break;
     default:
       reply.not_known = last.kind == EventKind::gone;

@@ -8,6 +8,7 @@
 #include "perception/annotators/description/shape_annotators.h"
 #include "perception/annotators/description/visual_search.h"
 #include "perception/annotators/io/recording_reader.h"
+#include "perception/annotators/people/person_annotator.h"
 #include "perception/annotators/segmentation/asserted_volumes.h"
 #include "perception/annotators/segmentation/detections2d.h"
 #include "perception/annotators/segmentation/flat_objects.h"
@@ -25,6 +26,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add_reader<RecordingReader>();
   registry.add<NormalEstimator>();
   registry.add<KnownStructureFilter>();
+  registry.add<PersonAnnotator>();
   registry.add<PlaneClusterExtractor>();
   registry.add<FlatObjectExtractor>();
   registry.add<UnsupportedObjectExtractor>();
@@ -62,6 +64,7 @@ reader: RecordingReader
 flow:
   - NormalEstimator          # smoothed depth, point cloud, normals
   - KnownStructureFilter     # removes map-explained points (no effect without a map)
+  - PersonAnnotator          # people: no objects, and their faces are blurred in what is stored
   - PlaneClusterExtractor    # supports, and one cluster per object
   - FlatObjectExtractor      # objects too low to be separated from their support by height alone
   - UnsupportedObjectExtractor  # objects in bins and on shelves, in close-ups without a support

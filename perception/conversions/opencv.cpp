@@ -111,4 +111,12 @@ mapping::RgbdCamera cameras(const SceneCas& cas) {
           from<Isometry3d>(color.depth_from_camera.get())};
 }
 
+std::vector<cv::Rect> heads_of_people(const Scene& scene) {
+  std::vector<cv::Rect> heads;
+  for (const Annotation& annotation : scene.annotations)
+    if (const auto person = try_as<PersonAnnotation>(annotation))
+      heads.push_back(from<cv::Rect>(person->head.get()));
+  return heads;
+}
+
 }  // namespace loci::perception::types

@@ -56,6 +56,9 @@ struct Conversion<mapping::PinholeCamera> {
   static mapping::PinholeCamera from(const CameraInfo& proxy);
 };
 
+/// The heads of the people in a scene, in its colour image.
+std::vector<cv::Rect> heads_of_people(const Scene& scene);
+
 /// Both cameras of a sensor become the scene's cameras "depth" and "color".
 void set_cameras(const SceneCas& cas, const mapping::RgbdCamera& camera);
 

@@ -138,18 +138,22 @@ std::optional<Vector3d> position_of(const KeyPoint2D& point, const ScaledRegion&
 
 }  // namespace
 
-LiftFrame lift_frame(const cv::Mat& depth, const mapping::RgbdCamera& camera, const cv::Mat& explained,
-                     const std::optional<Vector3d>& up) {
+cv::Mat points_of(const cv::Mat& depth, const mapping::PinholeCamera& camera) {
   cv::Mat points(depth.size(), CV_32FC3);
   const auto nan = std::numeric_limits<float>::quiet_NaN();
   for (int v = 0; v < depth.rows; ++v)
     for (int u = 0; u < depth.cols; ++u) {
       const float z = depth.at<float>(v, u);
-      const Vector3d p = camera.depth.unproject(u, v, static_cast<double>(z));
+      const Vector3d p = camera.unproject(u, v, static_cast<double>(z));
       points.at<cv::Vec3f>(v, u) = z > 0 ? cv::Vec3f(static_cast<float>(p.x()), static_cast<float>(p.y()), z)
                                          : cv::Vec3f(nan, nan, nan);
     }
-  return lift_frame_of_points(points, camera, explained, up);
+  return points;
+}
+
+LiftFrame lift_frame(const cv::Mat& depth, const mapping::RgbdCamera& camera, const cv::Mat& explained,
+                     const std::optional<Vector3d>& up) {
+  return lift_frame_of_points(points_of(depth, camera.depth), camera, explained, up);
 }
 
 LiftFrame lift_frame_of_points(const cv::Mat& points, const mapping::RgbdCamera& camera,

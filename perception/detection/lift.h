@@ -39,6 +39,9 @@ struct LiftFrame {
   cv::Mat in_color;            ///< CV_32FC2, position in the colour image as detectors give it, NaN = none
 };
 
+/// The points of a depth image (CV_32F, metres) as CV_32FC3, NaN = no measurement.
+cv::Mat points_of(const cv::Mat& depth, const mapping::PinholeCamera& camera);
+
 /// `depth`: CV_32F, metres. `explained` may be empty.
 LiftFrame lift_frame(const cv::Mat& depth, const mapping::RgbdCamera& camera, const cv::Mat& explained,
                      const std::optional<Vector3d>& up);

@@ -30,8 +30,9 @@ class TextReader {
   TextReader(TextReader&&) noexcept;
 
   /// Words of an image (CV_8UC1 or CV_8UC3 BGR), small ones enlarged first, that Tesseract is sure of by at
-  /// least `min_confidence`. Two looks at it, for scattered words and for a block of text: a word may come
-  /// twice.
+  /// least `min_confidence`. Text may be turned: where too little is read upright, the image is levelled by
+  /// the directions of its edges and read in four orientations; that of the surest letters counts, and at
+  /// most six looks are taken. Scattered words and blocks of text are looked for: a word may come twice.
   std::vector<TextWord> read(const cv::Mat& image, double min_confidence = 0.5) const;
 
  private:

@@ -13,6 +13,7 @@
 #include "perception/annotators/description/shape_annotators.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
+#include "perception/detection/people_detector.h"
 #include "perception/pipeline/pipeline.h"
 
 namespace loci::perception {
@@ -91,9 +92,10 @@ void write_label_image(const types::SceneCas& scene, const std::filesystem::path
   mapping::write_image(folder / (scene.scene().frame_name.get() + "_label.png"), label_image(scene, numbers));
 }
 
-void write_overlay(const types::SceneCas& scene, const std::filesystem::path& folder) {
+void write_overlay(const types::SceneCas& scene, const std::filesystem::path& folder, bool keep_people) {
   if (!scene.has(types::SceneCas::kColor)) return;
   cv::Mat image = types::view_image(scene, types::SceneCas::kColor).clone();
+  if (!keep_people) anonymise(image, types::heads_of_people(scene.scene()));
   int number = 0;
   for (const types::Cluster& cluster : scene.clusters()) {
     const cv::Scalar color = kPalette[static_cast<size_t>(number++) % kPalette.size()];

@@ -29,7 +29,7 @@ void write_label_image(const types::SceneCas& scene, const std::filesystem::path
                        const std::vector<int>& numbers = {});
 
 /// Writes FOLDER/FRAME.png: the colour image with the clusters in colours, their boxes and numbers.
-void write_overlay(const types::SceneCas& scene, const std::filesystem::path& folder);
+void write_overlay(const types::SceneCas& scene, const std::filesystem::path& folder, bool keep_people);
 
 /// Label images (FRAME_label.png) anywhere in a folder, by the names of their frames.
 std::map<std::string, std::filesystem::path> find_label_images(const std::filesystem::path& folder);

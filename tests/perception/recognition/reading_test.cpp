@@ -89,6 +89,44 @@ TEST(Text, PrintedWordsAreReadWhereTheyStand) {
     }
 }
 
+/// A label of two words that is turned clockwise.
+cv::Mat turned_label(const std::vector<std::string>& words, double degrees) {
+  cv::Mat label(140, 220, CV_8UC3, cv::Scalar(235, 240, 240)),
+      image(300, 300, CV_8UC3, cv::Scalar(200, 210, 215));
+  for (size_t i = 0; i < words.size(); ++i)
+    cv::putText(label, words[i], {10, 55 + static_cast<int>(i) * 55}, cv::FONT_HERSHEY_DUPLEX, 1.2,
+                {30, 20, 60}, 2, cv::LINE_AA);
+  cv::Mat image_from_label = cv::getRotationMatrix2D({110, 70}, -degrees, 1);
+  image_from_label.at<double>(0, 2) += 40;
+  image_from_label.at<double>(1, 2) += 80;
+  cv::warpAffine(label, image, image_from_label, image.size(), cv::INTER_AREA, cv::BORDER_TRANSPARENT);
+  cv::GaussianBlur(image, image, {}, 0.7);
+  return image;
+}
+
+TEST(Text, IsReadInAnyOrientation) {
+  const TextReader reader;
+  const std::vector<std::vector<std::string>> labels = {
+      {"ORGANIC", "MILK"}, {"PEPPER", "sauce"}, {"garden", "honey"}};
+  size_t all = 0, read = 0;
+  double off_by = 3;
+  for (const std::vector<std::string>& label : labels) {
+    for (int degrees = 0; degrees < 360; degrees += 45) {
+      const std::vector<TextWord> found = reader.read(turned_label(label, degrees + off_by));
+      for (const std::string& word : label) {
+        const auto hit = std::ranges::find(found, word, &TextWord::text);
+        ++all;
+        if (hit == found.end()) continue;
+        ++read;
+        EXPECT_TRUE(cv::Rect(20, 20, 260, 260).contains((hit->region.tl() + hit->region.br()) / 2));
+      }
+    }
+    off_by -= 4;
+  }
+  std::printf("turned labels: %zu of %zu words read\n", read, all);
+  EXPECT_GE(read * 100, all * 90);
+}
+
 TEST(Text, WordsAreRankedByHowOftenTheyOccur) {
   const auto ranked = rank_words({{"http://milk.com", 0.9, {}},
                                   {"MILK", 0.8, {}},
