@@ -88,6 +88,12 @@ std::set<std::string> related_names(const std::string& word, const std::set<std:
   return found;
 }
 
+bool may_have_related_names(const std::string& word) {
+  if (word.find_first_of(" _0123456789'") != std::string::npos) return false;
+  return household_kinds().contains(word) || word == "edible" || word == "drinkable" ||
+         !wordnet::base_forms(word, PartOfSpeech::noun).empty();
+}
+
 std::string furniture_called(const std::string& word) {
   static const std::map<std::string, std::string> words = {
       {"worktop", "counter"},  {"countertop", "counter"}, {"worksurface", "counter"},

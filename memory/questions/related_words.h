@@ -9,6 +9,9 @@ namespace loci::memory {
 /// ("tin": can); else what it is named after ("teaspoon": spoon). English of households and WordNet.
 std::set<std::string> related_names(const std::string& word, const std::set<std::string>& names);
 
+/// Whether a word is a noun, or one of those that this module lists.
+bool may_have_related_names(const std::string& word);
+
 /// Another word for a piece of furniture: "worktop" is a counter; "" = none.
 std::string furniture_called(const std::string& word);
 

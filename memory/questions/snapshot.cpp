@@ -386,7 +386,7 @@ std::vector<std::string> Snapshot::names_related_to(const std::string& word) con
 }
 
 std::vector<std::string> Snapshot::names_related_to(const std::string& word, bool known) const {
-  if (word.find_first_of(" _0123456789'") != std::string::npos || kFillers.contains(word)) return {};
+  if (kFillers.contains(word) || !may_have_related_names(word)) return {};
   const auto [slot, fresh] = related_to_.try_emplace(word);
   if (!fresh) return slot->second;
   if (!class_names_) {

@@ -73,6 +73,8 @@ std::optional<EventClause> find_event_clause(const std::string& sentence, const 
     }
   }
   if (!is_clause(event) || question.size() < 2) return std::nullopt;
+  // "If I opened the drawer" asks for what might be.
+  if (link == Link::condition && class_of(lemma_of(event[0])) == WordClass::person) return std::nullopt;
   const Words asked = question;
   resolve(question, event, snapshot);
   resolve(event, asked, snapshot);

@@ -240,11 +240,19 @@ class Conversation {
     NaturalLanguageAnswer answer = answer_by_rules(with_choices_joined(sentence));
     answer.sentence = sentence;
     // A name of several words that nothing is called by may be more than a name: "the bowl land".
-    const bool doubtful = answer.query && answer.why_not && !answer.reply && has_unknown_word(*answer.query);
+    const bool failed = answer.query && answer.why_not && !answer.reply;
+    const bool misplaced =
+        failed && answer.why_not->reason == "unknown_place" && is_object_for_place(*answer.query);
+    const bool doubtful = misplaced || (failed && has_unknown_word(*answer.query));
     if (!answer.query || doubtful) {
       auto other = answer_in_parts(sentence);
       if (!other) other = answer_at_event(sentence);
-      if (other && (!doubtful || other->reply)) answer = std::move(*other);
+      if (other && (!doubtful || other->reply)) {
+        answer = std::move(*other);
+      } else if (misplaced) {
+        answer = {.sentence = sentence};
+        set_not_understood(answer);
+      }
     }
     if (!answer.query) return answer;
     references_.remember(*answer.query, answer.reply ? answer.reply->objects : std::vector<Id>{});
@@ -363,6 +371,16 @@ class Conversation {
       }
     }
     return false;
+  }
+
+  /// Whether an object stands where a question has a place: "when was the jam opened".
+  bool is_object_for_place(const Query& query) const {
+    const Snapshot snapshot(store_, question_.as_of);
+    return std::ranges::any_of(find_question(query.question)->parameters, [&](const Parameter& parameter) {
+      const bool place = parameter.type == ParameterType::place || parameter.type == ParameterType::part;
+      const std::string name = query.argument(parameter.name);
+      return place && !name.empty() && snapshot.places_meant(name).empty() && snapshot.means_objects(name);
+    });
   }
 
   /// Whether a name of several words has one that means nothing in this memory.

@@ -35,7 +35,7 @@ const std::set<std::string>& known_words() {
     add(vocabulary::kHouseholdWords);
     add(vocabulary::kOtherWords);
     for (const std::string& feature : trained_intents().features)
-      if (feature.find_first_of(" '") == std::string::npos) words.insert(feature);
+      if (feature.find_first_of(" '#") == std::string::npos) words.insert(feature);
     for (const Question& question : questions())
       for (const SentenceForm& form : question.sentences) {
         for (const std::string& word : sentence_words(form.example)) words.insert(word);

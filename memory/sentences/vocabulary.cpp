@@ -232,6 +232,8 @@ constexpr Compound kCompounds[] = {
     {"(something|anything) to drink", "any drink"},
     {"(something|anything) to eat", "any food"},
     {"(piece|bit|item) of furniture", "place"},
+    {"(piece|pieces|bit|bits) of", ""},
+    {"(go|gone|went|travel|travelled) anywhere", "move"},
     {"(pull|pulls|pulled|slid|drawn) out of", "take from"},
     {"(pulled|slid|drawn) (out|open)", "opened"},
     {"(go|gone|went|going) (missing|walkabout|astray)", "vanish"},
