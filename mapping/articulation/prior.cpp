@@ -10,8 +10,9 @@ namespace loci::mapping {
 namespace {
 
 /// Mountings of fronts. Left and right as seen by a person in front; a flap hinged below opens downwards
-/// (oven, dishwasher), one hinged above upwards (wall cupboard).
-enum Mounting { fixed, drawer, door_left, door_right, flap_below, flap_above, mounting_count };
+/// (oven, dishwasher), one hinged above upwards (wall cupboard). A pull-out is narrow and high, and is held
+/// in the middle: a door's handle is at its side.
+enum Mounting { fixed, drawer, door_left, door_right, flap_below, flap_above, pull_out, mounting_count };
 
 /// Usual value and spread of a quantity.
 struct Normal {
@@ -30,11 +31,20 @@ struct MountingModel {
 
 constexpr std::array<MountingModel, mounting_count> kModels{{
     {0.02, 0.40, 0.30, 0.30, {0.0, 0.6}, {0.0, 0.8}, {0.60, 0.6}, {0.60, 0.7}, {1.0, 0.6}},      // fixed
-    {0.46, 0.75, 0.05, 0.20, {0.0, 0.15}, {0.5, 0.45}, {0.55, 0.4}, {0.28, 0.5}, {0.5, 0.35}},   // drawer
+    {0.44, 0.75, 0.05, 0.20, {0.0, 0.15}, {0.5, 0.45}, {0.55, 0.4}, {0.28, 0.5}, {0.5, 0.35}},   // drawer
     {0.22, 0.25, 0.50, 0.25, {0.85, 0.2}, {0.0, 0.8}, {0.48, 0.3}, {0.90, 0.5}, {1.1, 0.6}},     // door_left
     {0.22, 0.25, 0.50, 0.25, {-0.85, 0.2}, {0.0, 0.8}, {0.48, 0.3}, {0.90, 0.5}, {1.1, 0.6}},    // door_right
     {0.05, 0.93, 0.01, 0.06, {0.0, 0.15}, {0.85, 0.25}, {0.60, 0.2}, {0.70, 0.18}, {0.6, 0.3}},  // flap_below
-    {0.03, 0.87, 0.03, 0.10, {0.0, 0.15}, {-0.85, 0.25}, {0.75, 0.4}, {0.42, 0.35}, {1.75, 0.35}},
+    {0.03,
+     0.87,
+     0.03,
+     0.10,
+     {0.0, 0.15},
+     {-0.85, 0.25},
+     {0.75, 0.4},
+     {0.42, 0.35},
+     {1.75, 0.35}},                                                                          // flap_above
+    {0.02, 0.25, 0.65, 0.10, {0.0, 0.15}, {0.3, 0.6}, {0.28, 0.2}, {1.0, 0.4}, {0.8, 0.3}},  // pull_out
 }};
 
 double log_density(double value, const Normal& normal) {
@@ -76,19 +86,30 @@ double log_appliance_odds(const std::string& appliance, Mounting mounting) {
   return 0;
 }
 
+/// A flap at the plinth is a dishwasher: it reaches up to the worktop. What ends below has a drawer above it
+/// and is a drawer itself, for waste or bottles. Ovens stand higher.
+double log_reach(const Front& front, Mounting mounting) {
+  constexpr double kMaxPlinth = 0.18;
+  constexpr Normal kWorktop{0.84, 0.04};
+  const double bottom = front.centre.z() - front.height / 2, top = front.centre.z() + front.height / 2;
+  if (mounting != flap_below || bottom > kMaxPlinth || top > kWorktop.mean) return 0;
+  return log_density(top, kWorktop) - log_density(kWorktop.mean, kWorktop);
+}
+
 /// Logarithms of the joint densities of mountings and appearance.
 std::array<double, mounting_count> mounting_scores(const Front& front) {
   std::array<double, mounting_count> scores{};
   for (size_t i = 0; i < mounting_count; ++i) {
     const MountingModel& model = kModels[i];
     double share = model.share;
+    if (!front.fixture && i == pull_out) share *= 0.1;  // What slides out has something to hold it by.
     if (!front.fixture)
       share = i == fixed ? kPriors.fixed_without_fixture
                          : share * (1 - kPriors.fixed_without_fixture) / (1 - kModels[fixed].share);
     scores[i] = std::log(share) + log_size_density(front.width, model.width) +
                 log_size_density(front.height, model.height) +
                 log_density(front.centre.z(), model.elevation) +
-                log_appliance_odds(front.appliance, Mounting(i));
+                log_appliance_odds(front.appliance, Mounting(i)) + log_reach(front, Mounting(i));
     if (front.fixture) scores[i] += log_fixture_likelihood(front, *front.fixture, model);
   }
   return scores;
@@ -114,6 +135,7 @@ Mechanism mechanism_of(const Front& front, Mounting mounting) {
   const Vector3d half_width = 0.5 * front.width * front.right(), half_height = 0.5 * front.height * front.up;
   switch (mounting) {
     case drawer:
+    case pull_out:
       return {ArticulationType::prismatic, front.normal, front.centre, 0.9 * front.depth};
     case door_left:
       return {ArticulationType::revolute, -front.up, behind - half_width, kPi * 100 / 180};

@@ -55,6 +55,25 @@ TEST(JointPrior, BarAlongAWideLowFrontIsADrawerThatOpensOutwards) {
   }
 }
 
+TEST(JointPrior, AFlapAtThePlinthReachesTheWorktop) {
+  const Front dishwasher = front_with_bar(0.6, 0.72, 0.48, 0, 0.29);
+  EXPECT_EQ(front_class(dishwasher, joint_prior(dishwasher)), "flap");
+  const Front below_a_drawer = front_with_bar(0.6, 0.57, 0.42, 0, 0.23);
+  EXPECT_EQ(front_class(below_a_drawer, joint_prior(below_a_drawer)), "drawer");
+  const Front oven = front_with_bar(0.6, 0.55, 1.1, 0, 0.23);
+  EXPECT_EQ(front_class(oven, joint_prior(oven)), "flap");
+}
+
+TEST(JointPrior, ANarrowHighFrontHeldInTheMiddleIsAPullOut) {
+  Front pull_out = front_with_bar(0.3, 1.3, 0.8, 0, 0, true);
+  pull_out.fixture->length = 1.2;
+  const JointEstimate joint = joint_prior(pull_out);
+  EXPECT_EQ(joint.type, ArticulationType::prismatic);
+  EXPECT_NEAR(joint.axis.dot(pull_out.normal), 1, 1e-12);
+  const Front door = front_with_bar(0.3, 1.3, 0.8, 0.11, 0, true);
+  EXPECT_EQ(front_class(door, joint_prior(door)), "door");
+}
+
 TEST(JointPrior, UprightBarNearAnEdgeIsADoorHingedAtTheOther) {
   for (const double side : {-0.24, 0.24}) {
     const Front front = front_with_bar(0.6, 1.3, 1.5, side, 0, true);
