@@ -33,9 +33,9 @@ void run(Arguments& arguments, Session& session) {
 
 Command identity_command() {
   return {"identity",
-          "Data association by the model of the paper, by loci's and by simpler ones",
+          "Data association by the belief of loci, by the model of the paper and by simpler ones",
           {"loci-evaluate identity --runs 1 -o demo-output/identity",
-           "loci-evaluate identity --runs 1 --noise estimated --tables 8 --json"},
+           "loci-evaluate identity --runs 1 --tables 8 --json"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
             table.options(table_of(arguments->experiment), "Experiment");

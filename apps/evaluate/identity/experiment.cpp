@@ -53,15 +53,14 @@ class Run {
     if (condition_ == Condition::fresh) {
       believed_.clear();
       for (const SimulatedObservation& observation : scene.before)
-        believed_.push_back({Entry::first(observation.seen, number - 1), observation.origin});
+        believed_.push_back({{observation.seen, number - 1}, observation.origin});
     }
     std::vector<Entry> old;
     for (const Believed& believed : believed_) old.push_back(believed.entry);
     std::vector<Measurement> seen;
     for (const SimulatedObservation& observation : scene.seen) seen.push_back(observation.seen);
-    const Judgement judgement = model_.judge(scene.view, number, old, seen, condition_ == Condition::fresh);
+    const Judgement judgement = model_.judge(scene.view, number, old, seen);
     const SceneTruth truth = truth_of(scene, believed_);
-    for (size_t o = 0; o < old.size(); ++o) believed_[o].entry.where = std::move(old[o].where);
     count_scene(scene, sequence_.actions, believed_, truth, judgement, score_);
     if (condition_ == Condition::own) go_on(scene, number, judgement.links, judgement.kept);
     if (condition_ == Condition::truth) go_on_with_truth(scene, number, truth);
@@ -71,30 +70,19 @@ class Run {
   void go_on(const SimulatedScene& scene, int number, const std::vector<Link>& links,
              const std::vector<bool>& kept) {
     std::vector<bool> linked(believed_.size(), false);
-    std::vector<const Link*> link_of(scene.seen.size(), nullptr);
-    for (const Link& link : links) {
-      linked[link.old] = true;
-      link_of[link.seen] = &link;
-    }
+    for (const Link& link : links) linked[link.old] = true;
     std::vector<Believed> next;
     for (size_t o = 0; o < believed_.size(); ++o)
       if (kept[o] && !linked[o]) next.push_back(believed_[o]);
-    for (size_t k = 0; k < scene.seen.size(); ++k) {
-      const Measurement& seen = scene.seen[k].seen;
-      const Link* link = link_of[k];
-      next.push_back(
-          {link ? model_.update(believed_[link->old].entry, seen, number, *link) : Entry::first(seen, number),
-           scene.seen[k].origin});
-    }
+    for (const SimulatedObservation& observation : scene.seen)
+      next.push_back({{observation.seen, number}, observation.origin});
     believed_ = std::move(next);
   }
 
   void go_on_with_truth(const SimulatedScene& scene, int number, const SceneTruth& truth) {
     std::vector<Link> links;
     for (size_t k = 0; k < scene.seen.size(); ++k)
-      if (truth.partner_of_seen[k])
-        links.push_back({*truth.partner_of_seen[k], k, truth.seen[k] == memory::Explanation::move ? 0.0 : 1.0,
-                         truth.seen[k] == memory::Explanation::newview ? 0.0 : 1.0});
+      if (truth.partner_of_seen[k]) links.push_back({*truth.partner_of_seen[k], k});
     std::vector<bool> kept;
     for (size_t o = 0; o < believed_.size(); ++o) {
       const bool seen =
@@ -122,8 +110,6 @@ const char* condition_name(Condition condition) {
 void ExperimentOptions::declare(OptionTable& table) {
   table.integer("seed", seed, "", "Seed of the random numbers.", 0, 1000000000);
   table.integer("runs", runs, "", "Runs of all sequences (800 scenes each) per noise level.", 1, 10000);
-  table.text("noise", noise, "Whether the measurements' noise is given or has to be estimated.",
-             {"known", "estimated"});
   table.text("levels", levels, "Standard deviations of the measurements.");
   table.text("conditions", conditions, "Beliefs to compare with: A own, B true, C true and fresh.");
   table.text("models", models, "Models to run; empty = all.");
@@ -151,14 +137,13 @@ ExperimentResult run_experiment(const WorldOptions& world, const ExperimentOptio
   for (size_t level = 0; level < result.levels.size(); ++level) {
     progress.check(double(level) / double(result.levels.size()),
                    fmt::format("noise {}", result.levels[level]));
-    const NoiseSetting noise{result.levels[level], options.noise == "known"};
     std::vector<std::vector<Score>> scores(runs);
     std::vector<std::array<int64_t, kActions>> actions(runs);
     std::vector<int64_t> scenes(runs, 0);
     parallel_for(runs, threads, [&](size_t begin, size_t end) {
       for (size_t run = begin; run < end; ++run) {
         const std::vector<Sequence> sequences =
-            simulate_level(world, noise.sigma, random.fork(run).fork(level));
+            simulate_level(world, result.levels[level], random.fork(run).fork(level));
         for (const Sequence& sequence : sequences)
           for (const SimulatedScene& scene : sequence.scenes) {
             ++scenes[run];
@@ -166,7 +151,7 @@ ExperimentResult run_experiment(const WorldOptions& world, const ExperimentOptio
           }
         for (const Condition condition : result.conditions)
           for (const std::string& name : result.models) {
-            const std::unique_ptr<Model> model = make_model(name, world, noise);
+            const std::unique_ptr<Model> model = make_model(name);
             const bool judges = condition == Condition::own || !model->own_belief_only();
             scores[run].push_back(judges ? run_model(*model, condition, sequences) : Score());
           }

@@ -108,7 +108,6 @@ constexpr Condition kConditions[] = {Condition::own, Condition::truth, Condition
 struct ExperimentOptions {
   int seed = 1;
   int runs = 20;  ///< of all sequences of each noise level
-  std::string noise = "known";
   std::string levels = "0.025,0.05,0.075,0.1";
   std::string conditions = "A,B,C";
   std::string models;  ///< empty = all

@@ -16,8 +16,8 @@ class PaperModel : public Model {
  public:
   explicit PaperModel(double scale) : scale_(scale) { options_.best = 1; }
 
-  Judgement judge(const View& view, int, std::vector<Entry>& old, const std::vector<Measurement>& seen,
-                  bool) override {
+  Judgement judge(const View& view, int, const std::vector<Entry>& old,
+                  const std::vector<Measurement>& seen) override {
     memory::IdentityProblem problem;
     problem.old_count = old.size();
     problem.new_count = seen.size();
@@ -49,8 +49,8 @@ class PaperModel : public Model {
 /// Methods without probabilities. An unmatched object in view is gone, out of view it is hidden.
 class PairingModel : public Model {
  public:
-  Judgement judge(const View& view, int, std::vector<Entry>& old, const std::vector<Measurement>& seen,
-                  bool) override {
+  Judgement judge(const View& view, int, const std::vector<Entry>& old,
+                  const std::vector<Measurement>& seen) override {
     Judgement judgement;
     judgement.seen.assign(seen.size(), {std::nullopt, 1, memory::Explanation::appear, 1});
     for (const Entry& entry : old) {
@@ -132,23 +132,16 @@ class HungarianModel : public PairingModel {
 
 }  // namespace
 
-Entry Model::update(const Entry&, const Measurement& seen, int step, const Link&) const {
-  return Entry::first(seen, step);
-}
-
 const std::vector<std::string>& model_names() {
-  static const std::vector<std::string> names = {"paper",  "paper_printed", "ours",      "known_rates",
-                                                 "greedy", "nearest",       "hungarian", "shipped"};
+  static const std::vector<std::string> names = {"paper",   "paper_printed", "greedy",
+                                                 "nearest", "hungarian",     "shipped"};
   return names;
 }
 
-std::unique_ptr<Model> make_model(const std::string& name, const WorldOptions& world,
-                                  const NoiseSetting& noise) {
+std::unique_ptr<Model> make_model(const std::string& name) {
   if (name == "shipped") return make_shipped_model();
   if (name == "paper") return std::make_unique<PaperModel>(kEffectiveScale);
   if (name == "paper_printed") return std::make_unique<PaperModel>(kPrintedScale);
-  if (name == "ours") return make_generative_model(world, noise, false);
-  if (name == "known_rates") return make_generative_model(world, noise, true);
   if (name == "greedy") return std::make_unique<GreedyModel>();
   if (name == "nearest") return std::make_unique<NearestModel>();
   if (name == "hungarian") return std::make_unique<HungarianModel>();

@@ -71,8 +71,8 @@ class ShippedModel : public Model {
     keys_.clear();
   }
 
-  Judgement judge(const View& view, int step, std::vector<Entry>&, const std::vector<Measurement>& seen,
-                  bool) override {
+  Judgement judge(const View& view, int step, const std::vector<Entry>&,
+                  const std::vector<Measurement>& seen) override {
     Scene scene;
     scene.time = step * kStep;
     scene.seconds_to_next = double(kStep) / double(kSecond);
