@@ -1,0 +1,424 @@
+// Which objects and places people mean by a name or words.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "mapping/base/text.h"
+#include "memory/questions/related_words.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci::memory {
+namespace {
+
+std::vector<std::string> lower_case_words(const std::string& text) {
+  return words_of(lower_case(text), " ,");
+}
+
+/// words[first .. first + count) as one text.
+std::string phrase(const std::vector<std::string>& words, size_t first, size_t count = std::string::npos) {
+  const auto begin = words.begin() + static_cast<std::ptrdiff_t>(first);
+  const size_t length = std::min(count, words.size() - first);
+  return fmt::format("{}", fmt::join(begin, begin + static_cast<std::ptrdiff_t>(length), " "));
+}
+
+/// A name as written in maps: "drawer 1" is drawer_1.
+std::string with_underscores(std::string name) {
+  std::ranges::replace(name, ' ', '_');
+  return name;
+}
+
+std::vector<Id> intersection(const std::vector<Id>& a, const std::vector<Id>& b) {
+  std::vector<Id> both;
+  std::ranges::set_intersection(a, b, std::back_inserter(both));
+  return both;
+}
+
+const std::set<std::string> kFillers = {"the",   "a",      "an",     "my",      "our",  "your",
+                                        "thing", "things", "object", "objects", "item", "items",
+                                        "one",   "ones",   "all",    "any",     "some", "everything"};
+
+std::vector<Id> unique(std::vector<Id> ids) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+std::string same_color(const std::string& word) {
+  return word == "gray" ? "grey" : word;
+}
+
+/// small, medium, large, tall, flat.
+bool is_size_word(const std::string& word) {
+  static const std::set<std::string> words = {"small", "medium", "large", "big", "tall", "flat"};
+  return words.contains(word);
+}
+
+bool has_size(const std::string& word, const Vector3d& size) {
+  const double largest = size.maxCoeff(), upright = size.z();
+  const double across = std::max(size.x(), size.y());
+  if (word == "small") return largest < 0.12;
+  if (word == "large" || word == "big") return largest > 0.25;
+  if (word == "medium") return largest >= 0.12 && largest <= 0.25;
+  if (word == "tall") return upright > 1.5 * across;
+  return word == "flat" && upright < 0.4 * across;
+}
+
+/// The names of color_name().
+bool is_color_word(const std::string& word) {
+  static const std::set<std::string> words = {"black", "white", "grey",   "gray",  "red",
+                                              "brown", "beige", "orange", "pink",  "yellow",
+                                              "green", "cyan",  "blue",   "purple"};
+  return words.contains(word);
+}
+
+/// Objects most probable first, then most recent, then by id.
+void order_objects(std::vector<Id>& objects, const Snapshot& snapshot) {
+  const auto key = [&](Id id) {
+    const BeliefRow* belief = snapshot.belief(id);
+    const SceneRow* seen =
+        belief != nullptr && belief->last_scene ? snapshot.scene(*belief->last_scene) : nullptr;
+    const double probability =
+        belief == nullptr || belief->status == ObjectStatus::gone ? 0 : belief->probability;
+    return std::tuple(-std::round(probability * 100), seen == nullptr ? 0 : -seen->time, id);
+  };
+  std::sort(objects.begin(), objects.end(), [&](Id a, Id b) { return key(a) < key(b); });
+}
+
+using Measure = double (*)(const Vector3d& size);
+/// What "biggest" goes by.
+const std::map<std::string, Measure>& superlatives() {
+  const Measure bulk = [](const Vector3d& size) { return size.prod(); };
+  const Measure thrift = [](const Vector3d& size) { return -size.prod(); };
+  const Measure height = [](const Vector3d& size) { return size.z(); };
+  const Measure length = [](const Vector3d& size) { return size.maxCoeff(); };
+  static const std::map<std::string, Measure> words = {
+      {"biggest", bulk},   {"largest", bulk},   {"smallest", thrift}, {"littlest", thrift},
+      {"tallest", height}, {"highest", height}, {"longest", length}};
+  return words;
+}
+
+bool is_superlative(const std::string& word) {
+  return superlatives().contains(word);
+}
+
+/// Of objects the one with most of something; of those that are there when there are any. Unset when no size
+/// is known.
+std::optional<Id> most_of(const std::vector<Id>& objects, Measure measure, const Snapshot& snapshot) {
+  std::optional<Id> most;
+  std::pair<bool, double> best;
+  for (const Id id : objects) {
+    const BeliefRow& row = *snapshot.belief(id);
+    if (!row.size) continue;
+    const std::pair<bool, double> value = {row.status != ObjectStatus::gone, measure(*row.size)};
+    if (!most || value > best) most = id, best = value;
+  }
+  return most;
+}
+
+}  // namespace
+
+std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
+  const std::string name = lower_case(asked);
+  const std::string joined = with_underscores(name);
+  std::vector<PlaceRow> found;
+  const auto take = [&](auto matches) {
+    if (!found.empty()) return;
+    std::copy_if(places_.begin(), places_.end(), std::back_inserter(found), matches);
+  };
+  take([&](const PlaceRow& place) { return lower_case(place.name) == joined; });
+  take([&](const PlaceRow& place) { return lower_case(place.name) == name; });
+  take([&](const PlaceRow& place) {
+    return std::any_of(facts_.begin(), facts_.end(), [&](const FactRow& fact) {
+      return fact.place == place.id && fact.key == "alias" && lower_case(*fact.value) == name;
+    });
+  });
+  // What was renamed is found by its old name, too.
+  if (found.empty() && std::ranges::any_of(facts_, [](const FactRow& f) { return f.key == kPlaceNameKey; })) {
+    for (const PlaceRow& before : store_.places())
+      if (lower_case(before.name) == joined)
+        take([&](const PlaceRow& place) { return place.id == before.id; });
+  }
+  take([&](const PlaceRow& place) { return lower_case(place.name).starts_with(joined + "_"); });
+  take([&](const PlaceRow& place) { return lower_case(place.class_name) == joined; });
+  return found;
+}
+
+std::vector<PlaceRow> Snapshot::places_meant(const std::string& asked) const {
+  std::vector<std::string> words = lower_case_words(asked);
+  while (words.size() > 1 && kFillers.contains(words.front())) words.erase(words.begin());
+  std::vector<PlaceRow> found = places_called(phrase(words, 0));
+  // "kitchen table" may be any table, "top drawer" not any drawer.
+  static const std::set<std::string> restricting = {"top",   "bottom", "upper", "lower", "left",
+                                                    "right", "middle", "other", "next",  "lowest"};
+  const bool restricted =
+      std::ranges::any_of(words, [](const std::string& word) { return restricting.contains(word); });
+  if (found.empty() && words.size() > 1 && !restricted) found = places_called(words.back());
+  if (found.empty() && !words.empty()) {  // "the drawers", "shelves"
+    std::string& last = words.back();
+    if (last.ends_with("ves"))
+      last.replace(last.size() - 3, 3, "f");
+    else if (last.ends_with('s'))
+      last.pop_back();
+    found = places_called(phrase(words, 0));
+  }
+  if (found.empty() && !words.empty())
+    if (const std::string other = furniture_called(words.back()); !other.empty() && !restricted)
+      found = places_called(other);
+  return found;
+}
+
+std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
+  std::vector<PlaceRow> found = places_meant(asked);
+  if (!found.empty()) return found;
+  std::vector<std::string> names;
+  for (const PlaceRow& place : places_) names.push_back(place.name);
+  const std::string part = find_part_without_place(*this, asked);
+  const std::string hint = part.empty()
+                               ? did_you_mean(asked, names)
+                               : fmt::format("{} is called so, but no scene has seen its contents", part);
+  throw UnknownName(UnknownName::Kind::place, fmt::format("no place is called '{}'", asked), file(),
+                    !hint.empty()   ? hint
+                    : names.empty() ? "this memory knows no places"
+                                    : fmt::format("known: {}", fmt::join(names, ", ")));
+}
+
+std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
+  std::vector<Id> found = find_named(word);
+  const std::vector<std::string> related = names_related_to(word, !found.empty());
+  for (const std::string& name : related)
+    for (const Id id : find_named(name)) found.push_back(id);
+  return related.empty() ? found : unique(std::move(found));
+}
+
+std::vector<std::string> Snapshot::names_related_to(const std::string& word) const {
+  return names_related_to(word, !find_named(word).empty());
+}
+
+std::vector<std::string> Snapshot::names_related_to(const std::string& word, bool known) const {
+  if (kFillers.contains(word) || !may_have_related_names(word)) return {};
+  const auto [slot, fresh] = related_to_.try_emplace(word);
+  if (!fresh) return slot->second;
+  if (!class_names_) {
+    class_names_.emplace();
+    for (const FactRow& fact : facts_)
+      if (fact.object && fact.key == "class") class_names_->insert(lower_case(*fact.value));
+  }
+  std::set<std::string> related = related_names(word, *class_names_);
+  if (related.empty() && !known) {
+    std::set<std::string> annotated;
+    for (std::string& value : store_.annotation_values())
+      if (value.find_first_of(" ,0123456789") == std::string::npos) annotated.insert(std::move(value));
+    related = related_names(word, annotated);
+  }
+  // What is called so is meant by it, and what else is of that kind where it is a word for kinds.
+  if (!(known && related.size() < 2)) slot->second.assign(related.begin(), related.end());
+  return slot->second;
+}
+
+std::vector<Id> Snapshot::find_named(const std::string& word) const {
+  std::vector<Id> found;
+  if (const auto id = object_id(word)) {
+    if (belief(*id) != nullptr) found.push_back(*id);
+    // What a tombstone stands for is not known any more.
+    if (found.empty() && *id <= store_.max_object_id() && !store_.forgotten().empty())
+      throw UnknownName(
+          UnknownName::Kind::object,
+          fmt::format("there is no {}: it may be one that was forgotten on request", object_name(*id)),
+          file(), "");
+    return found;
+  }
+  // The name of a place means what is there now, not what once was.
+  for (const PlaceRow& place : places_) {
+    if (lower_case(place.name) != word) continue;
+    return objects_at(place.id);
+  }
+  const auto take_facts = [&](auto matches) {
+    for (const FactRow& fact : facts_)
+      if (fact.object && belief(*fact.object) != nullptr && matches(fact, lower_case(*fact.value)))
+        found.push_back(*fact.object);
+  };
+  // Who was given a name is meant by it, not everything of that kind.
+  take_facts(
+      [&](const FactRow& fact, const std::string& value) { return fact.key == "alias" && value == word; });
+  if (!found.empty()) return unique(std::move(found));
+  const std::set<std::string> meanings = taxonomy_.meanings(word);
+  take_facts([&](const FactRow& fact, const std::string& value) {
+    return fact.key == "owner" ? word == value + "'s" : meanings.contains(value);
+  });
+  if (is_size_word(word) || is_color_word(word))
+    for (const BeliefRow& row : beliefs()) {
+      const bool color = row.color && same_color(lower_case(*row.color)) == same_color(word);
+      const bool size = row.size && is_size_word(word) && has_size(word, *row.size);
+      if (color || size) found.push_back(row.object);
+    }
+  // What a person called its class overrules what it looked like to an annotator.
+  std::set<Id> classed;
+  std::set<std::string> classes;
+  for (const FactRow& fact : facts_)
+    if (fact.object && fact.key == "class") {
+      classed.insert(*fact.object);
+      classes.insert(lower_case(*fact.value));
+    }
+  for (const std::string& meaning : meanings) {
+    const auto take = [&](const std::vector<Id>& objects, auto is_meant) {
+      for (const Id id : objects)
+        if (belief(id) != nullptr && !(classed.contains(id) && classes.contains(meaning)) && is_meant(id))
+          found.push_back(id);
+    };
+    take(store_.objects_annotated(meaning, kClassType, false, as_of_), [](Id) { return true; });
+    take(store_.objects_annotated(meaning, kClassType, true, as_of_), [&](Id id) {
+      const std::optional<ClassVerdict> verdict = class_verdict(id);
+      return verdict && verdict->calls_it(meaning);
+    });
+  }
+  return unique(std::move(found));
+}
+
+std::vector<std::string> Snapshot::known_names() const {
+  std::set<std::string> names;
+  for (const BeliefRow& row : beliefs()) {
+    names.insert(object_name(row.object));
+    if (row.color) names.insert(*row.color);
+  }
+  for (const FactRow& fact : facts_)
+    if (fact.object) names.insert(*fact.value);
+  // Words, not sentences.
+  for (const std::string& value : store_.annotation_values())
+    if (value.find_first_of(",0123456789") == std::string::npos && !find_named(lower_case(value)).empty())
+      names.insert(value);
+  for (const PlaceRow& place : places_) names.erase(place.name);
+  names.erase("");
+  return {names.begin(), names.end()};
+}
+
+std::vector<Id> Snapshot::find_at_place(const std::string& name) const {
+  std::vector<Id> found;
+  for (const PlaceRow& place : find_places(name))
+    for (const Id object : objects_at(place.id)) found.push_back(object);
+  return unique(std::move(found));
+}
+
+std::vector<Id> Snapshot::objects_at(Id place) const {
+  std::vector<Id> found;
+  for (const Id object : store_.objects_at(place, as_of_)) {
+    const BeliefRow* row = belief(object);
+    if (row != nullptr && row->place == place && row->status != ObjectStatus::gone) found.push_back(object);
+  }
+  return found;
+}
+
+std::string Snapshot::hint_for(const std::vector<std::string>& words, size_t unknown) const {
+  const auto some_of = [](const std::vector<std::string>& names) {
+    constexpr size_t kMax = 12;
+    const auto end = names.begin() + static_cast<std::ptrdiff_t>(std::min(kMax, names.size()));
+    return fmt::format("{}{}", fmt::join(names.begin(), end, ", "), names.size() > kMax ? ", ..." : "");
+  };
+  if (as_of_.at) {
+    const Snapshot later(store_, {{}, as_of_.known_at});
+    for (const Id object : later.find_by_word(words[unknown]))
+      if (const auto first = store_.first_observation_after(object, *as_of_.at, {}))
+        return "it was first seen at " + TimeWriter(store_).text(first->time);
+  }
+  // "red cup", where no cup is known: the objects that are red may be meant.
+  std::vector<std::string> known_words, meant;
+  std::vector<Id> objects;
+  for (size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == "on" || words[i] == "in") break;
+    const std::vector<Id> matching = i == unknown ? std::vector<Id>() : find_by_word(words[i]);
+    if (matching.empty()) continue;
+    objects = known_words.empty() ? matching : intersection(objects, matching);
+    known_words.push_back(words[i]);
+  }
+  for (const Id object : objects) meant.push_back(object_name(object));
+  if (!meant.empty()) return fmt::format("{}: {}", fmt::join(known_words, " "), some_of(meant));
+  const std::vector<std::string> names = known_names();
+  if (const std::string hint = did_you_mean(words[unknown], names); !hint.empty()) return hint;
+  if (names.empty()) return "this memory knows no objects";
+  std::vector<std::string> descriptive;  // preferred to ids
+  std::ranges::copy_if(names, std::back_inserter(descriptive),
+                       [](const std::string& name) { return !object_id(name); });
+  return "known: " + some_of(descriptive.empty() ? names : descriptive);
+}
+
+std::optional<Id> Snapshot::find_superlative(const std::vector<std::string>& words) const {
+  for (size_t i = 0; i < words.size(); ++i) {
+    const auto superlative = superlatives().find(words[i]);
+    if (superlative == superlatives().end()) continue;
+    std::vector<std::string> rest = words;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
+    const auto most = most_of(find_objects(phrase(rest, 0)), superlative->second, *this);
+    if (!most) throw UnknownName(UnknownName::Kind::object, "no size is known of any of them", file(), "");
+    return most;
+  }
+  return std::nullopt;
+}
+
+std::vector<Id> Snapshot::find_longest_name(const std::vector<std::string>& words, size_t& next) const {
+  std::vector<Id> matching;
+  size_t count = std::min<size_t>(4, words.size() - next);
+  while ((matching = find_by_word(phrase(words, next, count))).empty() && count > 1) --count;
+  if (matching.empty()) {
+    const bool is_place = std::ranges::any_of(
+        places_, [&](const PlaceRow& place) { return lower_case(place.name) == words[next]; });
+    throw is_place
+        ? UnknownName(UnknownName::Kind::object, fmt::format("nothing is known to be at {}", words[next]),
+                      file(), "")
+        : UnknownName(UnknownName::Kind::object, fmt::format("nothing is known as '{}'", words[next]), file(),
+                      hint_for(words, next));
+  }
+  next += count;
+  return matching;
+}
+
+bool Snapshot::means_objects(const std::string& subject) const {
+  std::vector<std::string> words = lower_case_words(subject);
+  std::erase_if(words,
+                [](const std::string& word) { return kFillers.contains(word) || is_superlative(word); });
+  for (size_t next = 0; next < words.size();) {
+    size_t count = std::min<size_t>(4, words.size() - next);
+    while (count > 0 && find_by_word(phrase(words, next, count)).empty()) --count;
+    if (count == 0) return false;
+    next += count;
+  }
+  return !words.empty();
+}
+
+std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
+  std::vector<std::string> words = lower_case_words(subject);
+  std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
+  std::vector<Id> found;
+  if (!words.empty()) found = find_by_word(phrase(words, 0));
+  if (const auto joint =
+          std::ranges::find_if(words, [](const std::string& word) { return word == "and" || word == "or"; });
+      found.empty() && joint != words.end() && joint != words.begin() && joint + 1 != words.end() &&
+      std::ranges::none_of(words, &is_superlative)) {
+    // "milk and jam": either of them.
+    const auto at = static_cast<size_t>(joint - words.begin());
+    found = find_objects(phrase(words, 0, at));
+    for (const Id id : find_objects(phrase(words, at + 1))) found.push_back(id);
+    found = unique(std::move(found));
+  }
+  if (found.empty()) {
+    if (const auto one = find_superlative(words)) return {*one};
+    for (const BeliefRow& row : beliefs()) found.push_back(row.object);
+    for (size_t i = 0; i < words.size();) {
+      if ((words[i] == "on" || words[i] == "in") && i + 1 < words.size()) {
+        found = intersection(found, find_at_place(phrase(words, i + 1)));
+        break;
+      }
+      found = intersection(found, find_longest_name(words, i));
+    }
+    if (found.empty())
+      throw UnknownName(UnknownName::Kind::object, fmt::format("no object is '{}'", subject), file(),
+                        "ask with fewer words");
+  }
+  order_objects(found, *this);
+  return found;
+}
+
+}  // namespace loci::memory
