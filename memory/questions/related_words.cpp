@@ -94,6 +94,13 @@ bool may_have_related_names(const std::string& word) {
          !wordnet::base_forms(word, PartOfSpeech::noun).empty();
 }
 
+bool is_color_word(const std::string& word) {
+  static const std::set<std::string> words = {"black", "white", "grey",   "gray",  "red",
+                                              "brown", "beige", "orange", "pink",  "yellow",
+                                              "green", "cyan",  "blue",   "purple"};
+  return words.contains(word);
+}
+
 std::string furniture_called(const std::string& word) {
   static const std::map<std::string, std::string> words = {
       {"worktop", "counter"},  {"countertop", "counter"}, {"worksurface", "counter"},

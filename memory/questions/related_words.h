@@ -15,4 +15,7 @@ bool may_have_related_names(const std::string& word);
 /// Another word for a piece of furniture: "worktop" is a counter; "" = none.
 std::string furniture_called(const std::string& word);
 
+/// Whether it is a name of mapping::color_name(), or "gray".
+bool is_color_word(const std::string& word);
+
 }  // namespace loci::memory

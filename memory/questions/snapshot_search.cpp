@@ -68,14 +68,6 @@ bool has_size(const std::string& word, const Vector3d& size) {
   return word == "flat" && upright < 0.4 * across;
 }
 
-/// The names of color_name().
-bool is_color_word(const std::string& word) {
-  static const std::set<std::string> words = {"black", "white", "grey",   "gray",  "red",
-                                              "brown", "beige", "orange", "pink",  "yellow",
-                                              "green", "cyan",  "blue",   "purple"};
-  return words.contains(word);
-}
-
 /// Objects most probable first, then most recent, then by id.
 void order_objects(std::vector<Id>& objects, const Snapshot& snapshot) {
   const auto key = [&](Id id) {

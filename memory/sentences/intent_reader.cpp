@@ -5,6 +5,7 @@
 #include <set>
 
 #include "mapping/base/text.h"
+#include "memory/questions/related_words.h"
 #include "memory/sentences/discourse.h"
 #include "memory/sentences/intent_model.h"
 #include "memory/sentences/mentions.h"
@@ -230,13 +231,10 @@ std::optional<Delexicalised> embedded_question(const Delexicalised& sentence) {
 
 /// "Is the pot grey?", "Is the cup red or blue?": asks for the colour; unset for other questions.
 std::optional<PlainQuestion> colour_question(const SentencePart& part, const Snapshot& snapshot) {
-  static const std::set<std::string> colours = {"black", "white",  "grey", "gray",  "red",
-                                                "brown", "beige",  "pink", "green", "yellow",
-                                                "cyan",  "orange", "blue", "purple"};
   Words words = part.words;
-  if (words.size() < 3 || (words[0] != "is" && words[0] != "are") || !colours.contains(words.back()))
+  if (words.size() < 3 || (words[0] != "is" && words[0] != "are") || !is_color_word(words.back()))
     return std::nullopt;
-  while (words.size() > 2 && (colours.contains(words.back()) || words.back() == "or")) words.pop_back();
+  while (words.size() > 2 && (is_color_word(words.back()) || words.back() == "or")) words.pop_back();
   const std::string name = join_words(words, 1, words.size());
   if (!snapshot.means_objects(name)) return std::nullopt;
   return PlainQuestion{.text = "What colour is " + name + "?", .reworded = true};
