@@ -165,7 +165,8 @@ TextReader::TextReader(const std::string& language) : engine_(std::make_unique<E
 TextReader::~TextReader() = default;
 TextReader::TextReader(TextReader&&) noexcept = default;
 
-std::vector<TextWord> TextReader::read(const cv::Mat& image, double min_confidence) const {
+std::vector<TextWord> TextReader::read(const cv::Mat& image, double min_confidence,
+                                       TextOrientation orientation) const {
   cv::Mat grey = image, large;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   const double zoom = std::min(kMaxZoom, kSide / std::max(grey.cols, grey.rows));
@@ -179,7 +180,7 @@ std::vector<TextWord> TextReader::read(const cv::Mat& image, double min_confiden
   TurnedImage best = turned(large, 0);
   words = look(tesseract::PSM_SPARSE_TEXT, best);
   double most = legibility(words);
-  if (most < kLegible) {
+  if (orientation == TextOrientation::any && most < kLegible) {
     const double skew = skew_of(large);
     for (const double quarter : {0.0, 90.0, 180.0, 270.0}) {
       if (most >= kLegible || (quarter == 0 && std::abs(skew) < kLevel)) continue;

@@ -21,6 +21,12 @@ struct RankedWord {
   cv::Rect region;        ///< likewise
 };
 
+/// How text may stand in an image.
+enum class TextOrientation {
+  upright,  ///< a few degrees off at most
+  any,      ///< up to three times the work where there is little text to read
+};
+
 /// Reads printed text with Tesseract. One image at a time.
 class TextReader {
  public:
@@ -30,10 +36,11 @@ class TextReader {
   TextReader(TextReader&&) noexcept;
 
   /// Words of an image (CV_8UC1 or CV_8UC3 BGR), small ones enlarged first, that Tesseract is sure of by at
-  /// least `min_confidence`. Text may be turned: where too little is read upright, the image is levelled by
-  /// the directions of its edges and read in four orientations; that of the surest letters counts, and at
+  /// least `min_confidence`. Where text may be turned and too little is read upright, the image is levelled
+  /// by the directions of its edges and read in four orientations; that of the surest letters counts, and at
   /// most six looks are taken. Scattered words and blocks of text are looked for: a word may come twice.
-  std::vector<TextWord> read(const cv::Mat& image, double min_confidence = 0.5) const;
+  std::vector<TextWord> read(const cv::Mat& image, double min_confidence = 0.5,
+                             TextOrientation orientation = TextOrientation::any) const;
 
  private:
   struct Engine;

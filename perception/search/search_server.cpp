@@ -248,7 +248,8 @@ std::optional<SearchResult> SearchService::read_text(const cv::Mat& image) const
   std::vector<TextWord> words;
   {
     const std::lock_guard lock(reading_);
-    words = reader_->read(image, options_.min_confidence);
+    // People hold what they ask for upright, and are waiting.
+    words = reader_->read(image, options_.min_confidence, TextOrientation::upright);
   }
   std::erase_if(words, [](const TextWord& word) { return !is_word(word.text); });
   if (words.empty()) return {};

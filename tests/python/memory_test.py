@@ -221,15 +221,15 @@ class Watch(FolderTest):
 class Edits(SampleMemoryTest):
     def test_edits_can_be_undone(self):
         with loci.open(self.file, write=True) as memory:
-            done = memory.edit.say("table_1", "alias", "desk")
-            self.assertIn("desk", done.edit)
-            self.assertIn("object_1", str(memory.on("desk", at="08:00")))
+            done = memory.edit.say("table_1", "alias", "bench 7")
+            self.assertIn("bench 7", done.edit)
+            self.assertIn("object_1", str(memory.on("bench 7", at="08:00")))
             memory.edit.label(scene=1, observation=0, class_="mug")
             memory.edit.undo()
             memory.edit.undo()
             self.assertEqual([len(memory.edit.list().done), len(memory.edit.list().undone)], [0, 2])
-            with self.assertRaisesRegex(loci.Error, "desk"):
-                memory.on("desk")
+            with self.assertRaisesRegex(loci.Error, "bench 7"):
+                memory.on("bench 7")
 
     def test_identities(self):
         with loci.open(self.file, write=True) as memory:

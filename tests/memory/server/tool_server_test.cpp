@@ -125,12 +125,12 @@ TEST_F(ToolServerTest, EditsAreToolsWhenTheyAreAllowed) {
   EXPECT_EQ(tools.back()["annotations"]["readOnlyHint"], false);
   const Json said = call(
       "tools/call",
-      {{"name", "edit-say"}, {"arguments", {{"about", "table_1"}, {"key", "alias"}, {"value", "desk"}}}});
+      {{"name", "edit-say"}, {"arguments", {{"about", "table_1"}, {"key", "alias"}, {"value", "bench 7"}}}});
   EXPECT_EQ(said["isError"], false);
-  EXPECT_THAT(said["structuredContent"]["edit"].get<std::string>(), HasSubstr("desk"));
-  EXPECT_EQ(call("tools/call", {{"name", "on"}, {"arguments", {{"place", "desk"}}}})["isError"], false);
+  EXPECT_THAT(said["structuredContent"]["edit"].get<std::string>(), HasSubstr("bench 7"));
+  EXPECT_EQ(call("tools/call", {{"name", "on"}, {"arguments", {{"place", "bench 7"}}}})["isError"], false);
   EXPECT_EQ(call("tools/call", {{"name", "edit-undo"}})["isError"], false);
-  EXPECT_EQ(call("tools/call", {{"name", "on"}, {"arguments", {{"place", "desk"}}}})["isError"], true);
+  EXPECT_EQ(call("tools/call", {{"name", "on"}, {"arguments", {{"place", "bench 7"}}}})["isError"], true);
   EXPECT_EQ(call("tools/call", {{"name", "edit-merge"}, {"arguments", {{"one", "object_1"}}}})["isError"],
             true);
 }

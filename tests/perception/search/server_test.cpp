@@ -149,10 +149,15 @@ TEST_F(SearchServing, OtherPathsAreNotFound) {
 TEST_F(SearchServing, SeveralAreAnsweredAtTheSameTime) {
   const std::string body =
       encode(SearchRequest{jpeg_of(mapping::read_color(kData / "images/ean13.png")), "en", "US", true});
-  const std::string expected = post(body)->body;
+  const auto answer_of = [&] {
+    const httplib::Result result = post(body);
+    return result ? result->body : httplib::to_string(result.error());
+  };
+  const std::string expected = answer_of();
+  ASSERT_NO_THROW(decode_response(expected)) << expected;
   std::vector<std::string> answers(4);
   std::vector<std::thread> threads;
-  for (std::string& answer : answers) threads.emplace_back([&] { answer = post(body)->body; });
+  for (std::string& answer : answers) threads.emplace_back([&] { answer = answer_of(); });
   for (std::thread& thread : threads) thread.join();
   for (const std::string& answer : answers) EXPECT_EQ(answer, expected);
 }

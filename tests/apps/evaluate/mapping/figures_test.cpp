@@ -50,7 +50,7 @@ TEST(MappingFigures, TableHasAColumnPerWorldOverItsSeeds) {
   EXPECT_THAT(text, testing::HasSubstr("first"));
   EXPECT_THAT(text, testing::HasSubstr("second"));
   const Json json = table_json({a, a, b});
-  EXPECT_EQ(json["worlds"].size(), 2U);
+  EXPECT_EQ(json["worlds"].size(), 3U);  // and all together
   EXPECT_EQ(json["maps"].size(), 3U);
 }
 
