@@ -94,6 +94,21 @@ bool may_have_related_names(const std::string& word) {
          !wordnet::base_forms(word, PartOfSpeech::noun).empty();
 }
 
+const std::map<std::string, SizeMeasure>& superlatives() {
+  const SizeMeasure bulk = [](const Vector3d& size) { return size.prod(); };
+  const SizeMeasure thrift = [](const Vector3d& size) { return -size.prod(); };
+  const SizeMeasure height = [](const Vector3d& size) { return size.z(); };
+  const SizeMeasure length = [](const Vector3d& size) { return size.maxCoeff(); };
+  static const std::map<std::string, SizeMeasure> words = {
+      {"biggest", bulk},   {"largest", bulk},   {"smallest", thrift}, {"littlest", thrift},
+      {"tallest", height}, {"highest", height}, {"longest", length}};
+  return words;
+}
+
+bool is_superlative(const std::string& word) {
+  return superlatives().contains(word);
+}
+
 bool is_color_word(const std::string& word) {
   static const std::set<std::string> words = {"black", "white", "grey",   "gray",  "red",
                                               "brown", "beige", "orange", "pink",  "yellow",

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <map>
 #include <set>
 #include <string>
+
+#include "mapping/base/pose.h"
 
 namespace loci::memory {
 
@@ -14,6 +17,11 @@ bool may_have_related_names(const std::string& word);
 
 /// Another word for a piece of furniture: "worktop" is a counter; "" = none.
 std::string furniture_called(const std::string& word);
+
+/// What "biggest" goes by, of a size in metres along the axes of the map.
+using SizeMeasure = double (*)(const Vector3d& size);
+const std::map<std::string, SizeMeasure>& superlatives();
+bool is_superlative(const std::string& word);
 
 /// Whether it is a name of mapping::color_name(), or "gray".
 bool is_color_word(const std::string& word);

@@ -81,26 +81,9 @@ void order_objects(std::vector<Id>& objects, const Snapshot& snapshot) {
   std::sort(objects.begin(), objects.end(), [&](Id a, Id b) { return key(a) < key(b); });
 }
 
-using Measure = double (*)(const Vector3d& size);
-/// What "biggest" goes by.
-const std::map<std::string, Measure>& superlatives() {
-  const Measure bulk = [](const Vector3d& size) { return size.prod(); };
-  const Measure thrift = [](const Vector3d& size) { return -size.prod(); };
-  const Measure height = [](const Vector3d& size) { return size.z(); };
-  const Measure length = [](const Vector3d& size) { return size.maxCoeff(); };
-  static const std::map<std::string, Measure> words = {
-      {"biggest", bulk},   {"largest", bulk},   {"smallest", thrift}, {"littlest", thrift},
-      {"tallest", height}, {"highest", height}, {"longest", length}};
-  return words;
-}
-
-bool is_superlative(const std::string& word) {
-  return superlatives().contains(word);
-}
-
 /// Of objects the one with most of something; of those that are there when there are any. Unset when no size
 /// is known.
-std::optional<Id> most_of(const std::vector<Id>& objects, Measure measure, const Snapshot& snapshot) {
+std::optional<Id> most_of(const std::vector<Id>& objects, SizeMeasure measure, const Snapshot& snapshot) {
   std::optional<Id> most;
   std::pair<bool, double> best;
   for (const Id id : objects) {

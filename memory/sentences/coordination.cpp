@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "mapping/base/text.h"
+#include "memory/questions/related_words.h"
 
 namespace loci::memory {
 namespace {
@@ -57,10 +57,8 @@ void add_all(const std::vector<T>& from, std::vector<T>& to) {
 }  // namespace
 
 Coordination coordination_of(const Query& query) {
-  static const std::set<std::string> superlatives = {"biggest",  "largest", "smallest", "tallest",
-                                                     "littlest", "longest", "highest"};
   const std::vector<std::string> first = words_of(query.argument("object"));
-  const bool one_of_all = !first.empty() && superlatives.contains(first.front());  // "biggest cup or bowl"
+  const bool one_of_all = !first.empty() && is_superlative(first.front());  // "biggest cup or bowl"
   if (query.asks != Asks::together && !one_of_all)
     for (const Parameter& parameter : find_question(query.question)->parameters) {
       const bool names = parameter.type == ParameterType::object || parameter.type == ParameterType::place ||
@@ -80,7 +78,7 @@ Coordination coordination_of(const Query& query) {
 }
 
 std::string with_choices_joined(const std::string& sentence) {
-  static const std::map<std::string, std::string> superlatives = {
+  static const std::map<std::string, std::string> measures = {
       {"biggest", "biggest"}, {"largest", "biggest"}, {"bigger", "biggest"},    {"larger", "biggest"},
       {"tallest", "tallest"}, {"taller", "tallest"},  {"smallest", "smallest"}, {"smaller", "smallest"}};
   constexpr size_t kMaxWordsOfName = 4;
@@ -94,7 +92,7 @@ std::string with_choices_joined(const std::string& sentence) {
   for (const char c : lower_case(sentence)) spaced += c == ',' ? std::string(" , ") : std::string(1, c);
   bool listing = false;
   for (const std::string& word : words_of(spaced, " ?!.:")) {
-    if (const auto found = superlatives.find(word); found != superlatives.end()) {
+    if (const auto found = measures.find(word); found != measures.end()) {
       measure = found->second;
     } else if (word == "of" || (word == "," && !listing)) {
       listing = true;

@@ -403,11 +403,12 @@ std::vector<ImageDetections> read_yolo(const fs::path& folder, Warnings& warning
 // JSON Lines.
 
 Detection2D read_detection(const json& entry, const std::string& where, const fs::path& folder) {
+  require_object(entry, where);
   Detection2D detection;
   const auto given = [&](const char* key) { return entry.contains(key) && !entry[key].is_null(); };
   if (given("mask"))
     detection.region = region_from_mask(entry["mask"], where + ".mask", folder);
-  else if (require_object(entry, where).contains("bbox"))
+  else if (given("bbox"))
     detection.region = region_from_box(entry["bbox"], where + ".bbox");
   else
     refuse_at({{}, 0, where}, "has no bbox or mask", "`loci-memory ingest` takes positions");

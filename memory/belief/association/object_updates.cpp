@@ -280,9 +280,10 @@ void SceneUpdate::delete_clutter() {
     return object.exists_log_odds <= min_log_odds || 1 - object.probability_here >= options_.gone ||
            (!timing_.snapshot && unobserved > patience);
   };
-  for (ProtoObject& object : state_.objects)
-    if (is_clutter(object)) learn_clutter(object);
-  std::erase_if(state_.objects, is_clutter);
+  const auto clutter = std::stable_partition(state_.objects.begin(), state_.objects.end(),
+                                             [&](const ProtoObject& object) { return !is_clutter(object); });
+  for (auto object = clutter; object != state_.objects.end(); ++object) learn_clutter(*object);
+  state_.objects.erase(clutter, state_.objects.end());
 }
 
 void SceneUpdate::prune_gone() {

@@ -186,7 +186,7 @@ double distance_of(const Comparison& comparison, const Appearance::Feature& a, c
 }
 
 /// Mean colours of one object against those of unrelated ones, which are anywhere in the colour cube.
-/// `variance` is the home's; bright and dark, near and far objects differ from it by a factor.
+/// `noise_levels`: of the factors on the noise of the home: bright and dark, near and far objects differ.
 double color_log_ratio(const std::vector<float>& a, const std::vector<float>& b,
                        const NoiseScale::Levels& noise_levels) {
   constexpr double kImpossible = 60;  // more than any pair's evidence counts
