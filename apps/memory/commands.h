@@ -12,6 +12,7 @@ Command catalogue_command();
 Command fact_command();
 Command taxonomy_command();
 Command teach_command();
+Command map_command();
 Command edit_command();
 Command verify_command();
 Command backup_command();

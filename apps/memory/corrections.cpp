@@ -1,6 +1,7 @@
-// Corrections: edit, fact, taxonomy.
+// Corrections: edit, fact, teach, taxonomy, map.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
@@ -10,6 +11,7 @@
 #include "memory/edits/edit_actions.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/taxonomy.h"
+#include "memory/recorder/map_entry.h"
 
 namespace loci::apps {
 
@@ -55,6 +57,23 @@ memory::Query EditArguments::query() const {
       throw UsageError("the actions are " + edit_forms());
   }
   return query;
+}
+
+void answer_maps(Session& session, const memory::Store& store) {
+  const memory::TimeWriter times(store);
+  std::string text;
+  Json maps = Json::array();
+  for (const memory::MapPeriod& period : map_periods(store)) {
+    text += fmt::format("{} from {} on, {}", period.name, times.text(period.from),
+                        counted(static_cast<size_t>(period.scenes), "scene"));
+    if (!period.moved.empty()) text += fmt::format("; moved: {}", fmt::join(period.moved, ", "));
+    text += "\n";
+    maps.push_back({{"name", period.name},
+                    {"from", format_time(period.from)},
+                    {"scenes", period.scenes},
+                    {"moved", period.moved}});
+  }
+  session.answer(text.empty() ? "No scene was perceived with a map.\n" : text, {{"maps", maps}});
 }
 
 void answer_list(Session& session, const memory::EditList& list) {
@@ -177,6 +196,36 @@ Command taxonomy_command() {
           session.answer(to_text(taxonomy), to_json(taxonomy));
         };
       }};
+}
+
+Command map_command() {
+  return {"map",
+          "Tell that furniture was moved: the map of the room from a time on",
+          {"loci-memory map list -m demo-output/memory.loci",
+           "loci-memory map add apps/samples/kitchen.urdf -m demo-output/detections_map.loci"},
+          [](ArgumentTable& table) {
+            struct Arguments {
+              std::string memory, action, urdf, at;
+            };
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("ACTION", &arguments->action,
+                             "list, or add MAP: what lies on furniture that moved has moved along",
+                             {.choices = {"add", "list"}});
+            table.positional("[MAP]", &arguments->urdf, "URDF of the map; the sidecar is found beside it");
+            table.memory(arguments->memory);
+            table.option("--at TIME", &arguments->at, "From then on: \"08:30\", \"today 9:00\"",
+                         {.default_text = "a second after the last scene"});
+            return [arguments](Session& session) {
+              if (arguments->action == "list")
+                return answer_maps(session, open_memory(arguments->memory, session));
+              if (arguments->urdf.empty()) throw UsageError("the actions are add MAP and list");
+              memory::Store store = open_to_change(arguments->memory, session);
+              const TimeNs at = arguments->at.empty() ? store.last_scene_time().value_or(0) + kSecond
+                                                      : memory::TimeReader(store).read(arguments->at).first;
+              enter_map(store, arguments->urdf, at, "loci-memory map");
+              answer_maps(session, store);
+            };
+          }};
 }
 
 }  // namespace loci::apps

@@ -14,8 +14,8 @@ int main(int argc, char** argv) {
   add("Correct", {edit_command(), fact_command(), teach_command(), taxonomy_command()});
   add("Maintain", {reason_command(), resolve_command(), verify_command(), backup_command(), restore_command(),
                    retain_command(), forget_command(), merge_command(), time_zone_command()});
-  add("Exchange",
-      {ingest_command(), export_command(), catalogue_command(), model_command(), serve_command()});
+  add("Exchange", {ingest_command(), map_command(), export_command(), catalogue_command(), model_command(),
+                   serve_command()});
   add("Share", {push_command(), grant_command(), unify_command()});
   return program.run(argc, argv);
 }

@@ -79,6 +79,7 @@ QColor Theme::of_event(memory::EventKind kind) const {
     case memory::EventKind::hidden:
       return unseen;
     case memory::EventKind::moved:
+    case memory::EventKind::place_moved:
       return accent;
     case memory::EventKind::looks_different:
     case memory::EventKind::joint_changed:

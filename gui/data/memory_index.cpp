@@ -76,16 +76,33 @@ bool grow(const memory::Store& store, const MemoryIndex& before, MemoryIndex& in
   return true;
 }
 
+/// One for each period in which the scenes have the same map.
+std::map<TimeNs, std::shared_ptr<const mapping::World>> read_worlds(
+    const memory::Store& store, const std::vector<memory::SceneRow>& scenes) {
+  std::map<TimeNs, std::shared_ptr<const mapping::World>> worlds;
+  std::optional<memory::Id> map;
+  const auto add = [&](TimeNs time) {
+    if (auto world = named_map(store, {.at = time}))
+      worlds[time] = std::make_shared<const mapping::World>(std::move(*world));
+  };
+  for (const memory::SceneRow& scene : scenes)
+    if (scene.map && scene.map != std::exchange(map, scene.map)) add(scene.time);
+  if (worlds.empty() && !scenes.empty()) add(scenes.front().time);
+  return worlds;
+}
+
 void read_map(const memory::Store& store, const std::vector<memory::PlaceRow>& places,
               const MemoryIndex* before, MemoryIndex& index) {
-  if (before != nullptr && before->world && before->info.runs == index.info.runs)
-    index.world = before->world;
-  else if (auto map = named_map(store))
-    index.world = std::make_shared<const mapping::World>(std::move(*map));
+  if (before != nullptr && before->info.runs == index.info.runs)
+    index.worlds = before->worlds;
+  else
+    index.worlds = read_worlds(store, index.scenes);
+  const auto draws = [&](const std::string& place) {
+    return std::ranges::any_of(index.worlds,
+                               [&](const auto& one) { return one.second->find_link(place) != nullptr; });
+  };
   for (const memory::PlaceRow& place : places)
-    if (place.height && place.outline.size() > 2 &&
-        !(index.world && index.world->find_link(place.name) != nullptr))
-      index.loose_places.push_back(place);
+    if (place.height && place.outline.size() > 2 && !draws(place.name)) index.loose_places.push_back(place);
 }
 
 std::vector<KnownState> known_states(const std::vector<memory::RunRow>& runs) {
@@ -116,7 +133,7 @@ MemoryInfo describe(const memory::Store& store, const MemoryIndex& index) {
   };
   info.summary = fmt::format("{} · {} · {}", plural(index.scenes.size(), "scene"),
                              plural(store.objects().size(), "object"), plural(index.events.size(), "event"));
-  if (!index.world) info.summary += " · no map";
+  if (index.worlds.empty()) info.summary += " · no map";
   return info;
 }
 

@@ -47,11 +47,11 @@ struct MemoryInfo {
 struct MemoryIndex {
   MemoryInfo info = {};
   std::shared_ptr<const Names> names = {};
-  std::vector<memory::SceneRow> scenes = {};                    ///< in order of time
-  std::unordered_map<memory::Id, size_t> number_of_scene = {};  ///< its index in scenes
-  std::vector<memory::Change> events = {};                      ///< in order of time
-  std::shared_ptr<const mapping::World> world = {};             ///< null = none
-  std::vector<memory::PlaceRow> loose_places = {};  ///< with height and outline, not drawn by the map
+  std::vector<memory::SceneRow> scenes = {};                            ///< in order of time
+  std::unordered_map<memory::Id, size_t> number_of_scene = {};          ///< its index in scenes
+  std::vector<memory::Change> events = {};                              ///< in order of time
+  std::map<TimeNs, std::shared_ptr<const mapping::World>> worlds = {};  ///< the map from a time on
+  std::vector<memory::PlaceRow> loose_places = {};  ///< with height and outline, not drawn by a map
   memory::Id last_scene = 0;                        ///< the highest id of a scene
 
   /// nullptr = unknown.

@@ -55,6 +55,12 @@ std::shared_ptr<const OpenMemory> OpenMemory::renewed(Progress& progress) const 
 OpenMemory::OpenMemory(const std::filesystem::path& path, const MemoryIndex* before, Progress& progress)
     : path_(path), store_(memory::Store::open_read(path)), index_(read_index(store_, before, progress)) {}
 
+const mapping::World* OpenMemory::world(std::optional<TimeNs> time) const {
+  if (index_.worlds.empty()) return nullptr;
+  const auto after = time ? index_.worlds.upper_bound(*time) : index_.worlds.end();
+  return after == index_.worlds.begin() ? after->second.get() : std::prev(after)->second.get();
+}
+
 const memory::SceneRow* OpenMemory::scene_at(TimeNs time) const {
   const auto& all = scenes();
   if (all.empty()) return nullptr;

@@ -69,8 +69,9 @@ class OpenMemory {
   /// In order of time.
   const std::vector<memory::SceneRow>& scenes() const { return index_.scenes; }
   const std::vector<memory::Change>& events() const { return index_.events; }
-  /// The map; nullptr when the memory was made without one. The same one when the memory has only grown.
-  const mapping::World* world() const { return index_.world.get(); }
+  /// The map as of a time, else of the end; nullptr when the memory was made without one. The same one when
+  /// the memory has only grown.
+  const mapping::World* world(std::optional<TimeNs> time = {}) const;
   /// Where the map's meshes are looked for.
   mapping::MeshSearch mesh_search() const { return {{}, path_.parent_path()}; }
   /// Places with an outline that the map does not draw.

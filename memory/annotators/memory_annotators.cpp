@@ -178,7 +178,10 @@ MemorySession& session_of(const perception::Context& context, const std::string&
 /// The scene as the memory takes it, with the numbers of this run.
 SceneRecord record_of(const perception::types::SceneCas& scene, const perception::Context& context,
                       MemorySession& session) {
-  SceneRecord record = scene_record(scene, context.resources.find<mapping::World>(), session.people());
+  const mapping::World* world = context.resources.find<mapping::World>();
+  SceneRecord record = scene_record(scene, world, session.people());
+  for (PlaceRow& place : record.places)
+    if (world != nullptr && world->find_link(place.name) != nullptr) place.map = session.map();
   record.row.recording = session.recording();
   record.row.map = session.map();
   record.seconds_to_next = session.seconds_after(record.row.time);

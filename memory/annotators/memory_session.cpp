@@ -4,10 +4,9 @@
 
 #include <algorithm>
 
-#include "mapping/base/files.h"
 #include "mapping/base/json.h"
-#include "mapping/world/semantic_map.h"
 #include "memory/catalogue/catalogue.h"
+#include "memory/recorder/map_entry.h"
 
 namespace loci::memory {
 namespace {
@@ -22,12 +21,6 @@ KnownPlanes load_planes(const Store& store) {
         throw store.error("the known planes in table annotation are damaged", "perceive into a new memory");
       }
   return {};
-}
-
-Id add_map(Store& store, const std::filesystem::path& urdf) {
-  const std::filesystem::path sidecar = mapping::sidecar_path(urdf);
-  return store.add_map(urdf.filename().string(), read_file(urdf),
-                       std::filesystem::exists(sidecar) ? read_file(sidecar) : std::string());
 }
 
 /// What was recorded knows where its clocks were.

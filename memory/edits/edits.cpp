@@ -53,14 +53,6 @@ void add_label(SceneTransaction& rows, Id scene, Id observation, const std::stri
       {.scene = scene, .observation = observation, .type = kLabelType, .value = label, .confidence = 1});
 }
 
-/// Adds a map like one of the memory, numbered in a comment so that it is the newest. What people typed stays
-/// out of its text.
-Id add_corrected_map(Store& store, const MapRow& like, const std::string& urdf) {
-  const std::string sidecar = like.sidecar ? store.blob(*like.sidecar).bytes : std::string();
-  return store.add_map(like.name, fmt::format("{}\n<!-- correction {} -->\n", urdf, store.maps().size()),
-                       sidecar);
-}
-
 /// The scene after another in order of time; 0 = none.
 Id scene_after(const Store& store, Id scene) {
   const std::vector<SceneRow> scenes = store.scenes();
@@ -115,7 +107,7 @@ Id reverse_run(Store& store, const RunRow& row, const std::string& text, const J
     const Id like = configuration["map"]["after"].get<Id>();
     for (const MapRow& map : store.maps())
       if (map.id == like) {
-        add_corrected_map(store, map, store.blob(map.urdf).bytes);
+        store.add_correction(map, store.blob(map.urdf).bytes);
         break;
       }
   }
@@ -165,9 +157,9 @@ std::vector<Named> all_named(const Store& store) {
   std::vector<Named> all;
   const std::vector<PlaceRow> before = store.places(), now = named_places(store);
   for (size_t i = 0; i < before.size(); ++i) all.push_back({"place", before[i].name, now[i].name});
-  const std::vector<MapRow> maps = store.maps();
-  if (maps.empty()) return all;
-  const mapping::World world = mapping::parse_urdf(store.blob(maps.back().urdf).bytes, maps.back().name);
+  const std::optional<MapRow> map = store.map_at();
+  if (!map) return all;
+  const mapping::World world = mapping::parse_urdf(store.blob(map->urdf).bytes, map->name);
   const PartNames names = part_names(store);
   for (const mapping::Link& link : world.links)
     if (std::none_of(before.begin(), before.end(),
@@ -268,11 +260,9 @@ Edit name_place(Store& store, const std::string& place, const std::string& name)
 }
 
 Edit set_joint_type(Store& store, const std::string& joint, const std::string& type) {
-  const std::vector<MapRow> maps = store.maps();
-  if (maps.empty()) refuse(store, "this memory was made without a map", "give --map when perceiving");
-  const MapRow newest = maps.back();
-  const std::string before = store.blob(newest.urdf).bytes;
-  mapping::World world = mapping::parse_urdf(before, newest.name);
+  const std::optional<MapRow> newest = store.map_at();
+  if (!newest) refuse(store, "this memory was made without a map", "give --map when perceiving");
+  mapping::World world = mapping::parse_urdf(store.blob(newest->urdf).bytes, newest->name);
   std::optional<mapping::JointType> wanted;
   std::string names;
   for (const mapping::JointType known :
@@ -290,7 +280,7 @@ Edit set_joint_type(Store& store, const std::string& joint, const std::string& t
     if (candidate.name == joint || joints.back() == joint) found = &candidate;
   }
   if (found == nullptr)
-    throw Error(fmt::format("the map has no joint '{}'", joint), {newest.name, 0, {}},
+    throw Error(fmt::format("the map has no joint '{}'", joint), {newest->name, 0, {}},
                 did_you_mean(joint, joints));
   const std::string text = fmt::format("{} is {}, not {}", joint, type, joint_type_name(found->type));
   found->type = *wanted;
@@ -298,8 +288,8 @@ Edit set_joint_type(Store& store, const std::string& joint, const std::string& t
       *wanted == mapping::JointType::revolute || *wanted == mapping::JointType::prismatic;
   if (needs_limits && !found->limits) found->limits = mapping::JointLimits{};
   SceneTransaction all(store, 0);
-  const Id corrected = add_corrected_map(store, newest, urdf_text(world));
-  EditRun run(store, {{"text", text}, {"map", {{"before", newest.id}, {"after", corrected}}}});
+  const Id corrected = store.add_correction(*newest, urdf_text(world));
+  EditRun run(store, {{"text", text}, {"map", {{"before", newest->id}, {"after", corrected}}}});
   run.finish();
   all.commit();
   return edit_of(store, run.id());

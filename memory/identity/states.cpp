@@ -16,7 +16,7 @@ namespace {
 constexpr std::array kExplanations = {"stay",    "move",      "newview", "appear",
                                       "clutter", "disappear", "missed",  "hidden"};
 constexpr std::array kEventKinds = {"appeared", "moved",      "looks_different", "gone",
-                                    "hidden",   "reappeared", "joint_changed"};
+                                    "hidden",   "reappeared", "joint_changed",   "place_moved"};
 constexpr std::array kObjectStatuses = {"seen", "missed", "hidden", "out_of_view", "gone"};
 
 template <class State, size_t N>

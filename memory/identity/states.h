@@ -11,8 +11,17 @@ namespace loci::memory {
 /// How data association explains an observation (stay to clutter) or an object that it did not match.
 enum class Explanation { stay, move, newview, appear, clutter, disappear, missed, hidden };
 
-/// What happened to an object, or to a joint of the map.
-enum class EventKind { appeared, moved, looks_different, gone, hidden, reappeared, joint_changed };
+/// What happened to an object, to a joint of the map, or to a place (the next map has it elsewhere).
+enum class EventKind {
+  appeared,
+  moved,
+  looks_different,
+  gone,
+  hidden,
+  reappeared,
+  joint_changed,
+  place_moved
+};
 
 /// How a scene relates to a believed object: observed in it, looked for in vain, behind something, outside
 /// the view, or believed to be gone. For a place, whether the scene observed it.

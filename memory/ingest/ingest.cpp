@@ -9,11 +9,11 @@
 #include "mapping/base/files.h"
 #include "mapping/base/hash.h"
 #include "mapping/base/json.h"
-#include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/ingest/detection_lifter.h"
 #include "memory/ingest/detection_scene.h"
+#include "memory/recorder/map_entry.h"
 #include "memory/recorder/recorder.h"
 #include "perception/detection/detection_set.h"
 #include "perception/detection/people_detector.h"
@@ -211,12 +211,6 @@ Preview preview(const fs::path& file, bool lifting, bool whole, Progress& progre
     throw Error("has no scenes", {file.string(), 0, {}}, "one JSON object per line is expected");
   result.sigma_m = noise.sigma_m();
   return result;
-}
-
-Id add_map(Store& store, const fs::path& urdf) {
-  const fs::path sidecar = mapping::sidecar_path(urdf);
-  return store.add_map(urdf.filename().string(), read_file(urdf),
-                       fs::exists(sidecar) ? read_file(sidecar) : std::string());
 }
 
 /// Places the detections of a scene and counts. Whether the scene says anything.

@@ -193,6 +193,14 @@ std::string joint_text(const Change& change) {
                      change.joint_position ? fmt::format(" to {:.2f}", *change.joint_position) : "");
 }
 
+/// " by 1.2 m"; empty where a position is unknown.
+std::string distance_text(const Change& change) {
+  if (!change.position || !change.from_position) return "";
+  const double distance = (*change.position - *change.from_position).norm();
+  return distance < 0.995 ? fmt::format(" by {:.0f} cm", 100 * distance)
+                          : fmt::format(" by {:.1f} m", distance);
+}
+
 /// " from table_1 to counter_1 by 1.2 m".
 std::string move_text(const Change& change) {
   std::string text;
@@ -203,12 +211,7 @@ std::string move_text(const Change& change) {
     if (change.from_place) text += " from " + change.from_place->name;
     if (change.place) text += " to " + change.place->name;
   }
-  if (change.position && change.from_position) {
-    const double distance = (*change.position - *change.from_position).norm();
-    text += distance < 0.995 ? fmt::format(" by {:.0f} cm", 100 * distance)
-                             : fmt::format(" by {:.1f} m", distance);
-  }
-  return text;
+  return text + distance_text(change);
 }
 
 }  // namespace
@@ -263,6 +266,9 @@ std::string to_text(const Change& change) {
       return fmt::format("{} is seen again{}", object, on(change.place));
     case EventKind::joint_changed:
       return joint_text(change);
+    case EventKind::place_moved:
+      return fmt::format("{} was moved{}", change.place ? change.place->name : "furniture",
+                         distance_text(change));
   }
   return {};
 }

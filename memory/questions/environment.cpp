@@ -31,16 +31,12 @@ struct StoredMap {
 
 std::optional<StoredMap> map_of(const Snapshot& snapshot) {
   const Store& store = snapshot.store();
-  const std::vector<MapRow> maps = store.maps();
-  if (maps.empty()) return std::nullopt;
-  const std::optional<SceneRow> latest = store.latest_scene(snapshot.as_of());
-  const auto used = std::find_if(maps.begin(), maps.end(),
-                                 [&](const MapRow& row) { return latest && latest->map == row.id; });
-  const MapRow& row = used == maps.end() ? maps.back() : *used;
-  StoredMap map{row.name, mapping::parse_urdf(store.blob(row.urdf).bytes, row.name), {}};
-  if (row.sidecar)
+  const std::optional<MapRow> row = store.map_at(snapshot.as_of());
+  if (!row) return std::nullopt;
+  StoredMap map{row->name, mapping::parse_urdf(store.blob(row->urdf).bytes, row->name), {}};
+  if (row->sidecar)
     map.semantic =
-        mapping::semantic_map_from_json(parse_json(store.blob(*row.sidecar).bytes, row.name), row.name);
+        mapping::semantic_map_from_json(parse_json(store.blob(*row->sidecar).bytes, row->name), row->name);
   return map;
 }
 
@@ -120,6 +116,7 @@ std::vector<EnvironmentPart> all_parts(const Snapshot& snapshot, const std::opti
     if (std::any_of(parts.begin(), parts.end(),
                     [&](const EnvironmentPart& part) { return part.place && part.place->id == place.id; }))
       continue;
+    if (map && place.map) continue;  // it is in an earlier or later map only
     parts.push_back({.name = place.name,
                      .map_name = place.name,
                      .class_name = place.class_name,

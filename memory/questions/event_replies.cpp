@@ -35,6 +35,8 @@ std::string joint_in_words(const Change& change) {
 std::string happened(const Change& change, const Names& names) {
   if (change.kind == EventKind::joint_changed)
     return fmt::format("{} {}", joint_in_words(change), is_opening(change) ? "opened" : "closed");
+  if (change.kind == EventKind::place_moved)
+    return fmt::format("{} was moved", change.place ? name_in_words(change.place->name) : "furniture");
   const std::string name = change.object ? bare_subject(*change.object, names) : "an object";
   const auto at = [&](const std::optional<PlaceRef>& place) { return place ? " " + in_words(*place) : ""; };
   switch (change.kind) {

@@ -18,8 +18,9 @@ using namespace format;
 namespace {
 
 const std::vector<std::string> kChangeKinds = {
-    "appeared",        "came",  "closed", "gone",       "handled",  "hidden", "joint_changed", "left",
-    "looks_different", "moved", "opened", "reappeared", "relocated"};
+    "appeared",      "came",       "closed",          "gone",  "handled", "hidden",
+    "joint_changed", "left",       "looks_different", "moved", "opened",  "place_handled",
+    "place_moved",   "reappeared", "relocated"};
 
 bool is_at(const std::set<Id>& places, const std::optional<PlaceRef>& place) {
   return place && places.contains(place->id);
@@ -38,6 +39,8 @@ bool is_of_kind(const Change& change, const std::string& kind, const std::set<Id
   if (kind == "handled" || kind == "relocated")
     return moved || change.kind == EventKind::reappeared ||
            (change.kind == EventKind::gone && kind == "handled");
+  if (kind == "place_handled")
+    return change.kind == EventKind::place_moved || is_of_kind(change, "opened", places);
   if (kind == "opened" || kind == "closed")
     return change.kind == EventKind::joint_changed && is_opening(change) == (kind == "opened");
   return kind.empty() || to_text(change.kind) == kind;
@@ -229,7 +232,7 @@ std::vector<SentenceForm> changes_sentences() {
       {"howlong: open <place> [leave]", duration, "How long was the drawer open?", kind("joint_changed")},
       {"when: first move <object>", first_time, "", handled},
       {"when: open|opened <place> [last]", last_time, "When was the drawer last opened?", opened},
-      {"when: move|look <place> [last]", last_time, "", opened},
+      {"when: move|look <place> [last]", last_time, "When was the table moved?", kind("place_handled")},
       {"bare: last opened <place>", last_time, "", opened},
       {"bare: last close <place>", last_time, "", shut},
       {"when: first open|opened <place>", first_time, "", opened},
@@ -261,7 +264,7 @@ std::vector<SentenceForm> changes_sentences() {
        "Did anything change on the shelf?"},
       {"yes: been person at<place>", verdict, "Has anybody been at the drawer?"},
       {"yes: been person near<place>", verdict},
-      {"yes: move|look <place> -thing", verdict},
+      {"yes: move|look <place> -thing", verdict, "", kind("place_handled")},
       {"yes: look into<place>", verdict, "", opened},
       {"yes|bare: thing vanish|go|take|leave|move from<place> [away]", verdict, "", left},
       {"yes|bare: thing come|put|bring to<place>", verdict, "", came},
@@ -298,7 +301,8 @@ std::vector<SentenceForm> changes_sentences() {
       {"howoften: move|take|change <object>", number, "How often did the milk move?", handled},
       {"howoften: leave <object> <place>", number, "", left},
       {"howoften: come|go|move|put <object> to<place>", number, "", came},
-      {"howoften: open|opened|move <place>", number, "How often was the drawer opened?", opened},
+      {"howoften: open|opened <place>", number, "How often was the drawer opened?", opened},
+      {"howoften: move <place>", number, "", kind("place_handled")},
       {"howoften: act open|opened person <place>", number, "", opened},
       {"howoften: close <place>", number, "", shut},
       {"what: which<place> opened last", place, "Which drawer was opened last?", opened},
@@ -328,7 +332,8 @@ std::vector<Question> event_questions() {
                       {.name = "place", .type = ParameterType::place, .help = "Only at this place"},
                       {.name = "kind",
                        .help = "Only these; came and left include moves to or from the place, handled: "
-                               "moved, gone or reappeared; relocated: moved or reappeared",
+                               "moved, gone or reappeared; relocated: moved or reappeared; "
+                               "place_handled: opened, or furniture that was moved",
                        .choices = kChangeKinds},
                       {.name = "other",
                        .type = ParameterType::place,

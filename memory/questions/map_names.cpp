@@ -85,10 +85,10 @@ std::vector<PlaceRow> named_places(const Store& store) {
   return places;
 }
 
-std::optional<mapping::World> named_map(const Store& store) {
-  const std::vector<MapRow> maps = store.maps();
-  if (maps.empty()) return std::nullopt;
-  mapping::World world = mapping::parse_urdf(store.blob(maps.back().urdf).bytes, maps.back().name);
+std::optional<mapping::World> named_map(const Store& store, const AsOf& as_of) {
+  const std::optional<MapRow> map = store.map_at(as_of);
+  if (!map) return std::nullopt;
+  mapping::World world = mapping::parse_urdf(store.blob(map->urdf).bytes, map->name);
   PartNames names = part_names(store);
   const std::vector<PlaceRow> before = store.places(), now = named_places(store);
   for (size_t i = 0; i < before.size(); ++i)

@@ -40,7 +40,7 @@ PartNames part_names(const Store& store, std::optional<TimeNs> known_at = {});
 void rename_places(std::vector<PlaceRow>& places, const std::vector<FactRow>& facts);
 /// All places by the names that hold now.
 std::vector<PlaceRow> named_places(const Store& store);
-/// The newest map, its places, links and joints by the names that hold now; unset when there is none.
-std::optional<mapping::World> named_map(const Store& store);
+/// The map as of a time, its places, links and joints by the names that hold now; unset when there is none.
+std::optional<mapping::World> named_map(const Store& store, const AsOf& as_of = {});
 
 }  // namespace loci::memory

@@ -108,7 +108,8 @@ class Coverage {
     std::vector<bool> seen(points.size(), false);
     double max_stored = 0;
     for (const SceneRow& scene : scenes_) {
-      double fraction = points.empty() ? 0 : mark_seen(scene, points, seen);
+      double fraction =
+          points.empty() ? 0 : mark_seen(scene, snapshot_.place_motion(place, scene), points, seen);
       if (const auto found = stored.find(scene.id); found != stored.end()) {
         fraction = std::max(fraction, found->second);
         max_stored = std::max(max_stored, found->second);
@@ -120,13 +121,14 @@ class Coverage {
         std::max(max_stored, points.empty() ? 0.0 : together / static_cast<double>(points.size()));
   }
 
-  /// Marks the points that a scene saw and returns their fraction.
-  double mark_seen(const SceneRow& scene, const std::vector<Vector3d>& points, std::vector<bool>& seen) {
+  /// Marks the points that a scene saw, moved with their place, and returns their fraction.
+  double mark_seen(const SceneRow& scene, const Isometry3d& motion, const std::vector<Vector3d>& points,
+                   std::vector<bool>& seen) {
     const DepthThumbnail* depth = thumbnail(scene);
     if (depth == nullptr) return 0;
     size_t count = 0;
     for (size_t i = 0; i < points.size(); ++i) {
-      const SpotStatus status = depth->spot_status(points[i]);
+      const SpotStatus status = depth->spot_status(motion * points[i]);
       if (status != SpotStatus::seen && status != SpotStatus::seen_empty) continue;
       seen[i] = true;
       ++count;
@@ -295,8 +297,13 @@ class Judge {
       result.after = snapshot_.scene_ref(after->association.scene);
       if (!spot_) spot_ = after->observation.position;
     }
-    // In the map, what is in a drawer stands elsewhere with each state of its joint.
-    spot_moves_ = std::ranges::any_of(places_, [](const PlaceRow& place) { return place.joint.has_value(); });
+    // In the map, what is in a drawer stands elsewhere with each state of its joint, and what is on furniture
+    // that was moved with each map.
+    spot_moves_ = std::ranges::any_of(places_, [&](const PlaceRow& place) {
+      return place.joint || std::ranges::any_of(coverage_.scenes(), [&](const SceneRow& scene) {
+               return is_moved(snapshot_.place_motion(place, scene));
+             });
+    });
     for (const ObjectObservation& sighting :
          store.observations_of(object, snapshot_.as_of(), question_.from, question_.to)) {
       const auto ref = snapshot_.scene_ref(sighting.association.scene);

@@ -40,7 +40,8 @@ Snapshot::Snapshot(const Store& store, const AsOf& as_of)
       as_of_(as_of),
       places_(store.places()),
       facts_(store.facts(as_of)),
-      taxonomy_(Taxonomy::of(store, as_of)) {
+      taxonomy_(Taxonomy::of(store, as_of)),
+      motions_(store) {
   rename_places(places_, facts_);
   for (const RecordingRow& recording : store.recordings()) recordings_[recording.id] = recording.name;
 }
@@ -48,6 +49,13 @@ Snapshot::Snapshot(const Store& store, const AsOf& as_of)
 const std::vector<BeliefRow>& Snapshot::beliefs() const {
   if (!beliefs_) beliefs_ = store_.beliefs(as_of_);
   return *beliefs_;
+}
+
+Isometry3d Snapshot::place_motion(const PlaceRow& place, const SceneRow& scene) const {
+  if (place.map == scene.map) return Isometry3d::Identity();
+  for (const PlaceRow& row : store_.places())  // as the map calls them
+    if (row.id == place.id) return motions_.motion(row, scene.map);
+  return Isometry3d::Identity();
 }
 
 const PartNames& Snapshot::part_names() const {

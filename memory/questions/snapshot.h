@@ -9,6 +9,7 @@
 #include "memory/questions/class_verdict.h"
 #include "memory/questions/map_names.h"
 #include "memory/questions/taxonomy.h"
+#include "memory/store/place_motion.h"
 
 namespace loci::memory {
 
@@ -45,6 +46,8 @@ class Snapshot {
   std::optional<SceneRef> scene_ref(std::optional<Id> id) const;
   ObjectRef object_ref(Id object) const;
   std::optional<PlaceRef> place_ref(std::optional<Id> place) const;
+  /// Motion of a place from where its row has it to where it stood in a scene, joints aside.
+  Isometry3d place_motion(const PlaceRow& place, const SceneRow& scene) const;
   ObjectBelief object_belief(Id object) const;
   ObjectBelief object_belief(const BeliefRow& belief) const;
   Change change(const EventRow& event) const;
@@ -101,6 +104,7 @@ class Snapshot {
   mutable std::optional<std::vector<BeliefRow>> beliefs_;
   mutable std::unordered_map<Id, std::optional<BeliefRow>> belief_of_;
   mutable std::optional<PartNames> part_names_;
+  mutable PlaceMotions motions_;
   /// By type of annotation, the best first: objects with a name of this type, sorted.
   struct Annotated {
     std::vector<Id> products, classes;

@@ -169,8 +169,8 @@ class Reviser {
     state_.next_id = std::max(state_.next_id, next_object_);
     const belief::BeliefUpdate update = belief::advance(state_, scene, options_);
     if (!anew_) return;
-    BeliefRows rows =
-        belief_rows({store_, record, row.id, observations, update, state_, options_, places_, last_});
+    BeliefRows rows = belief_rows(
+        {store_, record, scene.places, row.id, observations, update, state_, options_, places_, last_});
     update_last(last_, rows, state_);
     take(row, std::move(rows));
     write_closed(oldest_open());

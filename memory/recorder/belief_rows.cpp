@@ -226,7 +226,7 @@ class RowBuilder {
                  : outcome == nullptr ? ObjectStatus::out_of_view
                                       : unobserved_status(outcome->visibility);
     if (const std::optional<Id> now = place(object.place)) row.place = now;
-    const belief::AxisBox box = belief::box_in_map(object, c_.record.place_poses);
+    const belief::AxisBox box = belief::box_in_map(object, c_.place_poses);
     row.position = box.centre;
     row.size = box.size;
     row.sigma = std::sqrt(object.variance);

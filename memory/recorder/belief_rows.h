@@ -10,6 +10,7 @@ namespace loci::memory {
 struct BeliefChange {
   const Store& store;
   const SceneRecord& record;
+  const std::vector<belief::PlacePose>& place_poses;
   Id scene = 0;
   const std::vector<Id>& observations;  ///< of the scene, in the order of the record
   const belief::BeliefUpdate& update;

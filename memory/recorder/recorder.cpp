@@ -1,11 +1,13 @@
 #include "memory/recorder/recorder.h"
 
+#include <algorithm>
+
 #include "mapping/base/hash.h"
 
 namespace loci::memory {
 
 Recorder::Recorder(Store& store, Id run, const belief::BeliefOptions& options)
-    : store_(store), run_(run), options_(options), checkpoint_(options) {
+    : store_(store), run_(run), options_(options), checkpoint_(options), motions_(store) {
   load();
 }
 
@@ -19,15 +21,30 @@ void Recorder::load() {
         stored_beliefs_[object.id] = std::move(*row);
   max_object_ = store_.max_object_id();
   places_.clear();
-  for (const PlaceRow& place : store_.places()) places_[place.name] = place.id;
+  for (const PlaceRow& place : store_.places()) places_[place.name] = place;
   next_observation_ = store_.max_observation_id() + 1;
   last_joints_.clear();
-  if (const std::optional<SceneRow> last = store_.last_scene()) last_joints_ = last->joints;
+  last_map_.reset();
+  if (const std::optional<SceneRow> last = store_.last_scene()) {
+    last_joints_ = last->joints;
+    last_map_ = last->map;
+  }
+}
+
+/// Objects ride on furniture that stands elsewhere in the map of the scene than in that of its place.
+belief::Scene Recorder::evidence(const SceneRecord& record) const {
+  belief::Scene scene = evidence_of(record, next_observation_);
+  for (const auto& [name, place] : places_) {
+    const Isometry3d motion = motions_.motion(place, record.row.map);
+    const auto is_it = [&](const belief::PlacePose& pose) { return pose.name == name; };
+    if (is_moved(motion) && std::ranges::none_of(scene.places, is_it)) scene.places.push_back({name, motion});
+  }
+  return scene;
 }
 
 ResolvedScene Recorder::resolve(const SceneRecord& scene) const {
   ResolvedScene resolved;
-  resolved.scene = evidence_of(scene, next_observation_);
+  resolved.scene = evidence(scene);
   resolved.after = state_;
   // Object numbers of other writers are not reused.
   resolved.after.next_id = std::max(resolved.after.next_id, max_object_ + 1);
@@ -37,7 +54,7 @@ ResolvedScene Recorder::resolve(const SceneRecord& scene) const {
 
 RecordedScene Recorder::record(const SceneRecord& scene) {
   ResolvedScene resolved;
-  resolved.scene = evidence_of(scene, next_observation_);
+  resolved.scene = evidence(scene);
   resolved.after = std::move(state_);
   resolved.after.next_id = std::max(resolved.after.next_id, max_object_ + 1);
   std::optional<TimeNs> last = resolved.after.last_scene;

@@ -5,6 +5,7 @@
 #include "memory/belief/belief.h"
 #include "memory/recorder/checkpoint.h"
 #include "memory/recorder/scene_record.h"
+#include "memory/store/place_motion.h"
 #include "memory/store/scene_transaction.h"
 
 namespace loci::memory {
@@ -49,6 +50,7 @@ class Recorder {
  private:
   class SceneWriter;
   void load();
+  belief::Scene evidence(const SceneRecord& record) const;
 
   Store& store_;
   Id run_;
@@ -59,7 +61,9 @@ class Recorder {
   Id max_object_ = 0;                       ///< of the memory
   BeliefCheckpoint checkpoint_;
   std::map<std::string, double> last_joints_;  ///< of the scene before
-  std::map<std::string, Id> places_;           ///< of the memory
+  std::optional<Id> last_map_;                 ///< of the scene before
+  std::map<std::string, PlaceRow> places_;     ///< of the memory
+  mutable PlaceMotions motions_;
 };
 
 /// Input of the belief in a record; observations are numbered from `first_observation` on.

@@ -90,6 +90,7 @@ class Recorder::SceneWriter {
     update_last(recorder_.stored_beliefs_, rows_, state_);
     recorder_.state_ = std::move(state_);
     recorder_.last_joints_ = record_.row.joints;
+    recorder_.last_map_ = record_.row.map;
     recorder_.places_.merge(new_places_);
     recorder_.next_observation_ += static_cast<Id>(result_.observations.size());
     return std::move(result_);
@@ -135,15 +136,18 @@ class Recorder::SceneWriter {
   }
 
   void add_places() {
-    for (const PlaceRow& place : record_.places)
-      if (!this->place(place.name)) new_places_[place.name] = transaction_.add_place(place);
+    for (const PlaceRow& row : record_.places) {
+      if (place(row.name)) continue;
+      new_places_[row.name] = row;
+      new_places_[row.name].id = transaction_.add_place(row);
+    }
   }
 
   std::optional<Id> place(const std::string& name) const {
     if (const auto known = recorder_.places_.find(name); known != recorder_.places_.end())
-      return known->second;
+      return known->second.id;
     const auto fresh = new_places_.find(name);
-    return fresh == new_places_.end() ? std::nullopt : std::optional<Id>(fresh->second);
+    return fresh == new_places_.end() ? std::nullopt : std::optional<Id>(fresh->second.id);
   }
 
   void add_observations() {
@@ -183,10 +187,11 @@ class Recorder::SceneWriter {
   }
 
   void add_belief_rows() {
-    std::map<std::string, Id> places = new_places_;
-    places.insert(recorder_.places_.begin(), recorder_.places_.end());
-    rows_ = belief_rows({recorder_.store_, record_, result_.scene, result_.observations, result_.update,
-                         state_, recorder_.options_, places, recorder_.stored_beliefs_});
+    std::map<std::string, Id> places;
+    for (const auto& all : {std::cref(new_places_), std::cref(recorder_.places_)})
+      for (const auto& [name, row] : all.get()) places[name] = row.id;
+    rows_ = belief_rows({recorder_.store_, record_, evidence_.places, result_.scene, result_.observations,
+                         result_.update, state_, recorder_.options_, places, recorder_.stored_beliefs_});
     for (const auto& [object, row] : rows_.objects) {
       const Id id = transaction_.add_object(row);
       recorder_.max_object_ = std::max(recorder_.max_object_, id);
@@ -195,6 +200,7 @@ class Recorder::SceneWriter {
     for (const AssociationRow& row : rows_.associations) transaction_.add_association(row);
     for (const EventRow& row : rows_.events) transaction_.add_event(row);
     add_joint_events();
+    add_place_events();
     for (const BeliefRow& row : rows_.beliefs) transaction_.add_belief(row);
     for (const VisibilityRow& row : rows_.visibility) transaction_.add_visibility(row);
     for (const PlaceRow& place_row : record_.places) add_place_visibility(place_row);
@@ -220,6 +226,24 @@ class Recorder::SceneWriter {
     }
   }
 
+  /// Furniture that the map of this scene has elsewhere than that of the scene before.
+  void add_place_events() {
+    const std::optional<Id> before = recorder_.last_map_, now = record_.row.map;
+    if (!before || !now || before == now) return;
+    for (const auto& [name, place_row] : recorder_.places_) {
+      if (!is_moved(recorder_.motions_.motion(place_row, before, now))) continue;
+      EventRow row;
+      row.scene = result_.scene;
+      row.kind = EventKind::place_moved;
+      row.place = row.from_place = place_row.id;
+      row.position = recorder_.motions_.position(place_row, *now);
+      row.from_position = recorder_.motions_.position(place_row, *before);
+      row.since = recorder_.state_.last_scene;
+      row.clock = clock();
+      transaction_.add_event(row);
+    }
+  }
+
   void add_place_visibility(const PlaceRow& place_row) {
     if (record_.view.observed) {
       for (const belief::ObservedPlace& observed : *record_.view.observed)
@@ -227,15 +251,22 @@ class Recorder::SceneWriter {
       return;
     }
     if (record_.view.depth.empty() || place_row.outline.empty() || !place_row.height) return;
-    Isometry3d now_from_outline = Isometry3d::Identity();
-    for (const belief::PlacePose& pose : record_.place_poses)
-      if (pose.name == place_row.name && place_row.map_from_place)
-        now_from_outline = pose.map_from_place * place_row.map_from_place->inverse();
+    const Isometry3d now_from_outline = now_from(place_row);
     std::vector<Vector3d> outline;
     for (const Vector2d& corner : place_row.outline)
       outline.push_back(now_from_outline * Vector3d(corner.x(), corner.y(), *place_row.height));
     add_place_fraction(place_row,
                        belief::observed_fraction(record_.view, outline, 0.05, recorder_.options_.visibility));
+  }
+
+  /// Motion of a place from where its row has it to where it is in this scene.
+  Isometry3d now_from(const PlaceRow& place_row) const {
+    for (const belief::PlacePose& pose : evidence_.places) {
+      if (pose.name != place_row.name) continue;
+      if (!place_row.joint && place_row.map) return recorder_.motions_.motion(place_row, record_.row.map);
+      if (place_row.map_from_place) return pose.map_from_place * place_row.map_from_place->inverse();
+    }
+    return Isometry3d::Identity();
   }
 
   void add_place_fraction(const PlaceRow& place_row, double fraction) {
@@ -250,7 +281,7 @@ class Recorder::SceneWriter {
   belief::BeliefState state_;
   belief::Scene evidence_;
   RecordedScene result_;
-  std::map<std::string, Id> new_places_;
+  std::map<std::string, PlaceRow> new_places_;
   BeliefRows rows_;
 };
 

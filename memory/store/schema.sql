@@ -270,7 +270,7 @@ CREATE TABLE event (
   id INTEGER PRIMARY KEY,
   scene INTEGER REFERENCES scene,  -- in which it was detected
   kind TEXT NOT NULL CHECK (kind IN
-    ('appeared', 'moved', 'looks_different', 'gone', 'hidden', 'reappeared', 'joint_changed')),
+    ('appeared', 'moved', 'looks_different', 'gone', 'hidden', 'reappeared', 'joint_changed', 'place_moved')),
   object INTEGER REFERENCES object,
   observation INTEGER REFERENCES observation,
   place INTEGER REFERENCES place,       -- where it is after it

@@ -7,8 +7,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
+#include <ranges>
 
 #include "mapping/base/hash.h"
 #include "memory/store/derived_rows.h"
@@ -56,6 +58,17 @@ void check_only_name(const fs::path& path) {
     throw file_error(
         path, fmt::format("has {} names (hard links): writing under one of them would damage it", names),
         "remove the other names, or write to a copy (loci-memory backup)");
+}
+
+// What people typed stays out of the text of a corrected map; its hash is that of its own bytes.
+constexpr std::string_view kCorrection = "<!-- correction of ";
+
+/// The hash of the map that a text corrects; empty for others.
+std::string corrected_map(const std::string& urdf) {
+  const size_t at = urdf.rfind(kCorrection);
+  if (at == std::string::npos) return "";
+  const size_t begin = at + kCorrection.size();
+  return urdf.substr(begin, urdf.find(' ', begin) - begin);
 }
 
 bool is_blank(SQLite::Database& database) {
@@ -340,6 +353,24 @@ Id Store::add_map(const std::string& name, std::string_view urdf, std::string_vi
     if (!sidecar.empty()) row.sidecar = db.add_blob(sidecar, "application/json");
     return insert_row(db, row);
   });
+}
+
+Id Store::add_correction(const MapRow& map, const std::string& urdf) {
+  const std::string corrected = corrected_map(blob(map.urdf).bytes);
+  return add_map(map.name,
+                 fmt::format("{}\n{}{} number {} -->\n", urdf, kCorrection,
+                             corrected.empty() ? map.hash : corrected, maps().size()),
+                 map.sidecar ? blob(*map.sidecar).bytes : std::string());
+}
+
+std::optional<MapRow> Store::map_at(const AsOf& as_of) const {
+  std::vector<MapRow> all = maps();
+  const std::optional<SceneRow> latest = all.size() < 2 ? std::nullopt : latest_scene(as_of);
+  const auto perceived = latest ? std::ranges::find(all, latest->map, &MapRow::id) : all.end();
+  if (perceived == all.end()) return all.empty() ? std::nullopt : std::optional(all.back());
+  for (const MapRow& row : std::views::reverse(all))
+    if (corrected_map(blob(row.urdf).bytes) == perceived->hash) return row;
+  return *perceived;
 }
 
 Id Store::add_place(const PlaceRow& row, Id run) {

@@ -143,6 +143,8 @@ class Store {
   Id add_recording(const RecordingRow& row);
   /// The map with this content, added when it is new. `sidecar` may be empty.
   Id add_map(const std::string& name, std::string_view urdf, std::string_view sidecar);
+  /// A map as people have corrected it: from then on it stands for `map` in map_at().
+  Id add_correction(const MapRow& map, const std::string& urdf);
   /// The place with this name, added when it is new; an existing one keeps its geometry.
   Id add_place(const PlaceRow& row, Id run);
   Id add_fact(const FactRow& row, Id run);
@@ -172,6 +174,9 @@ class Store {
   /// Frame indexes of a recording that are in the memory.
   std::set<int64_t> frames(Id recording) const;
   std::vector<MapRow> maps() const;
+  /// The map of the room as of a time: that of the latest scene, as people have corrected it; unset without a
+  /// map.
+  std::optional<MapRow> map_at(const AsOf& as_of = {}) const;
   std::vector<PlaceRow> places() const;
 
   // ---- Scenes.

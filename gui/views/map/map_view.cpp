@@ -113,11 +113,11 @@ void MapView::take_mouse() {
 void MapView::show_memory() {
   const OpenMemory* memory = browser_.data();
   const std::string path = memory == nullptr ? "" : memory->info().path;
-  const mapping::World* world = memory == nullptr ? nullptr : memory->world();
   const bool same = path == memory_;
   traced_.reset();     // it may have been seen again
   clouded_ = {-1, 0};  // nor is it known whose points are shown
   scene_->set_overview_side(memory == nullptr ? Vector3d(-0.5, -1, 0) : usual_side(*memory));
+  const mapping::World* world = world_now();
   if (same && world == world_ && !waits_for_world_ && world != nullptr)
     return;  // it has grown: the eye stays
   if (!same) {
@@ -125,16 +125,29 @@ void MapView::show_memory() {
     joints_by_hand_.clear();
   }
   memory_ = path;
-  world_ = world;
-  waits_for_world_ = memory != nullptr;
   if (!same || world == nullptr) scene_->clear_world();
+  show_world(world);
+}
+
+/// The map at the time that is shown: furniture may have been moved since.
+const mapping::World* MapView::world_now() const {
+  const OpenMemory* memory = browser_.data();
+  return memory == nullptr ? nullptr : memory->world(shown_time());
+}
+
+std::optional<TimeNs> MapView::shown_time() const {
+  const TimeNs time = browser_.belief().time;
+  return time == 0 ? std::nullopt : std::optional(time);
+}
+
+void MapView::show_world(const mapping::World* world) {
+  world_ = world;
+  waits_for_world_ = browser_.data() != nullptr;
   browser_.reader().read<PreparedWorld>(
       this, "map", Urgency::moment,
-      [colors = scene_->colors()](const OpenMemory& source) {
-        PreparedWorld prepared;
-        if (source.world() != nullptr)
-          prepared = prepare_world(*source.world(), source.mesh_search(), colors);
-        return prepared;
+      [time = shown_time(), colors = scene_->colors()](const OpenMemory& source) {
+        const mapping::World* shown = source.world(time);
+        return shown == nullptr ? PreparedWorld() : prepare_world(*shown, source.mesh_search(), colors);
       },
       [this](const PreparedWorld& prepared) { take_world(prepared); });
 }
@@ -178,6 +191,7 @@ void MapView::share_eye_of(MapView& other) {
 }
 
 void MapView::show_belief() {
+  if (const mapping::World* world = world_now(); world != world_) show_world(world);
   show_objects();
   scene_->set_moving(true);
   still_.start();

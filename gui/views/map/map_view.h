@@ -62,6 +62,9 @@ class MapView : public QWidget {
   /// Colours of the palette, and widths for the screen.
   void take_colors();
   void show_memory();
+  const mapping::World* world_now() const;
+  std::optional<TimeNs> shown_time() const;  ///< unset = the end
+  void show_world(const mapping::World* world);
   void take_world(const PreparedWorld& world);
   void show_belief();
   void show_objects();
