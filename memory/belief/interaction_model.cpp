@@ -72,7 +72,8 @@ double InteractionModel::probability(const InteractionKey& object, double from_a
 }
 
 void InteractionModel::learn_interaction(const InteractionKey& object, RateFactor& own, double from_age,
-                                         double to_age, double handled, const BeliefOptions& options) {
+                                         double to_age, double handled, double weight,
+                                         const BeliefOptions& options) {
   const ByAge prior = prior_hazard(from_age, to_age, options);
   const double by_age = hazard(prior);
   if (by_age <= 0) return;
@@ -80,14 +81,14 @@ void InteractionModel::learn_interaction(const InteractionKey& object, RateFacto
   const double by_class = by_age * factor(statistics_.by_class, object.class_name);
   const double by_place = by_class * factor(statistics_.by_place, object.place);
   const double all = by_place * own.value();
-  const double exposed = 1 - handled * (1 - elapsed_share(all));
+  const double exposed = weight * (1 - handled * (1 - elapsed_share(all))), found = weight * handled;
   for (size_t age = 0; age < kAges; ++age) {
     const double share = statistics_.by_age[age].value() * prior[age] / by_age;
-    statistics_.by_age[age].count(handled * share, prior[age] * exposed);
+    statistics_.by_age[age].count(found * share, prior[age] * exposed);
   }
-  if (!object.class_name.empty()) statistics_.by_class[object.class_name].count(handled, by_age * exposed);
-  if (!object.place.empty()) statistics_.by_place[object.place].count(handled, by_class * exposed);
-  own.count(handled, by_place * exposed);
+  if (!object.class_name.empty()) statistics_.by_class[object.class_name].count(found, by_age * exposed);
+  if (!object.place.empty()) statistics_.by_place[object.place].count(found, by_class * exposed);
+  own.count(found, by_place * exposed);
 }
 
 double InteractionModel::outcome_share(const RateFactor& outcome, bool alone) const {

@@ -59,9 +59,10 @@ class InteractionModel {
   /// Probability that an object was handled between two ages, seconds since it was observed.
   double probability(const InteractionKey& object, double from_age, double to_age,
                      const BeliefOptions& options) const;
-  /// The object turned out, with a probability, to have been handled between two ages. `own` is its factor.
+  /// The object turned out, with a probability, to have been handled between two ages. `own` is its factor,
+  /// `weight` the probability that anything turned out.
   void learn_interaction(const InteractionKey& object, RateFactor& own, double from_age, double to_age,
-                         double handled, const BeliefOptions& options);
+                         double handled, double weight, const BeliefOptions& options);
 
   /// Share of what is handled in `from` that is put down in `to`; the rest is carried off.
   double moved_to(const std::string& from, const std::string& to) const;

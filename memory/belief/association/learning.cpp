@@ -42,17 +42,19 @@ void SceneUpdate::learn_handling(size_t o) {
   }
   for (size_t i = 0; i < places_.size(); ++i)
     model.learn_moved(object.place, places_[i].name, found[i], p.moved_to[i] * places_[i].share * detection);
-  if (object.status == Status::gone || in_view < kParameters.min_observed) return;
+  // Where an object is out of view and found nowhere else, nothing is known: a later view tells.
+  const double known = 1 - solution_.hidden[o];
+  if (object.status == Status::gone || known < kParameters.min_observed) return;
   const double away = std::max(1e-9, 1 - p.here), left = solution_.disappear[o];
-  model.learn_carried_off(left * p.carried_off / away, in_view * p.carried_off);
-  // Part of what was handled was so before the last view of the spot. Where the spot was not seen, nothing is
-  // known.
+  if (in_view >= kParameters.min_observed)
+    model.learn_carried_off(left * p.carried_off / away, in_view * p.carried_off);
+  // Part of what was handled was so before the last view of the spot.
   const double now = object.probability_here * p.interaction / away;
-  const double handled =
-      (left + solution_.move.row(row).sum()) * now / std::max(1e-9, 1 - solution_.hidden[o]);
+  const double handled = (left + solution_.move.row(row).sum()) * now / known;
   const double age = object.exposure_s - object.last_seen_exposure_s;
   model.learn_interaction(interaction_key(object), object.interaction, age,
-                          age + timing_.exposure_s - object.exposure_s, std::min(1.0, handled), options_);
+                          age + timing_.exposure_s - object.exposure_s, std::min(1.0, handled), known,
+                          options_);
 }
 
 void SceneUpdate::learn_view_noise() {

@@ -204,6 +204,17 @@ TEST(BeliefOfDetections, GoneObjectIsNotExpectedOnAPlaceThatWasLookedAtSinceItWe
   EXPECT_LT(move_prior(true), move_prior(false) - 1);
 }
 
+TEST(BeliefOfDetections, WhatIsFoundElsewhereBeforeItsSpotIsSeenWasHandled) {
+  BeliefOptions options;
+  options.appear = 0.001;
+  BeliefState state;
+  for (int i = 0; i < 10; ++i)
+    advance(state, look_at("table_" + std::to_string(i), 600 * i, {kRed}), options);
+  double handled = 0;
+  for (const RateFactor& age : state.interaction.statistics().by_age) handled += age.found;
+  EXPECT_GT(handled, 5) << "of nine moves";
+}
+
 TEST(BeliefOfDetections, ViewAfterViewShowsThatANewObjectWasClutter) {
   const auto clutter = [](int views) {
     BeliefState state;

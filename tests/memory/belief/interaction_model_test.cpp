@@ -12,7 +12,8 @@ const BeliefOptions kOptions;
 InteractionModel observed(const std::string& class_name, int views, int period, InteractionModel model = {}) {
   RateFactor own;
   for (int i = 1; i <= views; ++i)
-    model.learn_interaction({class_name, "table_1", own}, own, 0, kHour, i % period == 0 ? 1 : 0, kOptions);
+    model.learn_interaction({class_name, "table_1", own}, own, 0, kHour, i % period == 0 ? 1 : 0, 1,
+                            kOptions);
   return model;
 }
 
