@@ -25,7 +25,7 @@ constexpr const char* kDetails = "Print all that is known, not only the answer";
 /// Whether the text of a command is a sentence with its evidence. Questions that inspect the memory list what
 /// they find.
 bool has_reply(const memory::Question& question) {
-  return question.group == memory::QuestionGroup::ask && !question.account;
+  return question.group == memory::QuestionGroup::ask;
 }
 
 /// What is given on the command line for a question.
@@ -75,6 +75,17 @@ memory::Query QuestionArguments::query(const memory::Question& question) const {
   return query;
 }
 
+/// The answer as people read it.
+std::string text_of(const memory::Answer& answer, const memory::Question& question,
+                    const memory::Query& query, bool details, const memory::Store& store) {
+  const memory::TimeWriter times(store);
+  if (!has_reply(question)) return answer.to_text(times);
+  const auto as_of = read_as_of(store, query.argument("at"), query.argument("known-at"));
+  memory::Reply reply = answer.reply({store, query, as_of, times});
+  if (details) reply.evidence.clear();  // it is in what follows
+  return to_text(reply) + (details ? answer.to_text(times) : "");
+}
+
 Command question_command(const memory::Question& question) {
   std::vector<std::string> examples;
   for (const std::string& example : question.examples)
@@ -91,16 +102,8 @@ Command question_command(const memory::Question& question) {
                   const memory::Store store = open_memory(arguments->memory, session);
                   const memory::Query query = arguments->query(question);
                   const memory::Answer answer = question.ask(store, query);
-                  const memory::TimeWriter times(store);
-                  std::string text;
-                  if (has_reply(question)) {
-                    const auto as_of = read_as_of(store, query.argument("at"), query.argument("known-at"));
-                    memory::Reply reply = answer.reply({store, query, as_of, times});
-                    if (arguments->details) reply.evidence.clear();  // it is in what follows
-                    text = to_text(reply);
-                  }
-                  if (!has_reply(question) || arguments->details) text += answer.to_text(times);
-                  session.answer(text, answer.to_json());
+                  session.answer(text_of(answer, question, query, arguments->details, store),
+                                 answer.to_json());
                 };
               },
           .group = to_text(question.group)};
@@ -123,11 +126,12 @@ Command digest_command() {
     return [arguments, &question](Session& session) {
       if (!arguments->page.empty()) check_output(arguments->page, session.outputs());
       const memory::Store store = open_memory(arguments->question.memory, session);
-      const memory::Answer answer = question.ask(store, arguments->question.query(question));
+      const memory::Query query = arguments->question.query(question);
+      const memory::Answer answer = question.ask(store, query);
       if (!arguments->page.empty())
         write_output(arguments->page, digest_page(store, answer.get<memory::DigestAnswer>()),
                      session.outputs());
-      session.answer(answer.to_text(memory::TimeWriter(store)), answer.to_json());
+      session.answer(text_of(answer, question, query, arguments->question.details, store), answer.to_json());
     };
   };
   return command;

@@ -229,6 +229,8 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
        example("Is the tea back on the counter?")},
       {"yes|bare: <object> $p<place> [keep|put|leave]", verdict, example("Is the milk still on the table?")},
       {"yes|bare: nothing $p<place> [leave|else]", empty},
+      {"yes|bare: nolonger <object> $p<place> [there|any|keep|put|leave]", empty,
+       example("Is the milk no longer on the table?")},
       {"howsure: <object> $p<place> [keep|put|leave]", probability,
        example("How sure are you that the milk is on the table?")},
       {"why: <object> $p<place> [keep|put|leave]", reason,
@@ -248,6 +250,7 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
       {"what|bare: content|list $p<place> [thing|everything]", objects},
       {"bare: thing|everything $p<place> [leave|last]", objects},
       {"when: look $p<place> [last]", last_time, example("When did you last look at the shelf?")},
+      {"howlong: look $p<place> [ago|last|not]", ago, example("How long ago did you look at the shelf?")},
   };
   if (on)
     forms.insert(forms.end(), {{"yes|bare: empty <place> [every]", empty, "Is the table free?"},
@@ -259,6 +262,7 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
                                {"yes: full <place>", exists},
                                {"when: look|see <place> [last]", last_time},
                                {"when: look into<place> [last]", last_time},
+                               {"howlong: look|see <place> [ago|last|not]", ago},
                                {"what: look like <place>", objects},
                                {"how: look <place>", objects}});
   else

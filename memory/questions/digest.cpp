@@ -117,7 +117,6 @@ std::vector<Question> digest_questions() {
                            .type = ParameterType::time,
                            .help = "\"yesterday\", \"2026-05-01\", or any time of it",
                            .default_text = "the day of the last scene"}},
-           .account = true,
            .examples = {"", "--day 2026-05-01 --json"},
            .run = [](const Arguments& given) -> Answer {
              return ask(given.store(), DigestQuestion{given.text("day"), given.as_of()});

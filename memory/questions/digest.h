@@ -8,6 +8,8 @@ namespace loci::memory {
 // A day in one answer: digest.
 
 struct Question;
+struct Reply;
+struct ReplyContext;
 std::vector<Question> digest_questions();
 
 struct DigestQuestion {
@@ -32,6 +34,7 @@ struct DigestAnswer {
 /// Error when the day is not a time, or the memory has no scenes.
 DigestAnswer ask(const Store& store, const DigestQuestion& question);
 std::string to_text(const DigestAnswer& answer, const TimeWriter& times);
+void write_reply(const DigestAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const DigestAnswer& answer);
 /// "mug is on table_1, usually on counter_1 (80 % of its sightings)".
 std::string to_text(const MisplacedObject& object);

@@ -8,6 +8,7 @@
 
 #include "memory/questions/answer_format.h"
 #include "memory/questions/co_occurrence.h"
+#include "memory/questions/digest.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
 #include "memory/questions/names.h"
@@ -167,19 +168,15 @@ void most_often(const ChangesAnswer& answer, const Names& names, Reply& reply) {
     if (counts[name] != most || std::ranges::count(list, name) > 0) continue;
     list.push_back(name);
     if (change.object) reply.objects.push_back(change.object->id);
-    if (!change.object && change.place) reply.places.push_back(change.place->name);
+    if (!change.object) reply.places.push_back(change.place ? change.place->name : name);
   }
   reply.text = fmt::format("{}, {}.", list_in_words(list), counted(most, "time"));
 }
 
 /// The time of the last scene with a person in view from before a change was seen to that moment.
 std::optional<TimeNs> person_in_view(const ReplyContext& context, const Change& change) {
-  std::vector<SceneRow> scenes =
-      context.store.scenes(context.as_of, change.since.value_or(change.time), change.time);
-  for (auto scene = scenes.rbegin(); scene != scenes.rend(); ++scene)
-    for (const AnnotationRow& row : context.store.annotations(scene->id))
-      if (row.type == "loci.annotation.PersonAnnotation") return scene->time;
-  return std::nullopt;
+  return context.store.last_annotated("loci.annotation.PersonAnnotation", change.since.value_or(change.time),
+                                      change.time, context.as_of);
 }
 
 }  // namespace
@@ -238,7 +235,7 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
       reply.text = fmt::format("Not known who: people are not recognised; {} by {}.", what,
                                context.times.text(last.time));
       if (const auto seen = person_in_view(context, last))
-        reply.text += fmt::format(" Somebody was in view by {}.", context.times.text(*seen));
+        reply.evidence.push_back("somebody was in view at " + context.times.text(*seen));
       break;
     default:
       reply.not_known = last.kind == EventKind::gone;
@@ -285,6 +282,31 @@ void write_reply(const TimelineAnswer& answer, const ReplyContext& context, Repl
       if (reply.evidence.size() < kMaxEvidenceLines)
         reply.evidence.push_back(
             fmt::format("{}: {}", context.times.text(change->time), happened(*change, names)));
+}
+
+void write_reply(const DigestAnswer& answer, const ReplyContext& context, Reply& reply) {
+  if (answer.scenes == 0) {
+    reply.text = fmt::format("Nothing was observed on {}.", answer.day);
+    return;
+  }
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  reply.text = fmt::format("{}: {}, {}; {} out of the usual place, {} missing.", answer.day,
+                           counted(answer.scenes, "scene"), counted(answer.changes.size(), "change"),
+                           counted(answer.misplaced.size(), "object"), answer.missing.size());
+  const auto list = [&](const char* heading, const auto& items, const auto& name) {
+    constexpr size_t kShown = 6;
+    std::vector<std::string> all;
+    for (const auto& item : items)
+      if (const std::string one = name(item); std::ranges::count(all, one) == 0) all.push_back(one);
+    if (!all.empty()) reply.evidence.push_back(fmt::format("{}: {}", heading, list_in_words(all, kShown)));
+  };
+  list("Changed", answer.changes, [&](const Change& change) {
+    return change.object ? names.of(*change.object) : joint_in_words(change);
+  });
+  list("Out of the usual place", answer.misplaced,
+       [&](const MisplacedObject& object) { return names.of(object.now.object); });
+  list("Missing", answer.missing, [&](const ObjectBelief& belief) { return names.of(belief.object); });
 }
 
 // ---- room, opens

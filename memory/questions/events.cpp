@@ -350,7 +350,6 @@ std::vector<Question> event_questions() {
       {.name = "timeline",
        .description = "Scenes and events in order",
        .period = true,
-       .account = true,
        .examples = {"", "--from 09:00 --json"},
        .run = ask_period<TimelineQuestion>,
        .time = SentenceTime::period,

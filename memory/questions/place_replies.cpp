@@ -128,7 +128,7 @@ void contents_verdict(const ContentsAnswer& answer, const Contents& contents, co
   if (!contents.sure.empty()) {
     const std::vector<std::string> list = names_of(contents.sure, names);
     why = fmt::format("{} {} {}", list_in_words(list), is_or_was(context, list.size()), contents.where);
-  } else if (asks == Asks::verdict) {
+  } else if (asks == Asks::verdict || (asks == Asks::empty && !answer.subject.empty())) {
     if (const auto other = elsewhere(answer, snapshot, names, reply)) {
       verdict = Verdict::no;
       why = *other;
@@ -145,6 +145,25 @@ void contents_verdict(const ContentsAnswer& answer, const Contents& contents, co
   if (asks == Asks::empty) verdict = verdict == Verdict::yes ? Verdict::no : Verdict::yes;
   reply.verdict = verdict;
   reply.text = fmt::format("{}: {}.", verdict == Verdict::yes ? "Yes" : "No", why);
+}
+
+void last_look(const Contents& contents, const ReplyContext& context, Reply& reply) {
+  reply.not_known = contents.seen_last == nullptr;
+  if (reply.not_known) {
+    reply.text = fmt::format("Nobody looked {} yet.", contents.where);
+    return;
+  }
+  const TimeNs time = contents.seen_last->last_view->time;
+  reply.time = at_once(time);
+  std::string when = "At " + context.times.text(time);
+  if (context.query.asks == Asks::ago) {
+    const auto latest = context.store.latest_scene(context.as_of);
+    reply.duration = std::max<TimeNs>(0, (latest ? latest->time : time) - time);
+    const std::string elapsed = duration_text(*reply.duration);
+    when = elapsed.empty() ? "Just now" : fmt::format("{} ago, at {}", elapsed, context.times.text(time));
+  }
+  reply.text =
+      fmt::format("{}: {} was last looked at then.", when, name_in_words(contents.seen_last->place.name));
 }
 
 }  // namespace
@@ -181,12 +200,8 @@ void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Repl
         reply.text = reason_of(contents.sure.front(), names, context);
       break;
     case Asks::last_time:
-      reply.not_known = contents.seen_last == nullptr;
-      if (contents.seen_last != nullptr) reply.time = at_once(contents.seen_last->last_view->time);
-      reply.text = contents.seen_last == nullptr ? fmt::format("Nobody looked {} yet.", contents.where)
-                                                 : fmt::format("At {}: {} was last looked at then.",
-                                                               context.times.text(reply.time->first),
-                                                               name_in_words(contents.seen_last->place.name));
+    case Asks::ago:
+      last_look(contents, context, reply);
       break;
     default: {
       const bool known = verdict_of(answer, contents) != Verdict::not_observed;

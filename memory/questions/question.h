@@ -231,7 +231,6 @@ struct Question {
   std::string words_help = {};
   void (*read_words)(std::vector<std::string> words, Query& query) = nullptr;
   Asks asks = Asks::summary;          ///< of the command
-  bool account = false;               ///< the command prints a list, not a sentence with its evidence
   std::vector<std::string> examples;  ///< as typed after the name, without -m
   Answer (*run)(const Arguments& arguments);
   SentenceTime time = SentenceTime::at;

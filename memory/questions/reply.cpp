@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "memory/questions/answer_format.h"
+#include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
 namespace {
@@ -14,6 +17,13 @@ namespace {
 size_t length_of(std::string_view text) {
   return static_cast<size_t>(
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+/// "tomatoes", and neither "glass" nor "table_1".
+bool is_plural(std::string_view word) {
+  if (!word.ends_with('s')) return false;
+  const std::vector<std::string> bases = wordnet::base_forms(lower_case(word), wordnet::PartOfSpeech::noun);
+  return !bases.empty() && std::ranges::count(bases, lower_case(word)) == 0;
 }
 
 /// A text of many lines as a sentence and its evidence.
@@ -29,6 +39,24 @@ void shorten(const std::string& text, Reply& reply) {
     else
       reply.evidence.push_back(std::move(line));
   }
+}
+
+/// "The tomatoes was" is "The tomatoes were": the verb agrees with the name before it.
+std::string with_agreement(const std::string& text) {
+  static const std::map<std::string, std::string, std::less<>> plurals = {
+      {"is", "are"}, {"was", "were"}, {"has", "have"}, {"looks", "look"}, {"stands", "stand"}};
+  std::string result;
+  std::string_view before;
+  for (size_t begin = 0; begin < text.size();) {
+    const size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string_view word = std::string_view(text).substr(begin, end - begin);
+    const auto plural = plurals.find(word);
+    result += plural != plurals.end() && is_plural(before) ? plural->second : std::string(word);
+    if (end < text.size()) result += ' ';
+    before = word;
+    begin = end + 1;
+  }
+  return result;
 }
 
 }  // namespace
@@ -49,9 +77,9 @@ Reply Answer::reply(const ReplyContext& context) const {
   if (!reply.text.empty() && reply.text[0] >= 'a' && reply.text[0] <= 'z' &&
       !reply.text.starts_with("object_"))
     reply.text[0] = static_cast<char>(reply.text[0] - 'a' + 'A');
-  reply.text = shortened(reply.text);
+  reply.text = shortened(with_agreement(reply.text));
   if (reply.evidence.size() > kMaxEvidenceLines) reply.evidence.resize(kMaxEvidenceLines);
-  for (std::string& line : reply.evidence) line = shortened(line, 2 * kMaxReplyLength);
+  for (std::string& line : reply.evidence) line = shortened(with_agreement(line), 2 * kMaxReplyLength);
   return reply;
 }
 

@@ -338,13 +338,20 @@ std::vector<Id> Snapshot::find_longest_name(const std::vector<std::string>& word
   size_t count = std::min<size_t>(4, words.size() - next);
   while ((matching = find_by_word(phrase(words, next, count))).empty() && count > 1) --count;
   if (matching.empty()) {
+    // "kitchen roll" is one name where neither word means anything.
+    const auto ends = [&](const std::string& word) {
+      static const std::set<std::string> joints = {"on", "in", "and", "or"};
+      return joints.contains(word) || !find_by_word(word).empty();
+    };
+    const auto rest = words.begin() + static_cast<std::ptrdiff_t>(next);
+    const auto unknown = static_cast<size_t>(std::find_if(rest + 1, words.end(), ends) - rest);
     const bool is_place = std::ranges::any_of(
         places_, [&](const PlaceRow& place) { return lower_case(place.name) == words[next]; });
-    throw is_place
-        ? UnknownName(UnknownName::Kind::object, fmt::format("nothing is known to be at {}", words[next]),
-                      file(), "")
-        : UnknownName(UnknownName::Kind::object, fmt::format("nothing is known as '{}'", words[next]), file(),
-                      hint_for(words, next));
+    throw is_place ? UnknownName(UnknownName::Kind::object,
+                                 fmt::format("nothing is known to be at {}", words[next]), file(), "")
+                   : UnknownName(UnknownName::Kind::object,
+                                 fmt::format("nothing is known as '{}'", phrase(words, next, unknown)),
+                                 file(), hint_for(words, next));
   }
   next += count;
   return matching;

@@ -265,6 +265,7 @@ class TimePhrase {
 TimeReader::TimeReader(const Store& store) : last_scene_(0), zone_(store.time_zone()) {
   const auto scenes = store.scenes();
   last_scene_ = scenes.empty() ? now() : scenes.back().time;
+  if (!scenes.empty()) first_scene_ = scenes.front().time;
 }
 
 TimeSpan TimeReader::read(std::string_view text) const {
@@ -284,7 +285,17 @@ std::optional<TimeSpan> TimeReader::try_read(std::string_view text) const {
   const TimeNs last_scene = std::clamp(last_scene_, kEarliest, kLatest);
   const auto words = words_of(lower_case(text));
   if (const auto moment = moment_of(words, last_scene, zone_)) return TimeSpan{*moment, *moment};
-  if (const auto span = TimePhrase(words, zone_.local(last_scene)).read()) return in_utc(*span);
+  if (const auto span = TimePhrase(words, zone_.local(last_scene)).read()) {
+    // "A quarter past three" is in the afternoon where the memory begins after that of the morning.
+    std::vector<std::string> afternoon = words;
+    afternoon.emplace_back("pm");
+    const bool spoken = text.find_first_of(":-") == std::string_view::npos;
+    if (spoken && first_scene_ && in_utc(*span).last < *first_scene_)
+      if (const auto later = TimePhrase(afternoon, zone_.local(last_scene)).read();
+          later && later->first > span->first && in_utc(*later).first <= last_scene)
+        return in_utc(*later);
+    return in_utc(*span);
+  }
   const std::string whole(text);
   if (whole.size() < 11 || !is_date(whole.substr(0, 10))) return std::nullopt;
   try {

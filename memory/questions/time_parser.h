@@ -20,11 +20,13 @@ struct TimeSpan {
 /// 12 to 18, "evening" = 18 to 24, "night" = 22 to 6,
 /// "breakfast" = 5 to 11, "lunch" = 11 to 15, "dinner" and "supper" = 17 to 23), or both ("yesterday
 /// morning", "last Monday at nine"); "last night"; "20 minutes ago", "two hours ago", "half an hour ago";
-/// "now". Today and now are those of the memory's last scene, in the memory's zone.
+/// "now". An hour without its half of the day ("three") is in the afternoon where the memory begins later
+/// than that and ends after it. Today and now are those of the memory's last scene, in the memory's zone.
 class TimeReader {
  public:
   explicit TimeReader(const Store& store);
-  TimeReader(TimeNs last_scene, TimeZone zone) : last_scene_(last_scene), zone_(zone) {}
+  TimeReader(TimeNs last_scene, TimeZone zone, std::optional<TimeNs> first_scene = {})
+      : first_scene_(first_scene), last_scene_(last_scene), zone_(zone) {}
 
   /// Throws Error that shows what can be written.
   TimeSpan read(std::string_view text) const;
@@ -33,6 +35,7 @@ class TimeReader {
   std::optional<TimeSpan> try_read(std::string_view text) const;
 
  private:
+  std::optional<TimeNs> first_scene_ = {};  ///< unset = not known
   TimeNs last_scene_;
   TimeZone zone_;
 };

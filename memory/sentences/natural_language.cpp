@@ -234,7 +234,12 @@ bool is_inflected_verb(const std::string& word) {
 class Conversation {
  public:
   Conversation(const Store& store, const NaturalLanguageQuestion& question)
-      : store_(store), question_(question), times_(store), writer_(store), references_(store, question) {}
+      : store_(store),
+        question_(question),
+        snapshot_(store, question.as_of),
+        times_(store),
+        writer_(store),
+        references_(store, question) {}
 
   NaturalLanguageAnswer answer(const std::string& sentence) {
     NaturalLanguageAnswer answer = answer_by_rules(with_choices_joined(sentence));
@@ -293,7 +298,7 @@ class Conversation {
 
   /// "Where was the cup when the drawer was opened?": first when that was; unset when this is not understood.
   std::optional<NaturalLanguageAnswer> answer_at_event(const std::string& sentence) {
-    const auto clause = find_event_clause(sentence, Snapshot(store_, question_.as_of));
+    const auto clause = find_event_clause(sentence, snapshot_);
     if (!clause) return std::nullopt;
     const bool condition = clause->link == EventClause::Link::condition;
     NaturalLanguageAnswer event = answer_plainly((condition ? "" : "when ") + clause->event);
@@ -312,10 +317,9 @@ class Conversation {
 
   /// Each question of the sentence by itself, in plain words; unset when none is understood.
   std::optional<NaturalLanguageAnswer> answer_in_parts(const std::string& sentence) {
-    const Snapshot snapshot(store_, question_.as_of);
     const Respelling spelling = likely_spellings(sentence).front();
     std::vector<NaturalLanguageAnswer> answers;
-    for (const std::vector<PlainQuestion>& question : plain_questions(spelling.sentence, snapshot, times_))
+    for (const std::vector<PlainQuestion>& question : plain_questions(spelling.sentence, snapshot_, times_))
       if (auto one = answer_plain(question)) answers.push_back(std::move(*one));
     if (answers.empty()) return std::nullopt;
     NaturalLanguageAnswer all = answers.front();
@@ -375,11 +379,10 @@ class Conversation {
 
   /// Whether an object stands where a question has a place: "when was the jam opened".
   bool is_object_for_place(const Query& query) const {
-    const Snapshot snapshot(store_, question_.as_of);
     return std::ranges::any_of(find_question(query.question)->parameters, [&](const Parameter& parameter) {
       const bool place = parameter.type == ParameterType::place || parameter.type == ParameterType::part;
       const std::string name = query.argument(parameter.name);
-      return place && !name.empty() && snapshot.places_meant(name).empty() && snapshot.means_objects(name);
+      return place && !name.empty() && snapshot_.places_meant(name).empty() && snapshot_.means_objects(name);
     });
   }
 
@@ -407,7 +410,7 @@ class Conversation {
       names_.emplace();
       for (const std::string& name : known_names(store_))
         for (const std::string& word : words_of(lower_case(name))) names_->insert(word);
-      for (const std::string& name : Snapshot(store_, question_.as_of).known_names())
+      for (const std::string& name : snapshot_.known_names())
         for (const std::string& word : words_of(lower_case(name))) names_->insert(word);
     }
     return *names_;
@@ -436,7 +439,7 @@ class Conversation {
 
   bool is_known(const Query& query) const {
     try {
-      Snapshot(store_, question_.as_of).find_objects(query.argument("object"));
+      snapshot_.find_objects(query.argument("object"));
       return true;
     } catch (const UnknownName&) {
       return false;
@@ -461,7 +464,8 @@ class Conversation {
     }
     references_.note_places(query, notes);
     references_.note_related(query, notes);
-    const bool answered = tried.answer.has_value() || tried.why_not->reason == "not_possible";
+    const bool answered =
+        tried.answer.has_value() || !tried.why_not || tried.why_not->reason == "not_possible";
     if (!answered && !first) return false;
     tried.query = std::move(query);
     tried.notes = std::move(notes);
@@ -472,15 +476,25 @@ class Conversation {
   /// What is in a part of the map that no scene has shown from inside; unset for other places.
   std::optional<Reply> not_looked_into(const Query& query) const {
     const std::string place = query.argument("place");
-    const Snapshot snapshot(store_, question_.as_of);
-    const std::string part = place.empty() ? "" : find_part_without_place(snapshot, place);
+    const std::string part = place.empty() ? "" : find_part_without_place(snapshot_, place);
     if (part.empty()) return std::nullopt;
     return Reply{.text = shortened(fmt::format("Not observed: no look has shown what is in {}.", place)),
                  .verdict = Verdict::not_observed,
                  .not_known = true};
   }
 
+  /// Of a time after the last look nothing is known.
+  std::optional<Reply> not_yet(const Query& query) const {
+    const auto from = times_.try_read(query.argument("from"));
+    if (!from || from->first <= times_.now()) return std::nullopt;
+    return Reply{.text = fmt::format("Not observed: the last look was at {}.", writer_.text(times_.now())),
+                 .verdict = Verdict::not_observed,
+                 .not_known = true};
+  }
+
   void set_answer(const Query& query, NaturalLanguageAnswer& answer) const {
+    answer.reply = not_yet(query);
+    if (answer.reply) return;
     const AsOf as_of = read_as_of(store_, query.argument("at"), query.argument("known-at"), question_.as_of);
     const Coordination coordination = coordination_of(query);
     std::vector<Reply> replies;
@@ -496,6 +510,7 @@ class Conversation {
 
   const Store& store_;
   const NaturalLanguageQuestion& question_;
+  const Snapshot snapshot_;  ///< shared by all readings: what it found out is not found out again
   TimeReader times_;
   TimeWriter writer_;
   ReferenceResolver references_;

@@ -255,6 +255,27 @@ std::optional<Query> parse_name(const std::string& sentence, const TimeReader& t
                : std::nullopt;
 }
 
+namespace {
+
+/// "Since when?", "Who?", "How often?": another question about what was spoken of.
+std::optional<Query> bare_follow_up(const std::string& mood, const Query& last) {
+  static const std::map<std::string, Asks> of_stay = {
+      {"sincewhen", Asks::first_time}, {"untilwhen", Asks::until}, {"howlong", Asks::duration}};
+  static const std::map<std::string, Asks> of_changes = {
+      {"when", Asks::last_time}, {"who", Asks::agent}, {"howoften", Asks::number}};
+  Query query = last;
+  if (const auto asks = of_changes.find(mood); asks != of_changes.end() && last.question == "changes")
+    return query.asks = asks->second, query;
+  const auto asks = of_stay.find(mood);
+  const bool stays = last.question == "where" || last.question == "on" || last.question == "in";
+  if (asks == of_stay.end() || !stays || !last.arguments.contains("object") || last.arguments.contains("at"))
+    return std::nullopt;
+  const std::string place = last.question == "where" ? "there" : last.argument("place");
+  return Query{"history", {{"object", last.argument("object")}, {"place", place}}, asks->second};
+}
+
+}  // namespace
+
 std::vector<Query> parse_follow_up(const std::string& sentence, const Query& last, const TimeReader& times) {
   const Question* question = find_question(last.question);
   const std::vector<Clause> clauses = parse_clauses(sentence, grammar_concepts(), times);
@@ -273,6 +294,8 @@ std::vector<Query> parse_follow_up(const std::string& sentence, const Query& las
     if (clause.mood == "howsure" || ((clause.mood == "yes" || clause.mood == "bare") && marked("sure")))
       return query.asks = Asks::probability, std::vector{query};
   }
+  if (clause.phrases.empty() && clause.concepts.empty() && !clause.period)
+    if (auto bare = bare_follow_up(clause.mood, last)) return {*bare};
   // "And the jam?", "What about on the counter?", "And at noon?"
   const bool about = clause.phrases.size() == 1 && clause.phrases[0].relation == "about";
   const bool leans = clause.mood == "bare" || ((clause.mood == "what" || clause.mood == "how") && about);

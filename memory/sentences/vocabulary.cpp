@@ -30,7 +30,8 @@ constexpr Lemma kLemmas[] = {
      "sees saw seen seeing notice noticed noticing notices spot spotted spots observe observed observing "
      "observes detect detected detects detecting recognise recognised recognises recognize recognized "
      "recognizes sighted sighting sightings observation observations glimpse glimpsed witness witnessed "
-     "sight perceive perceived perceives view views viewing detection detections register registered "
+     "sight count counts counted counting perceive perceived perceives view views viewing detection "
+     "detections register registered "
      "registers track tracked logged recorded identify identified spied appearance appearances"},
     {"find", "finds found finding locate locates search searching seek seeking hunting discover discovered"},
     {"look",
@@ -101,6 +102,7 @@ constexpr Lemma kLemmas[] = {
     {"sure", "certain confident convinced positive"},
     {"only", "solely merely"},
     {"alone", ""},
+    {"nolonger", ""},
     {"nearest", "closest"},
     {"nearer", "closer"},
     {"bigger", "larger greater"},
@@ -293,7 +295,12 @@ constexpr Compound kCompounds[] = {
     {"(but|and) (no longer|not) (is|are) (here|there|around|present) [now|anymore]", "vanished"},
     {"(is|are) (not|no longer) (here|there|around|present) [now|anymore]", "is gone"},
     {"any more", "anymore"},
-    {"no longer", "not"},
+    {"(no longer|no more)", "nolonger"},
+    {"(prior|previous) to", "before"},
+    {"at least (one|1)", "a"},
+    {"at least (two|2)", "two"},
+    {"at least (three|3)", "three"},
+    {"at least (four|4)", "four"},
     {"not ever", "not"},
     {"any longer", "anymore"},
     {"of the day", ""},

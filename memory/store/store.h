@@ -194,6 +194,9 @@ class Store {
   Id max_observation_id() const;  ///< 0 = there is none
   Id max_object_id() const;       ///< likewise; forgotten ones count
   std::vector<AnnotationRow> annotations(Id scene) const;
+  /// The time of the last scene from `from` to `to` with an annotation of a type; unset = none has one.
+  std::optional<TimeNs> last_annotated(const std::string& type, TimeNs from, TimeNs to,
+                                       const AsOf& as_of = {}) const;
   /// The log of a scene in the order of its lines.
   std::vector<LogRow> log(Id scene) const;
   /// All associations that were considered in a scene.

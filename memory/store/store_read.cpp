@@ -114,6 +114,19 @@ std::vector<AnnotationRow> Store::annotations(Id scene) const {
   return select<AnnotationRow>(*connection_, Where("scene = ?1", {sql(scene)}));
 }
 
+std::optional<TimeNs> Store::last_annotated(const std::string& type, TimeNs from, TimeNs to,
+                                            const AsOf& as_of) const {
+  Where where;
+  const std::string terms = fmt::format("SELECT id FROM term WHERE type = {}", where.bind(sql(type)));
+  // Where no term is of the type, no scene is read.
+  where.between("time", from, to).added("time", as_of).and_also(fmt::format("EXISTS ({})", terms));
+  where.and_also(
+      fmt::format("EXISTS (SELECT 1 FROM annotation a WHERE a.scene = scene.id AND a.term IN ({}))", terms));
+  return connection_->value<TimeNs>(
+      fmt::format("SELECT time FROM scene WHERE {} ORDER BY time DESC LIMIT 1", where.text()),
+      where.values());
+}
+
 std::vector<LogRow> Store::log(Id scene) const {
   return select<LogRow>(*connection_, Where("scene = ?1", {sql(scene)}), "number");
 }

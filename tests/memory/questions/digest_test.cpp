@@ -4,6 +4,7 @@
 
 #include "mapping/base/json.h"
 #include "memory/questions/question.h"
+#include "memory/questions/reply.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {
@@ -29,6 +30,15 @@ TEST_F(Digest, SaysWhatADayLeftBehind) {
   const Json json = to_json(answer);
   EXPECT_EQ(json["changes"].size(), answer.changes.size());
   EXPECT_EQ(json["missing"].size(), answer.missing.size());
+}
+
+TEST_F(Digest, TheShortFormIsASentenceAndThreeLines) {
+  const Query query{.question = "digest"};
+  const Reply reply = ask(*store_, query).reply({*store_, query, {}, TimeWriter(*store_)});
+  EXPECT_EQ(reply.text, text(ask(*store_, DigestQuestion{})).substr(0, reply.text.size()));
+  ASSERT_FALSE(reply.evidence.empty());
+  EXPECT_LE(reply.evidence.size(), kMaxEvidenceLines);
+  EXPECT_THAT(reply.evidence[0], testing::AllOf(testing::StartsWith("Changed: "), HasSubstr("tea cup")));
 }
 
 TEST_F(Digest, TakesTheDayInTheMemorysZone) {

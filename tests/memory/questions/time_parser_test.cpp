@@ -59,6 +59,19 @@ TEST(PeopleTime, ReadsTimesInWords) {
   expect_span("half an hour ago", "2026-05-01T08:00:00Z", "2026-05-01T08:00:00Z");
 }
 
+TEST(PeopleTime, AnHourBeforeTheMemoryBeganIsInTheAfternoon) {
+  const TimeReader reader(parse_time("2026-05-01T20:30:00Z"), TimeZone::fixed(0),
+                          parse_time("2026-05-01T07:10:00Z"));
+  const auto first = [&](const char* text) { return format_time(reader.read(text).first).substr(11, 5); };
+  EXPECT_EQ(first("quarter past three"), "15:15");
+  EXPECT_EQ(first("three"), "15:00");
+  EXPECT_EQ(first("nine"), "09:00");      // the memory has it
+  EXPECT_EQ(first("three am"), "03:00");  // said so
+  EXPECT_EQ(first("03:00"), "03:00");     // written so
+  EXPECT_EQ(first("half past six"), "18:30");
+  EXPECT_EQ(first("seven"), "19:00");
+}
+
 TEST(PeopleTime, RefusesTheRest) {
   for (const char* text : {"", " ", "soon", "25:00", "9:60", "yesterday at teatime", "morning Monday",
                            "2026-13-01", "ago", "x days ago", "12:3a"})

@@ -2,6 +2,7 @@
 
 #include "mapping/base/json.h"
 #include "memory/questions/contents.h"
+#include "memory/questions/facts.h"
 #include "memory/questions/location.h"
 #include "memory/questions/presence.h"
 #include "memory/questions/routines.h"
@@ -169,6 +170,53 @@ TEST_F(NaturalLanguage, TheReplyAnswersWhatWasAsked) {
   }
 }
 
+TEST_F(NaturalLanguage, WhoMovedItNamesTheLastSceneWithAPerson) {
+  store_.reset();
+  {
+    Store store = Store::open_write(file_);
+    const int64_t run = store.begin_run("loci-perceive run", "{}");
+    for (const auto& [clock, type] : {std::pair("08:45", "loci.annotation.PersonAnnotation"),
+                                      {"09:15", "loci.annotation.PersonAnnotation"},
+                                      {"09:20", "loci.annotation.ColorAnnotation"}}) {
+      SceneTransaction scene(store, run);
+      const Id id = scene.add_scene({.time = testing_support::day_time(clock)});
+      scene.add_annotation({.scene = id, .type = type, .value = "person"});
+      scene.commit();
+    }
+    store.finish_run(run);
+  }
+  store_.emplace(Store::open_read(file_));
+  EXPECT_EQ(say("Who moved the red thing?").reply->evidence.at(0), "somebody was in view at 09:15");
+  const TimeNs from = testing_support::day_time("08:00"), to = testing_support::day_time("09:00");
+  EXPECT_EQ(store_->last_annotated("loci.annotation.PersonAnnotation", from, to),
+            testing_support::day_time("08:45"));
+  EXPECT_FALSE(store_->last_annotated("loci.annotation.ClassAnnotation", from, to));
+}
+
+TEST_F(NaturalLanguage, NamesOfSeveralWordsAndPluralsReadWell) {
+  EXPECT_THAT(say("Where is the kitchen roll?").why_not->text, HasSubstr("'kitchen roll'"));
+  EXPECT_THAT(say("Where is the red corkscrew?").why_not->text, HasSubstr("'corkscrew'"));
+  store_.reset();
+  {
+    Store store = Store::open_write(file_);
+    set_fact(store, "object_3", "alias", "tomatoes");
+  }
+  store_.emplace(Store::open_read(file_));
+  EXPECT_EQ(say("Where are the tomatoes?").reply->text, "The tomatoes are on counter_1.");
+  EXPECT_THAT(say("Were the tomatoes on the counter at 8:30?").reply->text, HasSubstr("tomatoes were on"));
+}
+
+TEST_F(NaturalLanguage, NoLongerIsTheOppositeAndALookHasAnAge) {
+  EXPECT_EQ(say("Is the red thing no longer on the table?").reply->text, "Yes: the tea cup is on counter_1.");
+  EXPECT_EQ(say("Is the red thing no longer on the counter?").reply->verdict, Verdict::no);
+  const NaturalLanguageAnswer look = say("How long ago did you last look at the table?");
+  EXPECT_EQ(look.reply->text, "30 min ago, at 10:00: table_1 was last looked at then.");
+  EXPECT_EQ(look.reply->duration, 30 * 60 * kSecond);
+  const NaturalLanguageAnswer late = say("What moved since nine in the evening?");
+  EXPECT_EQ(late.reply->text, "Not observed: the last look was at 10:30.");
+  EXPECT_TRUE(late.reply->not_known);
+}
+
 TEST_F(NaturalLanguage, SentencesLeanOnTheOneBefore) {
   const auto last = [&](const std::vector<std::string>& sentences) {
     return ask(*store_, NaturalLanguageQuestion{sentences, {}}).back();
@@ -178,6 +226,9 @@ TEST_F(NaturalLanguage, SentencesLeanOnTheOneBefore) {
   EXPECT_THAT(last({"Is the red thing on the counter?", "Why?"}).reply->text,
               testing::StartsWith("Because the tea cup"));
   EXPECT_EQ(last({"Where is the red thing?", "How sure are you?"}).reply->probability, 0.98);
+  EXPECT_EQ(last({"Is the red thing on the counter?", "Since when?"}).reply->time->first,
+            testing_support::day_time("09:30"));
+  EXPECT_EQ(last({"Was the drawer opened?", "How often?"}).reply->number, 1U);
   EXPECT_EQ(last({"Is the red thing on the counter?", "What else is on the counter?"}).reply->objects,
             std::vector<Id>{3});
   EXPECT_EQ(last({"When was the drawer opened?", "Is it open?"}).query->text(), "opens drawer");
