@@ -262,6 +262,16 @@ class BarFinder {
     return {slope * pixels, static_cast<double>(photo_.slope_sd.at<cv::Vec2f>(at)[axis]) * pixels};
   }
 
+  /// How far from its place single frames may show a bar that stands before the face, metres.
+  double smear_at(const SeenBar& bar, double depth) const {
+    SeenBar turned = bar;  // Its cross section at the same place.
+    turned.level = !bar.level;
+    turned.along0 = turned.along1 = bar.across;
+    turned.across = (bar.along0 + bar.along1) / 2;
+    return kBars.smear_sigmas * photo_.pixel_m *
+           std::max(displacement(bar, depth).second, displacement(turned, depth).second);
+  }
+
   /// Mean share of the frames that show one colour in a part of a layer.
   double agreement(const cv::Rect& box, size_t layer) const {
     return cv::mean(photo_.layers[layer - 1].agreement(box & cv::Rect({}, mask_.size())))[0];
@@ -303,11 +313,11 @@ class BarFinder {
     }
     if (bar.layer > 0) return;
     if (!bar.in_relief && !would_stand(bar) && (divides_surfaces(bar) || ends_at_edges(bar))) return;
-    double relief_sd = 0;
-    const double relief = relief_of(bar, relief_sd);
-    if ((bar.in_relief || would_stand(bar)) && relief < kBars.min_relief_m) return;
-    if (relief < -kBars.max_recess_sigmas * relief_sd) return;
-    add(bar, rect, relief, relief_sd);
+    const MeasuredRelief relief = relief_of(bar);
+    if ((bar.in_relief || would_stand(bar)) && relief.over_nearer < kBars.min_relief_m) return;
+    if (relief.mean < -kBars.max_recess_sigmas * relief.sd || relief.over_nearer < -kBars.min_relief_m)
+      return;
+    add(bar, rect, relief.mean, relief.sd);
   }
 
   /// Mean colour of a part of the image; NaN outside.
@@ -366,8 +376,13 @@ class BarFinder {
     return edges == 2;
   }
 
-  /// Relief of a bar against its flanks, with its standard deviation.
-  double relief_of(const SeenBar& bar, double& sd) const {
+  struct MeasuredRelief {
+    double mean = 0;         ///< against both flanks
+    double over_nearer = 0;  ///< against the nearer one: at the edge of a slab only the other is lower
+    double sd = 0;           ///< of the mean
+  };
+
+  MeasuredRelief relief_of(const SeenBar& bar) const {
     const auto mean = [&](double offset, double width, double& variance) {
       SeenBar part = bar;
       part.across += offset;
@@ -388,13 +403,12 @@ class BarFinder {
     };
     double variance = 0;
     const double reach = kBars.surroundings_m / photo_.pixel_m / 2;
-    double flanks = 0;
-    for (const double side : {-1.0, 1.0})
-      flanks += mean(side * (bar.width / 2 + 2 + reach / 2), reach, variance) / 2;
+    std::array<double, 2> flanks{};
+    for (size_t i = 0; i < 2; ++i)
+      flanks[i] = mean((i == 0 ? -1 : 1) * (bar.width / 2 + 2 + reach / 2), reach, variance);
     variance /= 4;
     const double own = mean(0, bar.width + 2, variance);
-    sd = std::sqrt(variance);
-    return own - flanks;
+    return {own - (flanks[0] + flanks[1]) / 2, own - std::max(flanks[0], flanks[1]), std::sqrt(variance)};
   }
 
   void add(const SeenBar& bar, const FaceRect& seen, double relief, double relief_sd) {
@@ -402,8 +416,10 @@ class BarFinder {
         bar.layer > 0 ? relief : std::clamp(relief, kBars.usual_protrusion_m, kBars.max_protrusion_m);
     FaceFixture found;
     found.box = seen;
+    // What no layer shows is displaced by the directions of the frames that show it.
+    const double smear = bar.layer > 0 ? 0 : smear_at(bar, protrusion);
     for (const FaceFixture& other : bars_)
-      if (other.box.grown(kBars.same_bar_m).intersects(found.box)) return;
+      if (other.box.grown(kBars.same_bar_m + smear).intersects(found.box)) return;
     found.u = found.box.u();
     found.v = found.box.v();
     Fixture& fixture = found.fixture;
@@ -416,7 +432,12 @@ class BarFinder {
     fixture.protrusion = protrusion;
     fixture.confidence = bar.score / (bar.score + kBars.half_score);
     fixture.evidence = {{"contrast", bar.score}, {"relief_m", relief}, {"relief_sd_m", relief_sd}};
-    if (bar.layer > 0) fixture.evidence["depth_from"] = "parallax";
+    if (bar.layer > 0) {
+      fixture.evidence["depth_from"] = "parallax";
+      fixture.evidence["agreement"] = agreement(rect_of(bar, 0), bar.layer);
+    } else {
+      fixture.evidence["position_sd_m"] = smear / kBars.smear_sigmas;
+    }
     bars_.push_back(std::move(found));
   }
 

@@ -174,7 +174,8 @@ class KnobFinder {
     fixture.evidence = {{"contrast", score},
                         {"relief_m", depth},
                         {"relief_sd_m", kBars.layer_sd_m},
-                        {"depth_from", by_relief ? "relief" : "parallax"}};
+                        {"depth_from", by_relief ? "relief" : "parallax"},
+                        {"agreement", photo_.layers[knob.layer].agreement.at<float>(knob.at)}};
     return found;
   }
 

@@ -547,7 +547,7 @@ Vector3d Orthophoto::in_layer(const Vector2d& at, double depth) const {
 
 Vector2d Orthophoto::seen_at(const Vector3d& point) const {
   const Vector3d on_face = face.coordinates(point);
-  const auto turned = [&](const Vector2d& at) {
+  const auto turned = [&](const Vector2d& at) -> Vector2d {
     return middle() + Eigen::Rotation2Dd(roll) * (at - middle());
   };
   const Vector2d slope_there = slope_at(turned(on_face.head<2>()));

@@ -65,10 +65,13 @@ struct BarParameters {
   double max_protrusion_m = 0.06;    ///< of usual hardware
   double half_score = 8;             ///< twice the minimum: confidence 0.5
   double same_bar_m = 0.03;          ///< between two findings of one bar and its shadow
-  double min_standing_score = 9;     ///< of a bar that a layer shows
-  double min_agreement = 0.5;        ///< of the frames on what a layer shows there
-  double layer_sd_m = 0.005;         ///< of the depth that a layer tells: half of their distance
-  double min_layer_gain = 1.1;       ///< of a standing bar's score over that of the face at its place
+  double smear_sigmas = 2;           ///< of the directions of the frames, for bars that no layer shows
+  double min_standing_score = 15;    ///< of a bar that a layer shows
+  /// Of the frames on what a layer shows there, two thirds: a half agrees with the median of any two surfaces
+  /// that cover each other.
+  double min_agreement = 0.667;
+  double layer_sd_m = 0.005;    ///< of the depth that a layer tells: half of their distance
+  double min_layer_gain = 1.1;  ///< of a standing bar's score over that of the face at its place
 };
 inline constexpr BarParameters kBars;
 

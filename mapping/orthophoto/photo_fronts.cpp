@@ -70,8 +70,9 @@ std::vector<FaceFixture> all_bars(const Orthophoto& photo, const std::vector<Fix
   }
   const size_t count = bars.size();
   for (FaceFixture& bar : find_bars(photo)) {
+    const double smear = kBars.smear_sigmas * bar.fixture.evidence.value("position_sd_m", 0.0);
     const auto same = [&](const FaceFixture& other) {
-      return other.box.grown(kBars.same_bar_m).intersects(bar.box);
+      return other.box.grown(kBars.same_bar_m + smear).intersects(bar.box);
     };
     if (std::none_of(bars.begin(), bars.begin() + static_cast<std::ptrdiff_t>(count), same))
       bars.push_back(std::move(bar));
@@ -226,7 +227,7 @@ class PhotoLayout {
   }
 
   /// Cuts between bars that belong to different fronts: at the strongest line between them, however weak, or
-  /// in their middle where upright bars face each other.
+  /// in the middle between bars side by side.
   void add_cuts_between_bars(const Part& part, std::vector<Cut>& cuts) const {
     std::vector<const FaceFixture*> bars;
     const FaceRect rect = rect_of(part);
@@ -248,11 +249,10 @@ class PhotoLayout {
                                          : lines_.line(false, position, part.x0, part.x1);
           if (line.z > best.z) best = line;
         }
-        const auto upright = [](const FaceFixture* bar) { return bar->box.height() >= bar->box.width(); };
         if (best.z > kPhotoFronts.weak_z)
           cuts.push_back({along_u, best.position, edge_of(best),
                           kPhotoFronts.regular_cost * std::max(0.0, 1 - best.z / kLines.min_z)});
-        else if (along_u && upright(bars[i - 1]) && upright(bars[i]))
+        else if (along_u)
           cuts.push_back({true, (first + last) / 2, {"regular", 0}, kPhotoFronts.regular_cost});
       }
     }

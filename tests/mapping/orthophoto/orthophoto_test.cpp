@@ -64,6 +64,12 @@ TEST(Orthophoto, ShowsThePlaneWithoutDrift) {
   EXPECT_NEAR(photo.roll, 0, 0.003);
 }
 
+TEST(Orthophoto, SeenAtIsTheInverseOfInMap) {
+  const Orthophoto photo = photo_of(recording());
+  for (const Vector2d& at : {Vector2d(-0.4, 0.3), Vector2d(0.1, 0.8), Vector2d(0.5, 0.5)})
+    EXPECT_LT((photo.seen_at(photo.in_map(at, 0.03)) - at).norm(), 0.002);
+}
+
 TEST(Orthophoto, IsTheSameOnAnyNumberOfThreads) {
   const Orthophoto one = photo_of(recording(), 1), two = photo_of(recording(), 2);
   EXPECT_EQ(cv::norm(one.color, two.color, cv::NORM_INF), 0);
