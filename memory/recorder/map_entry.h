@@ -25,8 +25,8 @@ std::vector<MapPeriod> map_periods(const Store& store);
 
 /// From a time on the room is as in this map, although nobody looked: a scene without a camera is recorded,
 /// and what lies on furniture that moved has moved along. Nothing is added where the last scene has this map.
-/// Error when the file is no map, in an empty memory, and when `at` is not after the last scene: later scenes
-/// were perceived with another map.
+/// Error when the file cannot be read as a map, in an empty memory, and when `at` is not after the last
+/// scene: later scenes were perceived with another map.
 void enter_map(Store& store, const std::filesystem::path& urdf, TimeNs at, const std::string& program);
 
 }  // namespace loci::memory

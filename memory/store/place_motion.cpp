@@ -1,7 +1,5 @@
 #include "memory/store/place_motion.h"
 
-#include <algorithm>
-
 #include "mapping/base/math.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"

@@ -149,7 +149,7 @@ TEST_F(MapEntry, ANewMapThatDiffersByTheErrorOfMapsMovesNothing) {
   EXPECT_NEAR(store_->belief(1)->position->x(), 0.05, 0.02);
 }
 
-TEST_F(MapEntry, RefusesWhatIsNoMapAndWhatComesTooLate) {
+TEST_F(MapEntry, RefusesOtherFilesAndTimesBeforeTheLastScene) {
   const auto refusal = [&](const std::filesystem::path& urdf, TimeNs at) -> std::string {
     try {
       enter_map(*store_, urdf, at, "test");
