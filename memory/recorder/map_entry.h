@@ -6,8 +6,9 @@
 
 namespace loci::memory {
 
-// The maps of a memory in the order of time. A scene is seen in the map that it was perceived with; the room
-// of a moment is that of the latest scene. So a map may also come between recordings, without a look.
+// The maps of a memory in the order of time. A scene is seen in the map that it was perceived with, or
+// without one in that of the scene before; the room of a moment is that of the latest scene. So a map may
+// also come between recordings, without a look.
 
 /// Adds a map (URDF, with the sidecar beside it) unless the memory has it. Error when it cannot be read.
 Id add_map(Store& store, const std::filesystem::path& urdf);

@@ -35,7 +35,7 @@ void Recorder::load() {
 belief::Scene Recorder::evidence(const SceneRecord& record) const {
   belief::Scene scene = evidence_of(record, next_observation_);
   for (const auto& [name, place] : places_) {
-    const Isometry3d motion = motions_.motion(place, record.row.map);
+    const Isometry3d motion = motions_.motion(place, map_of(record.row));
     const auto is_it = [&](const belief::PlacePose& pose) { return pose.name == name; };
     if (is_moved(motion) && std::ranges::none_of(scene.places, is_it)) scene.places.push_back({name, motion});
   }

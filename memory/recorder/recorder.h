@@ -51,6 +51,8 @@ class Recorder {
   class SceneWriter;
   void load();
   belief::Scene evidence(const SceneRecord& record) const;
+  /// Of the room in a scene: one perceived without a map leaves the room as it was.
+  std::optional<Id> map_of(const SceneRow& row) const { return row.map ? row.map : last_map_; }
 
   Store& store_;
   Id run_;
@@ -61,7 +63,7 @@ class Recorder {
   Id max_object_ = 0;                       ///< of the memory
   BeliefCheckpoint checkpoint_;
   std::map<std::string, double> last_joints_;  ///< of the scene before
-  std::optional<Id> last_map_;                 ///< of the scene before
+  std::optional<Id> last_map_;                 ///< of the room in the scene before
   std::map<std::string, PlaceRow> places_;     ///< of the memory
   mutable PlaceMotions motions_;
 };

@@ -90,7 +90,7 @@ class Recorder::SceneWriter {
     update_last(recorder_.stored_beliefs_, rows_, state_);
     recorder_.state_ = std::move(state_);
     recorder_.last_joints_ = record_.row.joints;
-    recorder_.last_map_ = record_.row.map;
+    recorder_.last_map_ = recorder_.map_of(record_.row);
     recorder_.places_.merge(new_places_);
     recorder_.next_observation_ += static_cast<Id>(result_.observations.size());
     return std::move(result_);
@@ -117,6 +117,7 @@ class Recorder::SceneWriter {
 
   void add_scene() {
     SceneRow row = record_.row;
+    row.map = recorder_.map_of(row);
     if (!record_.view.depth.empty()) {
       const DepthSample small = depth_sample(record_.view.depth);
       row.depth = transaction_.add_blob(small.bytes, kDepthThumbnailMedia);
@@ -228,7 +229,7 @@ class Recorder::SceneWriter {
 
   /// Furniture that the map of this scene has elsewhere than that of the scene before.
   void add_place_events() {
-    const std::optional<Id> before = recorder_.last_map_, now = record_.row.map;
+    const std::optional<Id> before = recorder_.last_map_, now = recorder_.map_of(record_.row);
     if (!before || !now || before == now) return;
     for (const auto& [name, place_row] : recorder_.places_) {
       if (!is_moved(recorder_.motions_.motion(place_row, before, now))) continue;
@@ -263,7 +264,8 @@ class Recorder::SceneWriter {
   Isometry3d now_from(const PlaceRow& place_row) const {
     for (const belief::PlacePose& pose : evidence_.places) {
       if (pose.name != place_row.name) continue;
-      if (!place_row.joint && place_row.map) return recorder_.motions_.motion(place_row, record_.row.map);
+      if (!place_row.joint && place_row.map)
+        return recorder_.motions_.motion(place_row, recorder_.map_of(record_.row));
       if (place_row.map_from_place) return pose.map_from_place * place_row.map_from_place->inverse();
     }
     return Isometry3d::Identity();

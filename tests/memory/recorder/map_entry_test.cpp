@@ -50,7 +50,7 @@ class MapEntry : public ::testing::Test {
     return path;
   }
 
-  SceneRecord record(double seconds, Id map, double table_x = 0) const {
+  SceneRecord record(double seconds, std::optional<Id> map, double table_x = 0) const {
     const belief::Scene scene = kitchen_.scene(seconds);
     SceneRecord record;
     record.row.time = scene.time;
@@ -113,6 +113,25 @@ TEST_F(MapEntry, WhatIsSeenOnTheMovedTableHasNotMoved) {
       EXPECT_GT(row.fraction.value_or(0), 0.6);
     }
   }
+}
+
+TEST_F(MapEntry, AScenePerceivedWithoutAMapLeavesTheRoomAsItWas) {
+  enter_map(*store_, room(0.3), kEvening, "test");
+  SceneRecord look = record(101, std::nullopt);
+  look.observations.clear();
+  look.places.clear();
+  look.view = {};
+  look.view.has_camera = false;
+  look.view.observed.emplace();
+  Recorder(*store_, store_->begin_run("test", "{}")).record(look);
+  EXPECT_NEAR(store_->belief(1)->position->x(), 0.35, 0.02);
+  EXPECT_EQ(store_->map_at()->name, "room_30.urdf");
+  // Opened again, too: the map is the scene's, not the program's.
+  look.row.time += kSecond;
+  Recorder(*store_, store_->begin_run("test", "{}")).record(look);
+  EXPECT_NEAR(store_->belief(1)->position->x(), 0.35, 0.02);
+  EXPECT_EQ(store_->last_scene()->map, store_->maps().back().id);
+  EXPECT_THAT(events_after(50 * kSecond), ElementsAre(EventKind::place_moved));
 }
 
 TEST_F(MapEntry, WithoutTheNewMapTheSameMugHasMoved) {
