@@ -146,6 +146,7 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
   map.notes.insert(map.notes.end(), furniture.notes.begin(), furniture.notes.end());
   add_links(room, options, map);
   map.faces = std::move(furniture.faces);
+  map.ribs = std::move(furniture.ribs);
   add_fronts(room, std::move(furniture.fronts), map);
   progress.check(1, "interpreted");
   return map;

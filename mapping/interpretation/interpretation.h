@@ -33,6 +33,7 @@ struct InterpretedMap {
   World world;                       ///< floor, walls, supports as links with visual, collision and inertia
   std::vector<Front> fronts;         ///< furniture fronts with fixtures and joints, as in their links
   std::vector<FurnitureFace> faces;  ///< vertical planes that may be furniture, with or without fronts
+  std::vector<Fixture> ribs;         ///< bars in rows, as of radiators: no handles
   double room_yaw = 0;               ///< of the room's main directions in the map, radians
   std::vector<Link> whole_supports;  ///< supports before room for fronts was cut out of them
   SemanticMap semantics;             ///< class, geometry, confidence, evidence of each link

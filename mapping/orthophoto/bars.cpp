@@ -10,6 +10,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/orthophoto/parameters.h"
+#include "mapping/orthophoto/patch.h"
 
 namespace loci::mapping {
 namespace {
@@ -277,6 +278,26 @@ class BarFinder {
     return cv::mean(photo_.layers[layer - 1].agreement(box & cv::Rect({}, mask_.size())))[0];
   }
 
+  /// A bar and its two flanks, as contrast() compares them.
+  LayerPatch patch_of(const SeenBar& bar) const {
+    const double flank = std::max(2.0, bar.width), reach = bar.width / 2 + 1 + (flank + 1) / 2;
+    const auto strip = [&](double offset, double width) {
+      SeenBar part = bar;
+      part.across += offset;
+      part.width = width - 1;
+      const cv::Rect rect = rect_of(part, 0);
+      std::vector<cv::Point> places;
+      for (int y = rect.y; y < rect.y + rect.height; ++y)
+        for (int x = rect.x; x < rect.x + rect.width; ++x) places.emplace_back(x, y);
+      return places;
+    };
+    return {strip(0, bar.width), {strip(-reach, flank), strip(reach, flank)}};
+  }
+
+  double frames_showing(const SeenBar& bar) const {
+    return share_showing(photo_, photo_.layers[bar.layer - 1], patch_of(bar));
+  }
+
   /// Whether a layer shows the bar clearer than the face does, at its place or where its frames show the
   /// face: what is on the face is sharp there.
   bool stands(const SeenBar& bar) const {
@@ -308,13 +329,16 @@ class BarFinder {
       SeenBar behind = bar;  // What the frames show beside it is the face there.
       behind.across += displacement(bar, depth_of(bar)).first;
       if (surroundings(behind) < kBars.min_beside) return;
-      if (agreement(box, bar.layer) > kBars.min_agreement) add(bar, rect, depth_of(bar), kBars.layer_sd_m);
+      if (agreement(box, bar.layer) > kBars.min_agreement && frames_showing(bar) > kPatches.min_frames)
+        add(bar, rect, depth_of(bar), kBars.layer_sd_m);
       return;
     }
     if (bar.layer > 0) return;
     if (!bar.in_relief && !would_stand(bar) && (divides_surfaces(bar) || ends_at_edges(bar))) return;
     const MeasuredRelief relief = relief_of(bar);
-    if ((bar.in_relief || would_stand(bar)) && relief.over_nearer < kBars.min_relief_m) return;
+    if ((bar.in_relief || would_stand(bar)) &&
+        (relief.over_nearer < kBars.min_relief_m || relief.beside > kBars.min_relief_m))
+      return;
     if (relief.mean < -kBars.max_recess_sigmas * relief.sd || relief.over_nearer < -kBars.min_relief_m)
       return;
     add(bar, rect, relief.mean, relief.sd);
@@ -379,10 +403,12 @@ class BarFinder {
   struct MeasuredRelief {
     double mean = 0;         ///< against both flanks
     double over_nearer = 0;  ///< against the nearer one: at the edge of a slab only the other is lower
-    double sd = 0;           ///< of the mean
+    double beside = 0;  ///< of the flank farther from the face: the top of a slab seen beyond its edge rises
+    double sd = 0;      ///< of the mean
   };
 
   MeasuredRelief relief_of(const SeenBar& bar) const {
+    bool measured = true;
     const auto mean = [&](double offset, double width, double& variance) {
       SeenBar part = bar;
       part.across += offset;
@@ -399,6 +425,7 @@ class BarFinder {
         }
       // Pixels of the depth camera are larger than those of the orthophoto: about ten share a measurement.
       variance += weight > 0 ? 10 / weight : 1;
+      measured = measured && weight > 0;
       return weight > 0 ? sum / weight : 0;
     };
     double variance = 0;
@@ -408,7 +435,10 @@ class BarFinder {
       flanks[i] = mean((i == 0 ? -1 : 1) * (bar.width / 2 + 2 + reach / 2), reach, variance);
     variance /= 4;
     const double own = mean(0, bar.width + 2, variance);
-    return {own - (flanks[0] + flanks[1]) / 2, own - std::max(flanks[0], flanks[1]), std::sqrt(variance)};
+    // Beyond the edge of a slab nothing is measured, and nothing is known to be lower.
+    const double over_nearer = measured ? own - std::max(flanks[0], flanks[1]) : 0;
+    return {own - (flanks[0] + flanks[1]) / 2, over_nearer,
+            std::max(std::abs(flanks[0]), std::abs(flanks[1])), std::sqrt(variance)};
   }
 
   void add(const SeenBar& bar, const FaceRect& seen, double relief, double relief_sd) {
@@ -435,6 +465,7 @@ class BarFinder {
     if (bar.layer > 0) {
       fixture.evidence["depth_from"] = "parallax";
       fixture.evidence["agreement"] = agreement(rect_of(bar, 0), bar.layer);
+      fixture.evidence["frames_showing"] = frames_showing(bar);
     } else {
       fixture.evidence["position_sd_m"] = smear / kBars.smear_sigmas;
     }

@@ -8,6 +8,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/orthophoto/parameters.h"
+#include "mapping/orthophoto/patch.h"
 
 namespace loci::mapping {
 namespace {
@@ -121,7 +122,7 @@ class KnobFinder {
           continue;
         knob.at = {x, y};
         knob.on_face = moved;
-        knobs.push_back(knob);
+        if (frames_showing(knob) > kPatches.min_frames) knobs.push_back(knob);
       }
   }
 
@@ -152,6 +153,29 @@ class KnobFinder {
     return values.empty() ? 0 : static_cast<double>(median(std::move(values)));
   }
 
+  /// A knob and what is on each of its sides, as spot_contrast() compares them.
+  static LayerPatch patch_of(const SeenKnob& knob) {
+    const auto square = [&](const cv::Point& middle) {
+      const int first = -(knob.radius / 2);
+      std::vector<cv::Point> places;
+      for (int y = first; y < first + knob.radius; ++y)
+        for (int x = first; x < first + knob.radius; ++x) places.emplace_back(middle.x + x, middle.y + y);
+      return places;
+    };
+    LayerPatch patch{square(knob.at), {}};
+    for (int i = 0; i < kSides; ++i) {
+      const double angle = 2 * kPi * i / kSides, reach = kKnobs.ring * knob.radius;
+      patch.sides.push_back(
+          square(knob.at + cv::Point(static_cast<int>(std::lround(reach * std::cos(angle))),
+                                     static_cast<int>(std::lround(reach * std::sin(angle))))));
+    }
+    return patch;
+  }
+
+  double frames_showing(const SeenKnob& knob) const {
+    return share_showing(photo_, photo_.layers[knob.layer], patch_of(knob));
+  }
+
   FaceFixture fixture_of(const SeenKnob& knob) const {
     FaceFixture found;
     const bool by_relief = knob.relief > 0;
@@ -175,7 +199,8 @@ class KnobFinder {
                         {"relief_m", depth},
                         {"relief_sd_m", kBars.layer_sd_m},
                         {"depth_from", by_relief ? "relief" : "parallax"},
-                        {"agreement", photo_.layers[knob.layer].agreement.at<float>(knob.at)}};
+                        {"agreement", photo_.layers[knob.layer].agreement.at<float>(knob.at)},
+                        {"frames_showing", frames_showing(knob)}};
     return found;
   }
 

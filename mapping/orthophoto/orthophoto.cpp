@@ -47,15 +47,6 @@ struct Candidate {
   double votes = 0;
 };
 
-/// A frame projected onto the face.
-struct PhotoView {
-  size_t frame = 0;
-  cv::Mat color;                       ///< CV_8UC3
-  cv::Mat quality;                     ///< CV_32F, weight; 0 = not seen
-  cv::Mat relief;                      ///< CV_32F, NaN = not measured
-  Vector3d camera = Vector3d::Zero();  ///< position of the colour camera in the face's coordinates
-};
-
 /// Where the plane is for a frame: depth = offset + tilt_u · (u − mean_u) + tilt_v · (v − mean_v), and a
 /// shift in the plane.
 struct Correction {
@@ -159,6 +150,8 @@ class Photographer {
     }
     for (const PhotoView& view : views_) photo_.frames.push_back(view.frame);
     for (const double depth : kPhoto.layers_m) photo_.layers.push_back(layer(depth));
+    for (PhotoView& view : views_) view.relief.release();
+    photo_.views = std::move(views_);
     straighten();
     return std::move(photo_);
   }
@@ -411,6 +404,11 @@ class Photographer {
     warp(photo_.slope_sd, cv::INTER_NEAREST, {});
     for (PhotoLayer& layer : photo_.layers)
       warp(layer.color, cv::INTER_LINEAR, {}), warp(layer.agreement, cv::INTER_NEAREST, {});
+    for (PhotoView& view : photo_.views) {
+      warp(view.color, cv::INTER_LINEAR, {});
+      warp(view.quality, cv::INTER_NEAREST, {});
+      view.camera.head<2>() = photo_.turned(view.camera.head<2>());
+    }
   }
 
   static float weighted_median(std::vector<std::pair<float, float>>& samples) {
@@ -459,15 +457,8 @@ class Photographer {
   /// The frames projected onto a plane before the face instead: their median. What a frame shows of that
   /// plane, it shows of the face where its ray ends: scaled about the foot of the camera.
   PhotoLayer layer(double depth) const {
-    struct Scaling {
-      double scale, x, y;
-    };
-    std::vector<Scaling> scalings;
-    for (const PhotoView& view : views_) {
-      const double scale = view.camera.z() / (view.camera.z() - depth);
-      scalings.push_back(
-          {scale, (1 - scale) * photo_.column(view.camera.x()), (1 - scale) * photo_.row(view.camera.y())});
-    }
+    std::vector<LayerScaling> scalings;
+    for (const PhotoView& view : views_) scalings.push_back(photo_.scaling(view, depth));
     PhotoLayer layer{depth, cv::Mat::zeros(size_, CV_8UC3), cv::Mat::zeros(size_, CV_32F)};
     parallel_for(static_cast<size_t>(size_.height), threads_, [&](size_t begin, size_t end) {
       std::array<std::vector<uint8_t>, 3> samples;
@@ -475,11 +466,9 @@ class Photographer {
         for (int x = 0; x < size_.width; ++x) {
           for (auto& channel : samples) channel.clear();
           for (size_t i = 0; i < views_.size(); ++i) {
-            const int from_x = static_cast<int>(scalings[i].scale * x + scalings[i].x + 0.5);
-            const int from_y = static_cast<int>(scalings[i].scale * y + scalings[i].y + 0.5);
-            if (from_x < 0 || from_x >= size_.width || from_y < 0 || from_y >= size_.height) continue;
-            if (views_[i].quality.at<float>(from_y, from_x) <= 0) continue;
-            const cv::Vec3b& pixel = views_[i].color.at<cv::Vec3b>(from_y, from_x);
+            const cv::Point from = scalings[i].on_face(x, y);
+            if (!from.inside(cv::Rect({}, size_)) || views_[i].quality.at<float>(from) <= 0) continue;
+            const cv::Vec3b& pixel = views_[i].color.at<cv::Vec3b>(from);
             for (size_t channel = 0; channel < 3; ++channel)
               samples[channel].push_back(pixel[static_cast<int>(channel)]);
           }
@@ -528,11 +517,20 @@ class Photographer {
 
 }  // namespace
 
+LayerScaling Orthophoto::scaling(const PhotoView& view, double depth) const {
+  const double scale = view.camera.z() / (view.camera.z() - depth);
+  return {scale, (1 - scale) * column(view.camera.x()), (1 - scale) * row(view.camera.y())};
+}
+
 Vector2d Orthophoto::slope_at(const Vector2d& at) const {
   const int x = std::clamp(static_cast<int>(std::lround(column(at.x()))), 0, width() - 1);
   const int y = std::clamp(static_cast<int>(std::lround(row(at.y()))), 0, height() - 1);
   const cv::Vec2f& leaning = slope.at<cv::Vec2f>(y, x);
   return {static_cast<double>(leaning[0]), static_cast<double>(leaning[1])};
+}
+
+Vector2d Orthophoto::turned(const Vector2d& at) const {
+  return middle() + Eigen::Rotation2Dd(roll) * (at - middle());
 }
 
 Vector3d Orthophoto::in_map(const Vector2d& at, double depth) const {
@@ -547,9 +545,6 @@ Vector3d Orthophoto::in_layer(const Vector2d& at, double depth) const {
 
 Vector2d Orthophoto::seen_at(const Vector3d& point) const {
   const Vector3d on_face = face.coordinates(point);
-  const auto turned = [&](const Vector2d& at) -> Vector2d {
-    return middle() + Eigen::Rotation2Dd(roll) * (at - middle());
-  };
   const Vector2d slope_there = slope_at(turned(on_face.head<2>()));
   return turned(on_face.head<2>() - on_face.z() * slope_there);
 }

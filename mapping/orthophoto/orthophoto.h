@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
@@ -15,6 +16,24 @@ struct PhotoLayer {
   double depth = 0;   ///< metres before the face
   cv::Mat color;      ///< CV_8UC3, BGR; as large as the orthophoto
   cv::Mat agreement;  ///< CV_32F, share of the frames that show about this colour
+};
+
+/// A colour frame projected onto the plane of a face; images are as large as the orthophoto.
+struct PhotoView {
+  size_t frame = 0;                    ///< number in the recording
+  cv::Mat color;                       ///< CV_8UC3
+  cv::Mat quality;                     ///< CV_32F, weight; 0 = not seen
+  cv::Mat relief;                      ///< CV_32F, metres before the plane; NaN = not measured
+  Vector3d camera = Vector3d::Zero();  ///< position of the colour camera in the face's coordinates
+};
+
+/// Where a frame shows on the face what it shows in a layer: scaled about the foot of the camera.
+struct LayerScaling {
+  double scale = 1, x = 0, y = 0;  ///< pixels
+  cv::Point on_face(double column, double row) const {
+    return {static_cast<int>(std::floor(scale * column + x + 0.5)),
+            static_cast<int>(std::floor(scale * row + y + 0.5))};
+  }
 };
 
 /// Images of a furniture face as from an infinite distance before it. The first row is at the top, the first
@@ -33,6 +52,7 @@ struct Orthophoto {
   cv::Mat slope_sd;       ///< CV_32FC2, standard deviation of it over the frames
   std::vector<PhotoLayer> layers;  ///< nearest to the face first
   std::vector<size_t> frames;      ///< numbers of the frames used
+  std::vector<PhotoView> views;    ///< these frames, without relief; large: clear when not needed
 
   int width() const { return color.cols; }
   int height() const { return color.rows; }
@@ -46,6 +66,9 @@ struct Orthophoto {
   Vector3d in_layer(const Vector2d& at, double depth) const;
   /// Where the images show a point of the map that is on or before the face: the inverse of in_map().
   Vector2d seen_at(const Vector3d& point) const;
+  /// Where the images show a place of the face, (u, v).
+  Vector2d turned(const Vector2d& at) const;
+  LayerScaling scaling(const PhotoView& view, double depth) const;
 
  private:
   Vector2d slope_at(const Vector2d& at) const;

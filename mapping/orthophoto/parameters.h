@@ -75,6 +75,16 @@ struct BarParameters {
 };
 inline constexpr BarParameters kBars;
 
+/// What single frames show of bars and knobs in a layer.
+struct PatchParameters {
+  double min_seen = 0.6;      ///< of the places of a patch
+  double min_contrast = 0.4;  ///< of its difference in the layer: frames are blurred and differ in exposure
+  int reach_px = 2;           ///< from its place: layers are 1 cm apart
+  /// Of the frames that see a patch: blur hides it in some, but what the median made up is in hardly any.
+  double min_frames = 0.333;
+};
+inline constexpr PatchParameters kPatches;
+
 /// Knobs in the layers before orthophotos.
 struct KnobParameters {
   std::array<int, 2> radii_px = {4, 6};  ///< 24 and 36 mm across

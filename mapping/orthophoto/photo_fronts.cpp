@@ -84,9 +84,9 @@ std::vector<FaceFixture> all_bars(const Orthophoto& photo, const std::vector<Fix
 
 class PhotoLayout {
  public:
-  PhotoLayout(const Orthophoto& photo, const std::vector<Fixture>& known)
+  PhotoLayout(const Orthophoto& photo, std::vector<FaceFixture> bars)
       : photo_(photo),
-        bars_(all_bars(photo, known)),
+        bars_(std::move(bars)),
         lines_(photo, hidden(photo, bars_)),
         min_side_(px(kPhotoFronts.min_side_m)) {
     known_ = (photo.relief == photo.relief) & (photo.weight > 0);
@@ -368,9 +368,13 @@ class PhotoLayout {
 
 }  // namespace
 
-std::vector<Front> find_photo_fronts(const Orthophoto& photo, const std::vector<Fixture>& known) {
+PhotoFrontSearch find_photo_fronts(const Orthophoto& photo, const std::vector<Fixture>& known) {
   if (photo.frames.empty()) return {};
-  return PhotoLayout(photo, known).run();
+  PhotoFrontSearch search;
+  std::vector<FaceFixture> bars = all_bars(photo, known);
+  search.ribs = remove_ribs(bars);
+  search.fronts = PhotoLayout(photo, std::move(bars)).run();
+  return search;
 }
 
 }  // namespace loci::mapping

@@ -7,8 +7,10 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/interpretation/fronts/fixtures.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/orthophoto/parameters.h"
 #include "mapping/orthophoto/photo_fronts.h"
@@ -78,6 +80,69 @@ bool is_certain(const Front& front) {
   return front.fixture && front.fixture->confidence >= kFronts.min_wall_fixture_confidence;
 }
 
+/// Relief along a fixture where the frames show it: the median along it of the largest across it; NaN where
+/// the frames measured too little.
+double relief_along(const Orthophoto& photo, const Fixture& fixture) {
+  std::vector<float> along;
+  const bool knob = fixture.kind == Fixture::Kind::knob;
+  const int steps = knob ? 0 : std::max(1, static_cast<int>(fixture.length / 2 / photo.pixel_m));
+  const int reach = static_cast<int>(std::lround((fixture.radius + kRangeSigma) / photo.pixel_m));
+  for (int i = -steps; i <= steps; ++i) {
+    const Vector3d point =
+        fixture.centre + (knob ? 0.0 : i * fixture.length / (2 * steps + 1)) * fixture.axis;
+    const Vector2d at = photo.seen_at(point);
+    const cv::Point pixel(static_cast<int>(std::lround(photo.column(at.x()))),
+                          static_cast<int>(std::lround(photo.row(at.y()))));
+    const cv::Rect around = cv::Rect(pixel.x - reach, pixel.y - reach, 2 * reach + 1, 2 * reach + 1) &
+                            cv::Rect({}, photo.relief.size());
+    if (around.empty()) continue;
+    cv::Mat relief = photo.relief(around).clone();
+    cv::patchNaNs(relief, -1);
+    double largest = -1;
+    cv::minMaxLoc(relief, nullptr, &largest);
+    if (largest > -1) along.push_back(static_cast<float>(largest));
+  }
+  if (along.size() <= static_cast<size_t>(steps)) return std::nan("");
+  return static_cast<double>(median(std::move(along)));
+}
+
+/// Whether the depths of the frames show the face where a fixture should stand.
+bool is_refuted(const Orthophoto& photo, const Fixture& fixture) {
+  return relief_along(photo, fixture) < kBars.min_relief_m;
+}
+
+/// Handles and knobs on the face of a photo that many points of the scans show.
+std::vector<Fixture> known_fixtures(const std::vector<Front>& from_scans, const Orthophoto& photo) {
+  std::vector<Fixture> known;
+  for (const Front& front : from_scans)
+    if (is_on(photo.face, front) && is_certain(front)) known.push_back(*front.fixture);
+  return known;
+}
+
+/// The fronts of all faces; of those from scans the ones that have a certain fixture which no photo refutes,
+/// and those without one where no photo shows their face.
+std::vector<Front> all_fronts(std::vector<Front> from_scans, const std::vector<PhotographedFace>& faces,
+                              const std::vector<Fixture>& ribs) {
+  std::vector<Front> photographed;
+  for (const PhotographedFace& face : faces)
+    photographed.insert(photographed.end(), face.fronts.begin(), face.fronts.end());
+  // Two faces may show the same furniture.
+  std::stable_sort(photographed.begin(), photographed.end(),
+                   [](const Front& a, const Front& b) { return a.confidence > b.confidence; });
+  std::vector<Front> all;
+  unite(all, photographed);
+  for (Front& front : all) set_prior_joint(front);
+  std::erase_if(from_scans, [&](const Front& front) {
+    if (front.fixture && !is_certain(front)) return true;
+    return std::any_of(faces.begin(), faces.end(), [&](const PhotographedFace& one) {
+      return is_on(one.photo.face, front) && (!front.fixture || is_refuted(one.photo, *front.fixture));
+    });
+  });
+  unite(all, from_scans);
+  std::erase_if(all, [&](const Front& front) { return is_of_ribs(front, ribs); });
+  return all;
+}
+
 }  // namespace
 
 std::vector<PhotographedFace> interpret_photos(const Recording& recording, int threads, Progress& progress,
@@ -86,35 +151,21 @@ std::vector<PhotographedFace> interpret_photos(const Recording& recording, int t
   const std::vector<std::optional<Isometry3d>> poses = poses_of(recording, map, threads);
   progress.check(0.1, "orthophotos");
   std::vector<PhotographedFace> faces;
-  std::vector<Front> fronts;
+  std::vector<Fixture> ribs = map.ribs;
   for (size_t i = 0; i < map.faces.size(); ++i) {
     const FurnitureFace& face = map.faces[i];
     if (!face.wall && face.area >= kPhoto.min_area_m2 && !is_part_of_larger(face, map.faces)) {
       PhotographedFace one{make_orthophoto(recording, poses, face, threads), {}};
-      std::vector<Fixture> known;
-      for (const Front& front : map.fronts)
-        if (is_on(face, front) && is_certain(front)) known.push_back(*front.fixture);
-      one.fronts = find_photo_fronts(one.photo, known);
-      fronts.insert(fronts.end(), one.fronts.begin(), one.fronts.end());
+      PhotoFrontSearch found = find_photo_fronts(one.photo, known_fixtures(map.fronts, one.photo));
+      one.fronts = std::move(found.fronts);
+      ribs.insert(ribs.end(), found.ribs.begin(), found.ribs.end());
+      one.photo.views.clear();
       if (!one.photo.frames.empty()) faces.push_back(std::move(one));
     }
     progress.check(0.1 + 0.9 * static_cast<double>(i + 1) / static_cast<double>(map.faces.size()),
                    "orthophotos");
   }
-  // Two faces may show the same furniture.
-  std::stable_sort(fronts.begin(), fronts.end(),
-                   [](const Front& a, const Front& b) { return a.confidence > b.confidence; });
-  std::vector<Front> all;
-  unite(all, fronts);
-  for (Front& front : all) set_prior_joint(front);
-  std::vector<Front> others = map.fronts;
-  std::erase_if(others, [&](const Front& front) {
-    return !is_certain(front) && std::any_of(faces.begin(), faces.end(), [&](const PhotographedFace& one) {
-      return is_on(one.photo.face, front);
-    });
-  });
-  unite(all, others);
-  replace_fronts(std::move(all), map);
+  replace_fronts(all_fronts(map.fronts, faces, ribs), map);
   map.notes.push_back(fmt::format("fronts were taken from the orthophotos of {} faces", faces.size()));
   map.times.push_back({"orthophotos", watch.lap()});
   return faces;

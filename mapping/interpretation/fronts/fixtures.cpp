@@ -201,7 +201,13 @@ class FixtureFinder {
       rest = search(rest & candidates(layers_, kFixtures.min_shares[pass]), random.fork(pass),
                     pass + 1 == kFixtures.min_shares.size());
     drop_ghosts();
-    drop_ribs();
+    result_.ribs = remove_ribs(result_.fixtures);
+    if (!result_.ribs.empty()) {
+      const Vector3d& at = result_.ribs.front().centre;
+      result_.notes.push_back(
+          fmt::format("{} upright bars in a row at ({:.2f}, {:.2f}, {:.2f}) are not handles",
+                      result_.ribs.size(), at.x(), at.y(), at.z()));
+    }
     return std::move(result_);
   }
 
@@ -348,47 +354,6 @@ class FixtureFinder {
         unite(*strong, weak);
     }
     result_.fixtures = std::move(kept);
-  }
-
-  /// Removes rows of upright bars that stand nearer to each other than fronts are wide: the ribs of a
-  /// radiator, or the bars of a rack.
-  void drop_ribs() {
-    std::vector<size_t> upright;
-    std::vector<FaceFixture>& all = result_.fixtures;
-    for (size_t i = 0; i < all.size(); ++i)
-      if (all[i].fixture.kind == Fixture::Kind::handle && all[i].box.height() > all[i].box.width())
-        upright.push_back(i);
-    std::stable_sort(upright.begin(), upright.end(), [&](size_t a, size_t b) { return all[a].u < all[b].u; });
-    std::set<size_t> ribs;
-    for (size_t first = 0, last = 0; first < upright.size(); first = last) {
-      const auto follows = [&](const FaceFixture& a, const FaceFixture& b) {
-        const double shared = std::min(a.box.v1, b.box.v1) - std::max(a.box.v0, b.box.v0);
-        return b.u - a.u < kFixtures.max_rib_spacing_m &&
-               shared > kFixtures.rib_overlap * std::min(a.box.height(), b.box.height());
-      };
-      for (last = first + 1; last < upright.size() && follows(all[upright[last - 1]], all[upright[last]]);)
-        ++last;
-      if (last - first >= kFixtures.min_ribs)
-        ribs.insert(upright.begin() + static_cast<std::ptrdiff_t>(first),
-                    upright.begin() + static_cast<std::ptrdiff_t>(last));
-    }
-    if (ribs.empty()) return;
-    const Vector3d& at = all[*ribs.begin()].fixture.centre;
-    result_.notes.push_back(
-        fmt::format("{} upright bars in a row at ({:.2f}, {:.2f}, {:.2f}) are not handles", ribs.size(),
-                    at.x(), at.y(), at.z()));
-    // What else is among the ribs is a part of the same.
-    FaceRect row = all[*ribs.begin()].box;
-    for (const size_t i : ribs) {
-      row = united(row, all[i].box);
-      result_.ribs.push_back(all[i].fixture);
-    }
-    row = row.grown(kFixtures.max_rib_spacing_m);
-    std::erase_if(all, [&](const FaceFixture& one) { return row.contains(one.u, one.v); });
-  }
-
-  static FaceRect united(const FaceRect& a, const FaceRect& b) {
-    return {std::min(a.u0, b.u0), std::max(a.u1, b.u1), std::min(a.v0, b.v0), std::max(a.v1, b.v1)};
   }
 
   /// Extends a bar over a piece of it in the same line.
@@ -583,6 +548,50 @@ class FixtureFinder {
 };
 
 }  // namespace
+
+std::vector<Fixture> remove_ribs(std::vector<FaceFixture>& fixtures) {
+  std::vector<size_t> upright;
+  for (size_t i = 0; i < fixtures.size(); ++i)
+    if (fixtures[i].fixture.kind == Fixture::Kind::handle &&
+        fixtures[i].box.height() > fixtures[i].box.width())
+      upright.push_back(i);
+  std::stable_sort(upright.begin(), upright.end(),
+                   [&](size_t a, size_t b) { return fixtures[a].u < fixtures[b].u; });
+  const auto follows = [&](size_t before, size_t after) {
+    const FaceFixture& a = fixtures[before];
+    const FaceFixture& b = fixtures[after];
+    const double shared = std::min(a.box.v1, b.box.v1) - std::max(a.box.v0, b.box.v0);
+    return b.u - a.u < kFixtures.max_rib_spacing_m &&
+           shared > kFixtures.rib_overlap * std::min(a.box.height(), b.box.height());
+  };
+  std::set<size_t> in_rows;
+  for (size_t first = 0, last = 0; first < upright.size(); first = last) {
+    for (last = first + 1; last < upright.size() && follows(upright[last - 1], upright[last]);) ++last;
+    if (last - first >= kFixtures.min_ribs)
+      in_rows.insert(upright.begin() + static_cast<std::ptrdiff_t>(first),
+                     upright.begin() + static_cast<std::ptrdiff_t>(last));
+  }
+  std::vector<Fixture> ribs;
+  if (in_rows.empty()) return ribs;
+  FaceRect row = fixtures[*in_rows.begin()].box;
+  for (const size_t i : in_rows) {
+    const FaceRect& box = fixtures[i].box;
+    row = {std::min(row.u0, box.u0), std::max(row.u1, box.u1), std::min(row.v0, box.v0),
+           std::max(row.v1, box.v1)};
+    ribs.push_back(fixtures[i].fixture);
+  }
+  row = row.grown(kFixtures.max_rib_spacing_m);
+  std::erase_if(fixtures, [&](const FaceFixture& one) { return row.contains(one.u, one.v); });
+  return ribs;
+}
+
+bool is_of_ribs(const Front& front, const std::vector<Fixture>& ribs) {
+  return front.fixture && std::any_of(ribs.begin(), ribs.end(), [&](const Fixture& rib) {
+           const Vector3d d = front.fixture->centre - rib.centre;
+           return d.head<2>().norm() < kFixtures.max_rib_spacing_m &&
+                  std::abs(d.z()) < (rib.length + kFixtures.max_rib_spacing_m) / 2;
+         });
+}
 
 FixtureSearch find_fixtures(const FaceRays& rays, const Random& random) {
   return FixtureFinder(rays).search(random);

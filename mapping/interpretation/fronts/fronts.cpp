@@ -161,18 +161,6 @@ bool is_wall(const FurnitureFace& face, const std::vector<VerticalPlane>& walls)
   });
 }
 
-/// Whether a front's fixture is a piece of a rib that was found in another face.
-bool is_of_ribs(const Front& front, const std::vector<FaceResult>& results) {
-  const auto near = [&](const Fixture& rib) {
-    const Vector3d d = front.fixture->centre - rib.centre;
-    return d.head<2>().norm() < kFixtures.max_rib_spacing_m &&
-           std::abs(d.z()) < (rib.length + kFixtures.max_rib_spacing_m) / 2;
-  };
-  return front.fixture && std::any_of(results.begin(), results.end(), [&](const FaceResult& result) {
-           return std::any_of(result.ribs.begin(), result.ribs.end(), near);
-         });
-}
-
 /// The share of the smaller front that the other one covers, in the plane of the first.
 double covered(const Front& a, const Front& b) {
   const Vector3d off = b.centre - a.centre;
@@ -220,9 +208,11 @@ FrontSearch find_fronts(const Surface& surface, double floor_height, const WallS
   parallel_for(rays.size(), options.threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) results[i] = interpret_face(rays[i], faces[i].wall, random.fork(i));
   });
+  for (const FaceResult& result : results)
+    search.ribs.insert(search.ribs.end(), result.ribs.begin(), result.ribs.end());
   for (const FaceResult& result : results) {
     std::copy_if(result.fronts.begin(), result.fronts.end(), std::back_inserter(search.fronts),
-                 [&](const Front& front) { return !is_of_ribs(front, results); });
+                 [&](const Front& front) { return !is_of_ribs(front, search.ribs); });
     search.notes.insert(search.notes.end(), result.notes.begin(), result.notes.end());
   }
   drop_duplicates(search.fronts);

@@ -14,6 +14,7 @@ namespace loci::mapping {
 struct FrontSearch {
   std::vector<Front> fronts;
   std::vector<FurnitureFace> faces;  ///< all that were searched
+  std::vector<Fixture> ribs;         ///< bars that stand in rows, too near to each other for handles
   std::vector<std::string> notes;    ///< what was rejected and why
 };
 

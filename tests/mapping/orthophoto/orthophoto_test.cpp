@@ -4,7 +4,10 @@
 
 #include <cmath>
 
+#include "mapping/base/json.h"
 #include "mapping/interpretation/furniture/map_links.h"
+#include "mapping/orthophoto/bars.h"
+#include "mapping/orthophoto/patch.h"
 #include "mapping/orthophoto/photo_fronts.h"
 #include "mapping/orthophoto/photo_interpretation.h"
 #include "tests/mapping/orthophoto/painted_front.h"
@@ -81,11 +84,11 @@ TEST(Orthophoto, WithoutFramesIsEmpty) {
   recording.posed_ = false;
   const Orthophoto photo = photo_of(recording);
   EXPECT_TRUE(photo.frames.empty());
-  EXPECT_TRUE(find_photo_fronts(photo).empty());
+  EXPECT_TRUE(find_photo_fronts(photo).fronts.empty());
 }
 
 TEST(PhotoFronts, FindsDoorsWithTheirHandles) {
-  expect_two_doors(find_photo_fronts(photo_of(recording())));
+  expect_two_doors(find_photo_fronts(photo_of(recording())).fronts);
 }
 
 TEST(PhotoFronts, FindsThemWhereTheMapLeans) {
@@ -98,13 +101,13 @@ TEST(PhotoFronts, FindsThemWhereTheMapLeans) {
   }
   const Orthophoto photo = photo_of(PaintedRecording(leaning));
   EXPECT_NEAR(std::abs(photo.roll), 0.02, 0.004);
-  expect_two_doors(find_photo_fronts(photo), 0.025);
+  expect_two_doors(find_photo_fronts(photo).fronts, 0.025);
 }
 
 TEST(PhotoFronts, TakesNoSeamForAHandle) {
   PaintedFront drawers;
   drawers.level_seams = {0.4, 0.6};
-  EXPECT_TRUE(find_photo_fronts(photo_of(PaintedRecording(drawers))).empty());
+  EXPECT_TRUE(find_photo_fronts(photo_of(PaintedRecording(drawers))).fronts.empty());
 }
 
 TEST(PhotoFronts, CutsDrawersAtLevelSeams) {
@@ -112,7 +115,7 @@ TEST(PhotoFronts, CutsDrawersAtLevelSeams) {
   drawers.level_seams = {0.383, 0.617};
   for (const double v : {0.327, 0.560, 0.793})
     drawers.bars.push_back({-0.12, 0.12, v - 0.006, v + 0.006, 0.035});
-  EXPECT_EQ(find_photo_fronts(photo_of(PaintedRecording(drawers))).size(), 3U);
+  EXPECT_EQ(find_photo_fronts(photo_of(PaintedRecording(drawers))).fronts.size(), 3U);
 }
 
 /// Two doors with a spot of 3 cm each, at a depth before them.
@@ -123,7 +126,7 @@ PaintedFront doors_with_spots(double depth) {
 }
 
 TEST(PhotoFronts, FindsKnobs) {
-  std::vector<Front> fronts = find_photo_fronts(photo_of(PaintedRecording(doors_with_spots(0.03))));
+  std::vector<Front> fronts = find_photo_fronts(photo_of(PaintedRecording(doors_with_spots(0.03)))).fronts;
   ASSERT_EQ(fronts.size(), 2U);
   for (const Front& front : fronts) {
     ASSERT_TRUE(front.fixture);
@@ -134,15 +137,99 @@ TEST(PhotoFronts, FindsKnobs) {
 }
 
 TEST(PhotoFronts, TakesNoSpotOnTheFaceForAKnob) {
-  EXPECT_TRUE(find_photo_fronts(photo_of(PaintedRecording(doors_with_spots(0.0005)))).empty());
+  EXPECT_TRUE(find_photo_fronts(photo_of(PaintedRecording(doors_with_spots(0.0005)))).fronts.empty());
 }
 
 TEST(PhotoFronts, BarePartsBesideAFrontWithAHandleAreFronts) {
   PaintedFront doors = two_doors();
   doors.bars.pop_back();
-  const std::vector<Front> fronts = find_photo_fronts(photo_of(PaintedRecording(doors)));
+  const std::vector<Front> fronts = find_photo_fronts(photo_of(PaintedRecording(doors))).fronts;
   ASSERT_EQ(fronts.size(), 2U);
   EXPECT_NE(fronts[0].fixture.has_value(), fronts[1].fixture.has_value());
+}
+
+TEST(PhotoFronts, RibsOfARadiatorAreNoHandles) {
+  PaintedFront radiator;
+  for (int rib = 0; rib < 7; ++rib)
+    radiator.bars.push_back({-0.456 + 0.15 * rib, -0.444 + 0.15 * rib, 0.3, 0.7, 0.03});
+  const PhotoFrontSearch found = find_photo_fronts(photo_of(PaintedRecording(radiator)));
+  EXPECT_GE(found.ribs.size(), 5U);
+  EXPECT_TRUE(found.fronts.empty());
+}
+
+/// An orthophoto of one colour, seen by four frames from very different directions.
+Orthophoto plain_photo() {
+  Orthophoto photo;
+  const cv::Size size(200, 100);
+  photo.face = painted_face();
+  photo.pixel_m = 0.003;
+  photo.u0 = -0.3;
+  photo.v0 = 0.3;
+  photo.color = cv::Mat(size, CV_8UC3, cv::Scalar(40, 50, 150));
+  photo.weight = cv::Mat(size, CV_32F, cv::Scalar(1));
+  photo.relief = cv::Mat(size, CV_32F, cv::Scalar(0));
+  photo.relief_sd = cv::Mat(size, CV_32F, cv::Scalar(0.001));
+  photo.slope = cv::Mat(size, CV_32FC2, cv::Scalar::all(0));
+  photo.slope_sd = cv::Mat(size, CV_32FC2, cv::Scalar::all(1));
+  for (const double depth : {0.0, 0.03})
+    photo.layers.push_back({depth, photo.color.clone(), cv::Mat(size, CV_32F, cv::Scalar(1))});
+  for (size_t i = 0; i < 4; ++i)
+    photo.views.push_back({i,
+                           photo.color.clone(),
+                           cv::Mat(size, CV_32F, cv::Scalar(1)),
+                           {},
+                           Vector3d(static_cast<double>(i) - 1.5, 0.45, 1.5)});
+  return photo;
+}
+
+TEST(Bars, TheReliefOfABarFallsToTheFaceOnBothSides) {
+  Orthophoto photo = plain_photo();
+  photo.relief(cv::Rect(60, 48, 60, 4)).setTo(0.03);
+  EXPECT_EQ(find_bars(photo).size(), 1U);
+}
+
+TEST(Bars, TheTopOfASlabIsNone) {
+  Orthophoto photo = plain_photo();
+  for (int row = 38; row < 48; ++row)  // The relief of its top rises towards its edge.
+    photo.relief(cv::Rect(60, row, 60, 1)).setTo(0.0035 * (row - 38));
+  photo.relief(cv::Rect(60, 48, 60, 6)).setTo(0.045);
+  EXPECT_TRUE(find_bars(photo).empty());
+}
+
+const cv::Rect kBarInLayer(80, 48, 40, 4);
+
+/// Draws a bar that stands in the second layer into some of the frames.
+void draw_bar(Orthophoto& photo, size_t views) {
+  photo.layers[1].color(kBarInLayer).setTo(cv::Scalar(215, 215, 215));
+  for (size_t i = 0; i < views; ++i) {
+    const LayerScaling scaling = photo.scaling(photo.views[i], photo.layers[1].depth);
+    photo.views[i]
+        .color(cv::Rect(scaling.on_face(kBarInLayer.x, kBarInLayer.y), kBarInLayer.size()))
+        .setTo(cv::Scalar(200, 200, 200));
+  }
+}
+
+TEST(Patches, CountTheFramesThatShowThem) {
+  LayerPatch patch;
+  for (int x = kBarInLayer.x; x < kBarInLayer.br().x; ++x) patch.own.emplace_back(x, 49);
+  for (const int row : {42, 56}) {
+    patch.sides.emplace_back();
+    for (int x = kBarInLayer.x; x < kBarInLayer.br().x; ++x) patch.sides.back().emplace_back(x, row);
+  }
+  for (const size_t views : {0, 1, 4}) {
+    Orthophoto photo = plain_photo();
+    draw_bar(photo, views);
+    EXPECT_NEAR(share_showing(photo, photo.layers[1], patch), static_cast<double>(views) / 4, 1e-9);
+  }
+}
+
+TEST(Bars, WhatNoFrameShowsIsNone) {
+  Orthophoto seen = plain_photo(), made_up = plain_photo();
+  draw_bar(seen, 4);
+  draw_bar(made_up, 0);
+  ASSERT_EQ(find_bars(seen).size(), 1U);
+  EXPECT_EQ(find_bars(seen)[0].fixture.evidence.at("frames_showing"), 1);
+  EXPECT_TRUE(find_bars(made_up).empty());
 }
 
 InterpretedMap map_with_face() {
@@ -171,6 +258,56 @@ TEST(PhotoInterpretation, ReplacesTheFrontsOfAFace) {
             2);
   const cv::Mat image = drawn(faces[0]);
   EXPECT_EQ(image.rows, 2 * faces[0].photo.height());
+}
+
+/// A front of the scans with a bar, on the painted face or elsewhere.
+Front scanned_front(double u, double x, double confidence) {
+  Front front;
+  front.centre = Vector3d(x, u, 0.5);
+  front.width = 0.3;
+  front.height = 0.3;
+  front.fixture.emplace();
+  front.fixture->centre = Vector3d(x + 0.03, u, 0.5);
+  front.fixture->axis = Vector3d::UnitY();
+  front.fixture->length = 0.2;
+  front.fixture->radius = 0.006;
+  front.fixture->confidence = confidence;
+  return front;
+}
+
+TEST(PhotoInterpretation, DropsBarsOfTheScansThatTheFramesRefute) {
+  PaintedFront bare;  // A board of 6 cm stands there: the photo takes it for no bar, its depth shows it.
+  bare.bars = {{0.2, 0.5, 0.47, 0.53, 0.03}};
+  const PaintedRecording recording(bare);
+  InterpretedMap map = map_with_face();
+  replace_fronts({scanned_front(-0.35, 0, 0.9), scanned_front(0.35, 0, 0.9)}, map);
+  NoProgress progress;
+  interpret_photos(recording, 2, progress, map);
+  ASSERT_EQ(map.fronts.size(), 1U);
+  EXPECT_GT(map.fronts[0].centre.y(), 0);
+}
+
+TEST(PhotoInterpretation, KeepsCertainBarsOfTheScansThatNoPhotoShows) {
+  InterpretedMap map = map_with_face();
+  replace_fronts({scanned_front(0, -2, 0.9), scanned_front(1, -2, 0.5)}, map);
+  map.faces.clear();
+  NoProgress progress;
+  interpret_photos(recording(), 2, progress, map);
+  ASSERT_EQ(map.fronts.size(), 1U);
+  EXPECT_LT(map.fronts[0].centre.y(), 0.5);
+}
+
+TEST(PhotoInterpretation, DropsFrontsAmongRibsOfTheScans) {
+  InterpretedMap map = map_with_face();
+  replace_fronts({scanned_front(0, -2, 0.9)}, map);
+  map.faces.clear();
+  Fixture rib = *map.fronts[0].fixture;
+  rib.centre.y() += 0.1;
+  rib.axis = Vector3d::UnitZ();
+  map.ribs = {rib};
+  NoProgress progress;
+  interpret_photos(recording(), 2, progress, map);
+  EXPECT_TRUE(map.fronts.empty());
 }
 
 TEST(PhotoInterpretation, PhotographsAFaceOnceThatDepthErrorsDivide) {
