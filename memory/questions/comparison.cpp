@@ -185,7 +185,7 @@ void write_reply(const ComparisonAnswer& answer, const ReplyContext& context, Re
   // "Which is bigger?" names one.
   const bool which = context.query.asks == Asks::objects;
   if (which && !reply.not_known) {
-    const size_t one = answer.verdict == Verdict::yes ? 0 : 1;
+    const size_t one = (answer.by == "nearer" ? 1 : 0) + (answer.verdict == Verdict::yes ? 0 : 1);
     if (answer.compared[one].object) reply.objects = {*answer.compared[one].object};
     reply.text = fmt::format("{}: {}.", said[one], text);
     return;
@@ -235,6 +235,8 @@ std::vector<Question> comparison_questions() {
                          {"what|bare: distance of<object> to<with>", property, "", by("distance")},
                          {"yes|bare: nearer|nearest <object> to<with> than<than>", verdict,
                           "Is the tea nearer to the oil than the pot?", by("nearer")},
+                         {"yes|what: nearer|nearest <object> to<with> to<than>", objects,
+                          "Is the tea nearer to the oil or to the pot?", by("nearer")},
                          {"yes|bare: bigger <object> than<with>", verdict, "Is the pot bigger than the cup?",
                           by("bigger")},
                          {"yes|bare: smaller <object> than<with>", verdict, "", by("smaller")},

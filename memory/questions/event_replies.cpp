@@ -173,6 +173,12 @@ void most_often(const ChangesAnswer& answer, const Names& names, Reply& reply) {
   reply.text = fmt::format("{}, {}.", list_in_words(list), counted(most, "time"));
 }
 
+/// "How many objects were moved?", not "How often was it moved?"
+bool counts_objects(const Query& query) {
+  static const std::set<std::string> kinds = {"came", "left", "relocated"};
+  return query.argument("object").empty() && kinds.contains(query.argument("kind"));
+}
+
 /// The time of the last scene with a person in view from before a change was seen to that moment.
 std::optional<TimeNs> person_in_view(const ReplyContext& context, const Change& change) {
   return context.store.last_annotated("loci.annotation.PersonAnnotation", change.since.value_or(change.time),
@@ -218,6 +224,11 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
       most_often(answer, names, reply);
       break;
     case Asks::number:
+      if (counts_objects(context.query)) {
+        reply.number = reply.objects.size();
+        reply.text = fmt::format("{}: {}.", reply.objects.size(), list_in_words(list));
+        break;
+      }
       reply.number = answer.changes.size();
       reply.text = fmt::format("{}, the last by {}: {}.", counted(answer.changes.size(), "time"),
                                context.times.text(last.time), what);

@@ -292,6 +292,8 @@ std::vector<SentenceForm> changes_sentences() {
       {"what: come <place> [thing]", objects, "", came},
       {"when: come <object> <place> [last]", last_time, "", came},
       {"yes: come <object> <place>", verdict, "", came},
+      {"what: new at<place> [thing]", objects, "What is new on the table?", came},
+      {"yes|bare: thing new at<place>", verdict, "", came},
       {"what: change|happen|new [thing|miss|everything]", objects, "What changed since this morning?"},
       {"what: change|happen|new at<place> [thing|everything]", objects,
        "What changed on the table since nine?"},
@@ -314,6 +316,11 @@ std::vector<SentenceForm> changes_sentences() {
       {"who: move|take|put|leave|get|bring <object> to<place> [last]", agent, "", handled},
       {"who: move|take|get <object> from<place> [last|away]", agent, "", handled},
       {"who: open|opened|close <place> [last]", agent, "", opened},
+      {"who: empty|clean <place> [last]", agent, "Who cleared the table?", left},
+      {"howmany: move [thing]", number, "How many objects were moved?", kind("relocated")},
+      {"howmany: vanish|go|leave|take|move from<place> [thing|away]", number, "", left},
+      {"howmany: leave <place> [thing]", number, "", left},
+      {"howmany: come|put|bring|add to<place> [thing|new|back]", number, "", came},
   };
 }
 

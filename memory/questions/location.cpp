@@ -125,8 +125,13 @@ Json to_json(const WhereAnswer& answer) {
 
 namespace {
 
-/// Keeps the stay that comes before or after the last one at `at`; "here" is where the last one is.
+/// Keeps the stay that comes before or after the last one at `at`; "here" is where the last one is. Before
+/// "all" comes the first one.
 void keep_neighbour(std::vector<Stay>& stays, const std::string& at, bool before, const Snapshot& snapshot) {
+  if (at == "all") {
+    if (!stays.empty()) stays.resize(1);
+    return;
+  }
   std::set<Id> places;
   if (at != "here")
     for (const PlaceRow& place : snapshot.find_places(at)) places.insert(place.id);
@@ -257,6 +262,10 @@ std::vector<SentenceForm> history_sentences() {
       {"where: before move|take|put <object>", place, "", {{"before", "here"}}},
       {"where: come from <object>", place, "Where did the red cup come from?", {{"before", "here"}}},
       {"where: before<before> <object>", place},
+      {"where: first <object> [see|stand|find|put|keep|leave]",
+       place,
+       "Where was the red cup first?",
+       {{"before", "all"}}},
       {"where: before come|move|go|put|take|bring|leave <object> to<before>", place,
        "Where was the red cup before it came to the table?"},
       {"where: after<after> <object> [go|move|put|take|come]", place,
@@ -289,15 +298,17 @@ std::vector<Question> location_questions() {
        .sentences = where_sentences()},
       {.name = "history",
        .description = "Where an object was, over time",
-       .parameters = {object_parameter(),
-                      only_place_parameter(),
-                      {.name = "before",
-                       .type = ParameterType::place,
-                       .help = "Only where it was before its last stay at this place; here = where it is",
-                       .excludes = {"after"}},
-                      {.name = "after",
-                       .type = ParameterType::place,
-                       .help = "Only where it was after its last stay at this place"}},
+       .parameters =
+           {object_parameter(),
+            only_place_parameter(),
+            {.name = "before",
+             .type = ParameterType::place,
+             .help = "Only where it was before its last stay at this place; here = where it is, all = where "
+                     "it was first",
+             .excludes = {"after"}},
+            {.name = "after",
+             .type = ParameterType::place,
+             .help = "Only where it was after its last stay at this place"}},
        .period = true,
        .examples = {"object_1", "red --between \"this morning\" noon --json"},
        .run = [](const Arguments& given) -> Answer {

@@ -4,9 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <set>
 
 #include "memory/questions/answer_format.h"
+#include "memory/questions/events.h"
 #include "memory/questions/question.h"
+#include "memory/questions/reply_parts.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {
@@ -29,7 +32,16 @@ ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question) {
   if (question.gone && over)
     for (const EventRow& event : store.events(question.as_of, question.from, question.to))
       if (event.object && event.kind == EventKind::gone) left_then.insert(*event.object);
+  std::set<Id> handled;
+  if (question.unmoved)
+    for (const Change& change :
+         ask(store,
+             ChangesQuestion{
+                 .from = question.from, .to = question.to, .as_of = question.as_of, .kind = "handled"})
+             .changes)
+      if (change.object) handled.insert(change.object->id);
   std::erase_if(answer.objects, [&](const ObjectBelief& object) {
+    if (question.unmoved && (handled.contains(object.object.id) || !replies::is_there(object))) return true;
     const bool missing = object.status == ObjectStatus::gone || object.status == ObjectStatus::missed;
     if (question.gone && (!missing || (over && !left_then.contains(object.object.id)))) return true;
     if ((question.from || question.to) && !(question.gone && over) && !seen_then(object)) return true;
@@ -123,7 +135,7 @@ namespace {
 std::vector<SentenceForm> objects_sentences() {
   using enum SentenceTime;
   using enum Asks;
-  const std::map<std::string, std::string> no_longer = {{"state", "gone"}};
+  const std::map<std::string, std::string> no_longer = {{"state", "gone"}}, unmoved = {{"state", "unmoved"}};
   return {
       {"what: thing person|there [know|see|have|exist]", objects, "What objects do you know?"},
       {"what: know person", objects},
@@ -145,6 +157,10 @@ std::vector<SentenceForm> objects_sentences() {
       {"howmany: vanish|go|miss [thing|away]", number, "How many objects have disappeared?", no_longer,
        period},
       {"howmany: vanish|go|miss <object> [away]", number, "", no_longer, period},
+      {"what: not move [thing|take|change|throughout]", objects, "What was not moved today?", unmoved,
+       period},
+      {"what: not change [thing|location]", objects, "", unmoved, period},
+      {"what: not move|change|take which<object> [location|throughout]", objects, "", unmoved, period},
       {"yes|bare: thing vanish|go [away|new]", exists, "Did anything disappear since noon?", no_longer,
        period},
       {"what: see person time [thing|everything]",
@@ -200,9 +216,10 @@ std::vector<Question> object_questions() {
        .description = "The objects",
        .parameters = {only,
                       {.name = "state",
-                       .help = "gone: only those that have gone",
+                       .help = "gone: only those that have gone; unmoved: only those that are there and were "
+                               "not moved",
                        .default_text = "any",
-                       .choices = {"gone"}},
+                       .choices = {"gone", "unmoved"}},
                       {.name = "count", .type = ParameterType::number, .help = "Whether there are as many"},
                       {.name = "unseen-since",
                        .type = ParameterType::time,
@@ -210,9 +227,10 @@ std::vector<Question> object_questions() {
        .period = true,
        .examples = {"", "red --json"},
        .run = [](const Arguments& given) -> Answer {
-         return ask(given.store(),
-                    ObjectsQuestion{given.text("object"), given.as_of(), given.time("unseen-since"),
-                                    given.from(), given.to(), given.text("state") == "gone"});
+         return ask(
+             given.store(),
+             ObjectsQuestion{given.text("object"), given.as_of(), given.time("unseen-since"), given.from(),
+                             given.to(), given.text("state") == "gone", given.text("state") == "unmoved"});
        },
        .sentences = objects_sentences()},
       {.name = "about",

@@ -23,6 +23,7 @@ struct ObjectsQuestion {
   /// Only those that have gone, or were missed where they should be; of a period that is over, those that
   /// were found to have gone in it.
   bool gone = false;
+  bool unmoved = false;  ///< only those that are there and were not moved, in the period where there is one
 };
 struct ObjectsAnswer {
   std::vector<ObjectBelief> objects = {};

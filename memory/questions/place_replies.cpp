@@ -270,6 +270,26 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
 
 // ---- usual, contents-history
 
+namespace {
+
+/// Whether an object is where it usually is.
+void is_as_usual(const UsualObject& object, const std::string& name, Reply& reply) {
+  const UsualPlace& usual = object.places.front();
+  const std::string share = fmt::format("({:.0f} % of its sightings)", 100 * usual.share);
+  if (!replies::is_there(object.now) || !object.now.place) {
+    reply.verdict = Verdict::no;
+    reply.text = fmt::format("No: {} has gone; it is usually {} {}.", name, in_words(usual.place), share);
+    return;
+  }
+  const bool same = object.now.place->id == usual.place.id;
+  reply.verdict = same ? Verdict::yes : Verdict::no;
+  reply.places = {object.now.place->name};
+  reply.text = fmt::format("{}: {} is {}, {} {}.", same ? "Yes" : "No", name, in_words(*object.now.place),
+                           same ? "as usual" : "usually " + in_words(usual.place), share);
+}
+
+}  // namespace
+
 void write_reply(const UsualAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
@@ -283,10 +303,14 @@ void write_reply(const UsualAnswer& answer, const ReplyContext& context, Reply& 
     reply.text = fmt::format("{} was never seen at a place{}.", name, answer.during.empty() ? "" : " then");
     return;
   }
-  const UsualPlace& first = best->places.front();
-  reply.places = {first.place.name};
-  reply.text = fmt::format("{} is usually {} ({:.0f} % of its sightings).", name, in_words(first.place),
-                           100 * first.share);
+  if (context.query.asks == Asks::verdict) {
+    is_as_usual(*best, name, reply);
+  } else {
+    const UsualPlace& first = best->places.front();
+    reply.places = {first.place.name};
+    reply.text = fmt::format("{} is usually {} ({:.0f} % of its sightings).", name, in_words(first.place),
+                             100 * first.share);
+  }
   for (const UsualPlace& place : best->places)
     reply.evidence.push_back(fmt::format("{}: {}, last at {}", in_words(place.place),
                                          counted(place.sightings, "scene"),

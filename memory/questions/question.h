@@ -211,9 +211,10 @@ enum class SentenceTime {
 struct SentenceForm {
   std::string form;
   Asks asks = Asks::summary;
-  std::string example = {};                           ///< shown to people; "" = a variant of the form before
-  std::map<std::string, std::string> arguments = {};  ///< given by the form; "{place}" = the words of <place>
-  std::optional<SentenceTime> time = {};              ///< unset = as for the question
+  std::string example = {};  ///< shown to people; "" = a variant of the form before
+  std::map<std::string, std::string> arguments =
+      {};                                 ///< given by the form; "{place}" = the words of <place>, "" = none
+  std::optional<SentenceTime> time = {};  ///< unset = as for the question
 };
 
 enum class QuestionGroup { ask, inspect };

@@ -401,6 +401,11 @@ std::vector<SentenceForm> usual_sentences() {
       {"where: should <object> [go|stand|put|keep]", place},
       {"what|bare: usually location <object>", place, "What is the usual place of the pot?"},
       {"what|bare: usually location for<object>", place},
+      {"yes|bare: asusual <object> [stand|keep|put|leave|back|see]",
+       verdict,
+       "Is the pot in its usual place?",
+       {},
+       SentenceTime::at},
   };
 }
 

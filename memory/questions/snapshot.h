@@ -66,6 +66,9 @@ class Snapshot {
   std::vector<PlaceRow> places_meant(const std::string& name) const;
   /// Whether every word of a name means something by itself or with its neighbours.
   bool means_objects(const std::string& subject) const;
+  /// A name without nouns that only say what its objects are for or in, where nothing is called by all its
+  /// words: "jam jar", "jar of jam" → jam, "red cooking pot" → red pot. Else the name.
+  std::string head_of(const std::string& subject) const;
   /// Places by name ("table_1", "table 1"), alias, the beginning of the name (drawer_3 for drawer_3_bottom),
   /// or class (table for table_1); empty when there are none.
   std::vector<PlaceRow> places_called(const std::string& name) const;
@@ -82,6 +85,9 @@ class Snapshot {
   /// class_verdict().
   std::optional<std::string> annotated_name(Id object) const;
   std::vector<Id> find_at_place(const std::string& name) const;
+  /// As means_objects() and find_objects(), by all words of the name.
+  bool is_known_as(const std::string& subject) const;
+  std::vector<Id> find_exactly(const std::string& subject) const;
   /// What is called so, and what is related to it in meaning.
   std::vector<Id> find_by_word(const std::string& word) const;
   std::vector<Id> find_named(const std::string& word) const;

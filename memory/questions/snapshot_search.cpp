@@ -11,6 +11,7 @@
 #include "mapping/base/text.h"
 #include "memory/questions/related_words.h"
 #include "memory/questions/snapshot.h"
+#include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
 namespace {
@@ -46,6 +47,23 @@ std::vector<Id> unique(std::vector<Id> ids) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   return ids;
+}
+
+/// What things are sold in: "jam jar".
+bool is_package(const std::string& word) {
+  static const std::set<std::string> words = {"jar",     "bottle", "carton", "box",       "packet",  "pack",
+                                              "package", "tin",    "can",    "container", "bag",     "tube",
+                                              "tub",     "jars",   "tins",   "cans",      "bottles", "boxes"};
+  return words.contains(word);
+}
+
+/// What things are for: "cooking pot", "coffee cup", "dinner plate".
+bool is_purpose(const std::string& word) {
+  using wordnet::PartOfSpeech;
+  constexpr int kMaxSteps = 6;
+  const bool doing = word.ends_with("ing") && !wordnet::base_forms(word, PartOfSpeech::verb).empty();
+  return word == "kitchen" || doing ||
+         wordnet::relation_of(word, "food", kMaxSteps) != wordnet::Relation::none;
 }
 
 std::string same_color(const std::string& word) {
@@ -357,7 +375,36 @@ std::vector<Id> Snapshot::find_longest_name(const std::vector<std::string>& word
   return matching;
 }
 
+std::string Snapshot::head_of(const std::string& subject) const {
+  std::vector<std::string> words = lower_case_words(subject);
+  for (size_t i = 0; i + 2 < words.size(); ++i)  // "jar of jam"
+    if (is_package(words[i]) && words[i + 1] == "of" && find_by_word(words[i]).empty() &&
+        !find_by_word(words[i + 2]).empty())
+      words.erase(words.begin() + static_cast<std::ptrdiff_t>(i),
+                  words.begin() + static_cast<std::ptrdiff_t>(i) + 2);
+  for (size_t i = 0; i + 1 < words.size(); ++i) {
+    const std::string &modifier = words[i], &noun = words[i + 1];
+    const auto describes = [](const std::string& word) {
+      return is_color_word(word) || is_size_word(word) || is_superlative(word) || kFillers.contains(word);
+    };
+    const bool package = is_package(noun);
+    if (describes(modifier) || describes(noun) || (!package && !is_purpose(modifier))) continue;
+    const std::vector<Id> modified = find_by_word(modifier), called = find_by_word(noun);
+    if (!intersection(modified, called).empty() || !find_by_word(modifier + " " + noun).empty()) continue;
+    const bool content = package && !modified.empty();
+    if (!content && called.empty()) continue;
+    words.erase(words.begin() + static_cast<std::ptrdiff_t>(content ? i + 1 : i));
+  }
+  return phrase(words, 0);
+}
+
 bool Snapshot::means_objects(const std::string& subject) const {
+  if (is_known_as(subject)) return true;
+  const std::string head = head_of(subject);
+  return words_of(head).size() < words_of(subject).size() && is_known_as(head);
+}
+
+bool Snapshot::is_known_as(const std::string& subject) const {
   std::vector<std::string> words = lower_case_words(subject);
   std::erase_if(words,
                 [](const std::string& word) { return kFillers.contains(word) || is_superlative(word); });
@@ -371,6 +418,20 @@ bool Snapshot::means_objects(const std::string& subject) const {
 }
 
 std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
+  try {
+    return find_exactly(subject);
+  } catch (const UnknownName&) {
+    const std::string head = head_of(subject);
+    if (words_of(head).size() == words_of(subject).size()) throw;
+    try {
+      return find_exactly(head);
+    } catch (const UnknownName&) {  // the name as it was said is reported
+    }
+    throw;
+  }
+}
+
+std::vector<Id> Snapshot::find_exactly(const std::string& subject) const {
   std::vector<std::string> words = lower_case_words(subject);
   std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
   std::vector<Id> found;

@@ -299,6 +299,10 @@ std::vector<SentenceForm> task_sentences() {
        summary, "Put all perishable items in the fridge.", task("stow")},
       {"order: bring|fetch|get|give|hand|pass <object> -says", summary, "Bring me my tea cup.",
        task("bring")},
+      {"order: bring|fetch|get|give|hand|pass|take <object> from<place> -says",
+       summary,
+       "",
+       {{"task", "bring"}, {"object", "{object} on {place}"}, {"place", ""}}},
       {"order: want <object> says", summary, "", task("bring")},
       {"order: like<object> says may", summary, "", task("bring")},
   };

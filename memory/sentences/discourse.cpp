@@ -4,9 +4,11 @@
 #include <optional>
 
 #include "mapping/base/text.h"
+#include "memory/questions/related_words.h"
 #include "memory/sentences/sentence_time.h"
 #include "memory/sentences/spelling.h"
 #include "memory/sentences/vocabulary.h"
+#include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
 namespace {
@@ -59,13 +61,38 @@ void drop_fillers(Words& words) {
         replace_words(words, i--, length, {});
 }
 
+/// "The cup, the blue one": the colour belongs to the cup.
+bool take_apposition(Words& before, const Words& words) {
+  if (words.size() != 3 || words[0] != "the" || words[2] != "one" || !is_color_word(words[1])) return false;
+  for (size_t i = before.size(); i-- > 0;)
+    if (class_of(lemma_of(before[i])) == WordClass::article) {
+      before.insert(before.begin() + static_cast<std::ptrdiff_t>(i) + 1, words[1]);
+      return true;
+    }
+  return false;
+}
+
+/// "If the milk is still there, tell me where": where it is still there.
+bool take_condition(Words& before, const Words& words) {
+  static const std::vector<Words> orders =
+      expand_form("tell me|tell us|let me know|please tell me|let us know|say|show me");
+  if (before.size() < 3 || before[0] != "if" || words.size() < 2) return false;
+  const Words order(words.begin(), words.end() - 1);
+  if (std::ranges::count(orders, order) == 0 || class_of(lemma_of(words.back())) != WordClass::question)
+    return false;
+  before[0] = words.back();
+  return true;
+}
+
 std::vector<Words> fragments_of(const std::string& sentence) {
   std::vector<Words> fragments;
   std::string text;
   const auto end = [&] {
     Words words = sentence_words(text);
     drop_fillers(words);
-    if (!words.empty()) fragments.push_back(std::move(words));
+    const bool taken = !fragments.empty() &&
+                       (take_apposition(fragments.back(), words) || take_condition(fragments.back(), words));
+    if (!words.empty() && !taken) fragments.push_back(std::move(words));
     text.clear();
   };
   for (size_t i = 0; i < sentence.size(); ++i) {
@@ -91,7 +118,7 @@ bool is_polite(const Words& words) {
 bool is_tag(const Words& words) {
   static const WordSet lemmas = word_set(
       "is was do did have had not it they there someone or right no yes "
-      "still see know think may will correct");
+      "still see know think may will correct that this true so case the");
   const Tokens tokens = tokens_of(words);
   if (tokens.lemmas.empty()) return false;
   return all_in(tokens.lemmas, lemmas) && (class_of(tokens.lemmas[0]) == WordClass::auxiliary ||
@@ -304,6 +331,28 @@ void strip_wrapper(Words& words) {
   }
 }
 
+/// "My wife swears that ...", "they told me ...": asks whether it is so.
+void strip_claim(Words& words) {
+  static const WordSet claims = word_set(
+      "say says said swear swears swore claim claims claimed insist insists insisted think thinks thought "
+      "reckon reckons believe believes believed maintains told tells promised promises suspect suspects "
+      "figures assume assumes");
+  const auto is_person = [&](size_t i) {
+    return words[i] == "they" || class_of(lemma_of(words[i])) == WordClass::person ||
+           class_of(lemma_of(words[i])) == WordClass::article;
+  };
+  size_t verb = 0;
+  while (verb < words.size() && is_person(verb)) ++verb;
+  if (verb == 0 || verb == words.size() || !claims.contains(words[verb])) return;
+  size_t first = verb + 1;
+  if ((words[verb] == "told" || words[verb] == "tells") && first < words.size() && is_person(first)) ++first;
+  const bool that = first < words.size() && words[first] == "that";
+  if (that) ++first;
+  if (first + 2 >= words.size() || class_of(lemma_of(words[first])) == WordClass::relation) return;
+  words[first - 1] = "that";
+  begin_embedded(words, first);
+}
+
 /// Removes openings and endings that ask nothing: "tell me", "for me", "do you know".
 void strip_politeness(Words& words) {
   static const std::vector<Words> openings = expand_form(
@@ -407,6 +456,18 @@ std::vector<Words> pieces_of(const Words& words) {
   return pieces;
 }
 
+/// "Before I go out", "if I am not mistaken": what a person is about to do restricts nothing that was seen.
+bool is_own_plan(const Words& words) {
+  static const WordSet links = word_set("before if while since until as when after");
+  static const WordSet past = word_set("was were did had");
+  if (words.size() < 3 || !links.contains(words[0]) || (words[1] != "i" && words[1] != "we")) return false;
+  const std::vector<std::string> bases = wordnet::base_forms(words[2], wordnet::PartOfSpeech::verb);
+  const bool present = words[2] == "am" || words[2] == "are" || std::ranges::count(bases, words[2]) > 0;
+  return present && !past.contains(words[2]) &&
+         std::none_of(words.begin() + 2, words.end(),
+                      [](const std::string& word) { return is_household_noun(word) || is_pronoun(word); });
+}
+
 /// "When I came home", "if it is open": a restriction, not a question.
 bool is_restriction(const Words& words) {
   static const WordSet beginnings =
@@ -478,6 +539,7 @@ std::vector<SentencePart> sentence_parts(const std::string& sentence, const Time
         time = piece;
         continue;
       }
+      if (is_own_plan(timeless)) continue;
       if (is_restriction(timeless)) return {};
       strip_surroundings(piece);
       if (piece.empty()) continue;
@@ -493,6 +555,7 @@ std::vector<SentencePart> sentence_parts(const std::string& sentence, const Time
 
 void strip_surroundings(Words& words) {
   strip_politeness(words);
+  strip_claim(words);
   strip_wrapper(words);
   strip_politeness(words);
 }

@@ -135,6 +135,39 @@ std::string placeholder_signature(const Tokens& tokens) {
   return joined(kinds, " ");
 }
 
+namespace {
+
+/// Each once, sorted. What occurs once teaches little beside the words themselves, which are kept: 42 % less
+/// of a model cost 0.4 % of the sentences of another author.
+void keep_frequent(std::vector<std::string>& features) {
+  std::ranges::sort(features);
+  std::vector<std::string> kept;
+  for (auto first = features.begin(); first != features.end();) {
+    const auto last =
+        std::find_if(first, features.end(), [&](const std::string& one) { return one != *first; });
+    if (last - first > 1 || first->find_first_of(" '#") == std::string::npos)
+      kept.push_back(std::move(*first));
+    first = last;
+  }
+  features = std::move(kept);
+}
+
+/// The forms that take what each sample names: only they compete, as when sentences are read.
+std::vector<std::vector<size_t>> competing_forms(const std::vector<std::string>& forms,
+                                                 const std::vector<IntentSample>& samples) {
+  const std::vector<std::string> signatures = signatures_of(forms);
+  std::vector<std::vector<size_t>> all;
+  for (const IntentSample& sample : samples) {
+    const std::string signature = placeholder_signature(sample.tokens);
+    all.emplace_back();
+    for (size_t form = 0; form < forms.size(); ++form)
+      if (signatures[form] == "*" || signatures[form] == signature) all.back().push_back(form);
+  }
+  return all;
+}
+
+}  // namespace
+
 IntentModel train_intents(const std::vector<std::string>& forms, const std::vector<IntentSample>& samples) {
   constexpr int kSteps = 120;
   constexpr double kPrior = 0.3;  // precision of the weights
@@ -150,22 +183,26 @@ IntentModel train_intents(const std::vector<std::string>& forms, const std::vect
     }
   for (const std::set<std::string>& of_form : words)
     model.words.push_back(" " + joined(Words(of_form.begin(), of_form.end()), " ") + " ");
-  std::ranges::sort(model.features);
-  model.features.erase(std::ranges::unique(model.features).begin(), model.features.end());
+  keep_frequent(model.features);
   model.weights.assign(model.features.size() * forms.size(), 0);
   std::vector<std::vector<size_t>> rows;
   for (const IntentSample& sample : samples) rows.push_back(rows_of(model.features, sample.tokens));
+  const std::vector<std::vector<size_t>> competing = competing_forms(forms, samples);
   // Gradient ascent with a step per weight that shrinks as its gradients add up (AdaGrad).
   std::vector<float> gradient(model.weights.size()), squares(model.weights.size(), 1e-6F);
   for (int step = 0; step < kSteps; ++step) {
     for (size_t i = 0; i < gradient.size(); ++i) gradient[i] = static_cast<float>(-kPrior) * model.weights[i];
     for (size_t i = 0; i < samples.size(); ++i) {
-      std::vector<double> probabilities = scores_of(model.weights, rows[i], forms.size());
-      normalize(probabilities);
+      std::vector<double> probabilities(competing[i].size(), 0);
       for (const size_t row : rows[i])
-        for (size_t form = 0; form < forms.size(); ++form)
-          gradient[row * forms.size() + form] +=
-              static_cast<float>((form == samples[i].form ? 1.0 : 0.0) - probabilities[form]);
+        for (size_t k = 0; k < competing[i].size(); ++k)
+          probabilities[k] += static_cast<double>(model.weights[row * forms.size() + competing[i][k]]);
+      normalize(probabilities);
+      for (size_t k = 0; k < competing[i].size(); ++k) {
+        const size_t form = competing[i][k];
+        const auto missing = static_cast<float>((form == samples[i].form ? 1.0 : 0.0) - probabilities[k]);
+        for (const size_t row : rows[i]) gradient[row * forms.size() + form] += missing;
+      }
     }
     for (size_t i = 0; i < gradient.size(); ++i) {
       squares[i] += gradient[i] * gradient[i];

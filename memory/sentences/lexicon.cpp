@@ -244,6 +244,20 @@ void expand_verbs(Words& words) {
   }
 }
 
+/// "the cooking pot" is a pot; in "who is cooking soup" somebody cooks.
+void drop_purposes(Words& words) {
+  static const std::set<std::string> purposes = {"cooking", "frying",  "drinking", "mixing",
+                                                 "baking",  "serving", "eating",   "washing"};
+  for (size_t i = 0; i + 1 < words.size(); ++i) {
+    const WordClass before = i == 0 ? WordClass::article : class_of(lemma_of(words[i - 1]));
+    const bool named = before == WordClass::article || before == WordClass::name ||
+                       before == WordClass::relation || before == WordClass::question ||
+                       before == WordClass::empty;
+    if (purposes.contains(words[i]) && named && is_household_noun(words[i + 1]))
+      words.erase(words.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
 }  // namespace
 
 const std::map<std::string, std::string>& lexicon() {
@@ -254,6 +268,15 @@ const std::map<std::string, std::string>& lexicon() {
     return result;
   }();
   return lemmas;
+}
+
+bool has_meaning(const std::string& lemma) {
+  static const std::set<std::string> all = [] {
+    std::set<std::string> lemmas;
+    for (const auto& [one, words] : vocabulary::lemmas()) lemmas.insert(one);
+    return lemmas;
+  }();
+  return all.contains(lemma);
 }
 
 const std::string& lemma_of(const std::string& word) {
@@ -298,6 +321,7 @@ Words sentence_words(const std::string& sentence) {
       for (std::string& part : expanded(piece)) result.push_back(std::move(part));
   }
   expand_verbs(result);
+  drop_purposes(result);
   name_by_number(result);
   return result;
 }

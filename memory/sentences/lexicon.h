@@ -26,6 +26,8 @@ enum class WordClass {
 const std::map<std::string, std::string>& lexicon();
 /// The lemma of a word; a word without one is its own.
 const std::string& lemma_of(const std::string& word);
+/// Whether it is the lemma of other words: rules may tell it apart from others.
+bool has_meaning(const std::string& lemma);
 /// The class of a lemma, where it is not that of a concept of the rules.
 WordClass class_of(const std::string& lemma);
 

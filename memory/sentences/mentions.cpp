@@ -48,17 +48,9 @@ class MentionFinder {
     if (word == "can" || word == "cans")
       return i > 0 && (class_of(tokens_.lemmas[i - 1]) == WordClass::article ||
                        is_household_noun(tokens_.words[i - 1]));
-    return class_of(lemma) == WordClass::name && !lexicon().contains(word) &&
-           lemma_words().count(lemma) == 0 && lemma != "it" && lemma != "they" && lemma != "them" &&
-           lemma != "there" && lemma != "this" && lemma != "that";
-  }
-  static const std::set<std::string>& lemma_words() {
-    static const std::set<std::string> all = [] {
-      std::set<std::string> lemmas;
-      for (const auto& [lemma, words] : vocabulary::lemmas()) lemmas.insert(lemma);
-      return lemmas;
-    }();
-    return all;
+    return class_of(lemma) == WordClass::name && !lexicon().contains(word) && !has_meaning(lemma) &&
+           lemma != "it" && lemma != "they" && lemma != "them" && lemma != "there" && lemma != "this" &&
+           lemma != "that";
   }
 
   Mention mention(size_t first, size_t last, bool place, bool known) const {

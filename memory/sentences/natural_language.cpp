@@ -70,7 +70,10 @@ class ReferenceResolver {
   void note_related(const Query& query, std::vector<std::string>& notes) const {
     for (const Parameter& parameter : find_question(query.question)->parameters) {
       if (parameter.type != ParameterType::object && parameter.type != ParameterType::spot) continue;
-      for (const std::string& word : words_of(lower_case(query.argument(parameter.name))))
+      const std::string name = query.argument(parameter.name);
+      if (const std::string head = snapshot_.head_of(name); words_of(head).size() < words_of(name).size())
+        notes.push_back(fmt::format("nothing is called '{}'; '{}' is meant", name, head));
+      for (const std::string& word : words_of(lower_case(name)))
         if (const std::vector<std::string> names = snapshot_.names_related_to(word); !names.empty())
           notes.push_back(fmt::format("'{}' is taken as {}", word, fmt::join(names, ", ")));
     }

@@ -159,6 +159,7 @@ Query query_of(const Rule& rule, const Slots& slots) {
     if (const auto slot = slots.find(parameter.name); slot != slots.end())
       query.arguments[parameter.name] = slot->second;
   for (const auto& [name, value] : rule.form->arguments) query.arguments[name] = filled(value, slots);
+  std::erase_if(query.arguments, [](const auto& one) { return one.second.empty(); });
   return query;
 }
 

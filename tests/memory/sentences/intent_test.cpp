@@ -154,6 +154,48 @@ TEST_F(SecondReader, AnEventIsATime) {
               HasSubstr("--to 2026-"));
 }
 
+TEST_F(SecondReader, TopicsOfSeveralAndPlansRestrictNothing) {
+  EXPECT_THAT(say("The blue thing and the red thing - how far apart are they?").query->text(),
+              HasSubstr("compare 'blue thing' --by distance"));
+  EXPECT_EQ(say("Before I go out: is the tea cup still standing on the counter?").reply->verdict,
+            Verdict::yes);
+  EXPECT_FALSE(say("Before I moved the tea cup: is the blue thing on the counter?").reply);
+}
+
+TEST_F(SecondReader, PassesOverNewWordsButNoneThatMeansSomethingElse) {
+  EXPECT_EQ(say("Where in blazes is the tea cup?").query->text(), "where 'tea cup'");
+  EXPECT_FALSE(say("How long has the drawer been shut?").reply);
+  EXPECT_FALSE(say("Where is most of the tea cup?").reply);
+}
+
+TEST_F(SecondReader, WhatANameIsForOrInChangesNothing) {
+  {
+    Store store = Store::open_write(file_, {});
+    set_fact(store, "blue", "class", "jam");
+    set_fact(store, "object_1", "class", "pot");
+  }
+  const auto found = [&](const std::string& sentence) {
+    const NaturalLanguageAnswer answer = say(sentence);
+    EXPECT_TRUE(answer.reply) << text(answer);
+    return answer.reply ? answer.reply->objects : std::vector<Id>{};
+  };
+  EXPECT_EQ(found("Where is the jam jar?"), found("Where is the jam?"));
+  EXPECT_EQ(found("Where is the jar of jam?"), found("Where is the jam?"));
+  EXPECT_EQ(found("Where is the soup pot?"), found("Where is the pot?"));
+  EXPECT_THAT(text(say("Where is the soup pot?")), HasSubstr("'pot' is meant"));
+  EXPECT_FALSE(say("Where is the blue pot?").reply);  // the pot is red
+  EXPECT_FALSE(say("Where is the flower pot?").reply);
+}
+
+TEST_F(SecondReader, SaysWhetherAnObjectIsWhereItUsuallyIs) {
+  const NaturalLanguageAnswer answer = say("Is the tea cup where it belongs?");
+  EXPECT_EQ(answer.reply->verdict, Verdict::yes) << text(answer);
+  EXPECT_THAT(answer.reply->text, HasSubstr("as usual"));
+  EXPECT_EQ(say("Where was the tea cup first?").reply->places.front(), "table_1");
+  const NaturalLanguageAnswer unmoved = say("What was not moved?");
+  EXPECT_FALSE(unmoved.reply->objects.empty()) << text(unmoved);
+}
+
 TEST_F(SecondReader, ChoosesAmongMoreThanTwo) {
   EXPECT_EQ(say("Which is the biggest, the red thing, the blue thing or the tea cup?").query->text(),
             "objects 'biggest red thing or blue thing or tea cup'");

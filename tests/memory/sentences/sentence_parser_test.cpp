@@ -233,6 +233,35 @@ TEST(Sentences, QuestionsAboutPlaces) {
   });
 }
 
+TEST(Sentences, HabitsAndFirstPlaces) {
+  expect_commands({
+      {"Is the pot in its usual place?", "usual pot"},
+      {"Is the tea where it always is?", "usual tea"},
+      {"Is the spoon where it belongs today?", "usual spoon --at today"},
+      {"Is the oil still where it always is, on the counter?", "on counter --object oil"},
+      {"Where was the plate at first?", "history plate --before all"},
+      {"How many things were moved today?", "changes --between today today --kind relocated"},
+      {"What was not moved today?", "objects --between today today --state unmoved"},
+      {"Who cleared the table?", "changes --kind left --place table"},
+      {"What is new on the table?", "changes --kind came --place table"},
+      {"What is different on the table?", "changes --place table"},
+      {"Is the tea nearer to the oil or to the pot?", "compare tea --by nearer --than pot --with oil"},
+      {"Grab the bowl from the island for me", "task bring 'bowl on island'"},
+  });
+}
+
+TEST(Sentences, ClaimsAndConditionsAsk) {
+  expect_commands({
+      {"My wife says the milk is on the table, is that right?", "on table --object milk"},
+      {"They told me that the jam is on the shelf", "on shelf --object jam"},
+      {"If the milk is still out, tell me where.", "where milk"},
+      {"If someone took the banana, tell me when.", "changes --kind left --object banana"},
+      {"Where is my cup, the blue one?", "where 'blue cup'"},
+      {"whereabouts did the jam go?", "where jam"},
+      {"Where is the cooking pot?", "where pot"},
+  });
+}
+
 TEST(Sentences, TimesInWords) {
   expect_commands({
       {"Where was the cup at 9:00?", "where cup --at 9:00"},
