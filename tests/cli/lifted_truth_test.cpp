@@ -152,21 +152,39 @@ TEST_F(LiftedTruth, CentresAreWithinCentimetres) {
   EXPECT_LT(quantile(both, 0.5), 0.04);
 }
 
-/// A real recording with spots of objects that a person picked: a box of 50 pixels around each.
-TEST(LiftedReal, ShelfBinWithinCentimetres) {
-  LOCI_NEEDS_SHARED("data/shelf_bin");
-  const auto recording = mapping::open_recording(shared("data/shelf_bin"));
-  std::map<size_t, std::vector<Vector3d>> spots;
-  std::map<size_t, Json> found;
+/// Spots of the objects of a real recording that a person picked.
+struct Spot {
+  std::string object;
+  size_t frame = 0;
+  int u = 0, v = 0;
+  Vector3d point;  ///< map frame
+};
+
+std::vector<Spot> spots_of_bin() {
+  std::vector<Spot> spots;
   std::istringstream table(read_file(shared("data/shelf_bin/objects.csv")));
   std::string line;
   std::getline(table, line);
   while (std::getline(table, line)) {
     const std::vector<std::string> cells = split(line, ',');
-    const auto frame = static_cast<size_t>(std::stoi(cells.at(1)));
-    spots[frame].emplace_back(std::stod(cells.at(6)), std::stod(cells.at(7)), std::stod(cells.at(8)));
-    found[frame].push_back(
-        {{"bbox", {std::stod(cells[2]) - 25, std::stod(cells[3]) - 25, 50, 50}}, {"class", cells[0]}});
+    spots.push_back({cells.at(0),
+                     static_cast<size_t>(std::stoi(cells.at(1))),
+                     std::stoi(cells.at(2)),
+                     std::stoi(cells.at(3)),
+                     {std::stod(cells.at(6)), std::stod(cells.at(7)), std::stod(cells.at(8))}});
+  }
+  return spots;
+}
+
+TEST(LiftedReal, ShelfBinWithinCentimetres) {
+  LOCI_NEEDS_SHARED("data/shelf_bin");
+  const auto recording = mapping::open_recording(shared("data/shelf_bin"));
+  std::map<size_t, std::vector<Vector3d>> spots;
+  std::map<size_t, Json> found;
+  for (const Spot& spot : spots_of_bin()) {
+    spots[spot.frame].push_back(spot.point);
+    // A box of 50 pixels around each.
+    found[spot.frame].push_back({{"bbox", {spot.u - 25, spot.v - 25, 50, 50}}, {"class", spot.object}});
   }
   std::string text;
   for (const auto& [frame, detections] : found)
@@ -191,6 +209,29 @@ TEST(LiftedReal, ShelfBinWithinCentimetres) {
   EXPECT_EQ(distances.size(), 12U);
   EXPECT_LT(median(distances), 0.015);
   EXPECT_LT(quantile(distances, 1.0), 0.05);
+}
+
+TEST(RememberedReal, ObjectsThatStandCloseInABinAreNotTakenForOne) {
+  LOCI_NEEDS_SHARED("data/shelf_bin");
+  const std::string memory = fresh_folder() + "/shelf.loci";
+  const Outcome outcome = run("loci-perceive run " + shared("data/shelf_bin") + " -m " + memory);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const memory::Store store = memory::Store::open_read(memory);
+  std::map<std::string, std::vector<Vector3d>> picked;
+  for (const Spot& spot : spots_of_bin()) picked[spot.object].push_back(spot.point);
+  std::set<memory::Id> found;
+  for (const auto& [object, points] : picked) {
+    Vector3d centre = Vector3d::Zero();
+    for (const Vector3d& point : points) centre += point / static_cast<double>(points.size());
+    double nearest = 0.12;  // m: spots are on the front sides
+    std::optional<memory::Id> there;
+    for (const memory::BeliefRow& belief : store.beliefs()) {
+      const double distance = belief.position ? (*belief.position - centre).norm() : nearest;
+      if (distance < nearest) there = belief.object, nearest = distance;
+    }
+    ASSERT_TRUE(there) << object;
+    EXPECT_TRUE(found.insert(*there).second) << object;
+  }
 }
 
 }  // namespace
