@@ -35,6 +35,8 @@ if(CCACHE_PROGRAM)
 endif()
 
 if(LOCI_SANITIZE)
+  # With a sanitizer Eigen would pad blocks that PCL's libraries, which were built without one, hand to free().
+  add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
   add_compile_options(-fsanitize=${LOCI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   # The sanitizers' dlopen is not the program's: it finds modules by RPATH, not by RUNPATH.
   add_link_options(-fsanitize=${LOCI_SANITIZE} -Wl,--disable-new-dtags)

@@ -56,9 +56,9 @@ class BrokenAnnotator : public testing::TestWithParam<Failure> {
                           "  - GeometryAnnotator\n  - {Broken: {frame: 1, how: " +
                               std::string(GetParam().how) + policy + "}\n");
     fs::remove(memory());
-    return run("loci-perceive run " + folder() + "/three --json --plugin " LOCI_BROKEN_PLUGIN " --map " +
-               std::string(LOCI_SOURCE_DIR) + "/apps/samples/kitchen.urdf --pipeline " + pipeline + " -m " +
-               memory());
+    return run("loci-perceive run " + folder() +
+               "/three --json --quiet --plugin " LOCI_BROKEN_PLUGIN " --map " + std::string(LOCI_SOURCE_DIR) +
+               "/apps/samples/kitchen.urdf --pipeline " + pipeline + " -m " + memory());
   }
   static std::string memory() { return folder() + "/memory.loci"; }
   static void expect_sound_memory(int scenes) {

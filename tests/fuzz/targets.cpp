@@ -241,7 +241,8 @@ class Choices {
     return value;
   }
   std::string text() {
-    const size_t size = std::min(below(256), bytes_.size());
+    const size_t wanted = below(256);
+    const size_t size = std::min(wanted, bytes_.size());
     const std::string text(bytes_.substr(0, size));
     bytes_.remove_prefix(size);
     return text;

@@ -332,6 +332,7 @@ class ClusterMaker {
         if (here[dv * own.cols + du]) continue;
         const int room = du < 0 ? col : du > 0 ? cols - 1 - col : dv < 0 ? row : points_.rows - 1 - row;
         if (room == 0) continue;
+        const int behind = (du != 0 ? cols : points_.rows) - 1 - room;  // pixels up to the image's other edge
         ++border;
         for (int far = 1; far <= std::min(kFar, room); ++far) {
           const int other = pixel + far * (dv * cols + du);
@@ -347,7 +348,8 @@ class ClusterMaker {
           // Smoothing rounds the edge: the surfaces on either side of it are compared.
           int inner = pixel;
           int outer = other;
-          for (int step = 0; step < kAside && own_at(inner - dv * cols - du); ++step) inner -= dv * cols + du;
+          for (int step = 0; step < std::min(kAside, behind) && own_at(inner - dv * cols - du); ++step)
+            inner -= dv * cols + du;
           for (int step = 0; step < std::min(kAside, room - far); ++step)
             if (!std::isnan(point[outer + dv * cols + du][2])) outer += dv * cols + du;
           open += goes_on(inner, outer) ? 1 : 0;

@@ -150,6 +150,7 @@ class Candidates {
     const cv::Point from(pixel % points_.cols, pixel / points_.cols);
     const cv::Rect image(kImageBorder, kImageBorder, points_.cols - 2 * kImageBorder,
                          points_.rows - 2 * kImageBorder);
+    const cv::Rect whole({}, points_.size());
     for (int far = 1; far <= kFar; ++far) {
       const cv::Point to = from + far * step;
       if (!image.contains(to)) {
@@ -161,7 +162,9 @@ class Candidates {
       if (std::isnan(other[2])) continue;
       // Smoothing rounds edges: the surface a little inside of them says where it would go on.
       cv::Point inner = from;
-      for (int aside = 0; aside < kAside && label_.at<int>(inner - step) == 1; ++aside) inner -= step;
+      for (int aside = 0; aside < kAside && whole.contains(inner - step) && label_.at<int>(inner - step) == 1;
+           ++aside)
+        inner -= step;
       const cv::Vec3f& own = points_.at<cv::Vec3f>(inner);
       const float height = normals_.at<cv::Vec3f>(inner).dot(other - own);
       const auto level = static_cast<float>(kLevel + 2 * depth_noise(static_cast<double>(own[2])));
