@@ -165,12 +165,22 @@ uint64_t perceptual_hash(const cv::Mat& image) {
   return hash;
 }
 
+cv::Mat lab_of(const cv::Mat& image) {
+  const auto convert = [](const cv::Mat& bgr) {
+    cv::Mat lab;
+    cv::cvtColor(bgr, lab, cv::COLOR_BGR2Lab);
+    return lab;
+  };
+  // OpenCV 4.6 fills its tables at the first conversion, without a lock.
+  [[maybe_unused]] static const cv::Mat first = convert(cv::Mat::zeros(1, 1, CV_8UC3));
+  return convert(image);
+}
+
 cv::Mat cell_colors(const cv::Mat& image) {
-  cv::Mat small, colors;
+  cv::Mat small;
   cv::resize(image, small, {kColorCells, kColorCells}, 0, 0, cv::INTER_AREA);
   small.convertTo(small, CV_32F, 1.0 / 255);
-  cv::cvtColor(small, colors, cv::COLOR_BGR2Lab);
-  return colors;
+  return lab_of(small);
 }
 
 int hash_distance(uint64_t a, uint64_t b) {
@@ -230,10 +240,10 @@ double log_false_alarms(const std::vector<Correspondence>& pairs, const ImageFit
 }
 
 cv::Mat chroma_of(const cv::Mat& image, int side) {
-  cv::Mat small, lab;
+  cv::Mat small;
   const double scale = std::min(1.0, static_cast<double>(side) / std::max(image.cols, image.rows));
   cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
-  cv::cvtColor(small, lab, cv::COLOR_BGR2Lab);
+  const cv::Mat lab = lab_of(small);
   cv::Mat chroma(small.size(), CV_8UC3);
   for (int y = 0; y < small.rows; ++y)
     for (int x = 0; x < small.cols; ++x) {

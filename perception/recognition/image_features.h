@@ -41,6 +41,9 @@ uint64_t perceptual_hash(const cv::Mat& image);
 /// 32 for others.
 int hash_distance(uint64_t a, uint64_t b);
 
+/// An image (BGR, CV_8UC3, or CV_32FC3 of 0 to 1) in CIE Lab, the type of the image. For any thread.
+cv::Mat lab_of(const cv::Mat& image);
+
 /// What the hash does not tell: mean colours of 4 x 4 cells of an image (CV_8UC3, BGR), CV_32FC3, Lab.
 cv::Mat cell_colors(const cv::Mat& image);
 

@@ -15,6 +15,7 @@
 #include "perception/annotators/segmentation/plane_cluster_extractor.h"
 #include "perception/annotators/structure/supports.h"
 #include "perception/conversions/opencv.h"
+#include "perception/recognition/image_features.h"
 
 namespace loci::perception {
 namespace {
@@ -434,8 +435,7 @@ class Neighbours {
         seen.push_back(color_.at<cv::Vec3b>(static_cast<int>(at.y() + 0.5), static_cast<int>(at.x() + 0.5)));
     }
     if (seen.empty()) return {};
-    cv::cvtColor(seen, seen, cv::COLOR_BGR2Lab);
-    const cv::Scalar mean = cv::mean(seen);
+    const cv::Scalar mean = cv::mean(lab_of(seen));
     return {mean[0], mean[1], mean[2]};
   }
 

@@ -10,6 +10,7 @@
 #include "mapping/base/math.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
+#include "perception/recognition/image_features.h"
 
 namespace loci::perception {
 namespace {
@@ -309,7 +310,7 @@ cv::Mat lab_of_points(const cv::Mat& points, const cv::Mat& color, const mapping
   const float nan = std::numeric_limits<float>::quiet_NaN();
   cv::Mat lab, seen(points.size(), CV_32FC3, cv::Scalar::all(static_cast<double>(nan)));
   color.convertTo(lab, CV_32F, 1.0 / 255);
-  cv::cvtColor(lab, lab, cv::COLOR_BGR2Lab);
+  lab = lab_of(lab);
   const Isometry3d color_from_depth = camera.depth_from_color.inverse();
   for (int i = 0; i < points.rows * points.cols; ++i) {
     const Vector3d point = color_from_depth * to_vector(points.ptr<cv::Vec3f>()[i]);
