@@ -30,8 +30,9 @@ double texture(const Vector3d& p) {
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3i cell = (p / 0.07 + Vector3d::Constant(1000 + 31 * i)).array().floor().cast<int>();
     const auto hash = [](int n, uint32_t factor) { return static_cast<uint32_t>(n) * factor; };
-    Random random(hash(cell.x(), 73856093) ^ hash(cell.y(), 19349663) ^ hash(cell.z(), 83492791) ^
-                  static_cast<uint32_t>(i));
+    const uint32_t mixed = hash(cell.x(), 73856093) ^ hash(cell.y(), 19349663) ^ hash(cell.z(), 83492791) ^
+                           static_cast<uint32_t>(i);
+    Random random(static_cast<uint64_t>(static_cast<int32_t>(mixed)));
     value += random.uniform() / 3;
   }
   return 60 + 180 * value;
