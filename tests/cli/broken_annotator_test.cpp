@@ -49,15 +49,15 @@ class BrokenAnnotator : public testing::TestWithParam<Failure> {
   }
 
   /// A run with a memory; `policy` beside the step.
-  static Outcome with(const std::string& policy) {
+  static Outcome with(const std::string& policy, const std::string& options = "") {
     const std::string pipeline = folder() + "/p.yaml";
     write_file_atomically(pipeline,
                           "flow:\n  - NormalEstimator\n  - KnownStructureFilter\n  - PlaneClusterExtractor\n"
                           "  - GeometryAnnotator\n  - {Broken: {frame: 1, how: " +
                               std::string(GetParam().how) + policy + "}\n");
     fs::remove(memory());
-    return run("loci-perceive run " + folder() +
-               "/three --json --quiet --plugin " LOCI_BROKEN_PLUGIN " --map " + std::string(LOCI_SOURCE_DIR) +
+    return run("loci-perceive run " + folder() + "/three --json " + options +
+               " --plugin " LOCI_BROKEN_PLUGIN " --map " + std::string(LOCI_SOURCE_DIR) +
                "/apps/samples/kitchen.urdf --pipeline " + pipeline + " -m " + memory());
   }
   static std::string memory() { return folder() + "/memory.loci"; }
@@ -70,7 +70,7 @@ class BrokenAnnotator : public testing::TestWithParam<Failure> {
 };
 
 TEST_P(BrokenAnnotator, EndsTheRunUnlessItsPolicySaysOtherwise) {
-  const Outcome outcome = with("");
+  const Outcome outcome = with("", "--quiet");
   EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
   EXPECT_EQ(lines_of(outcome.error), 1) << outcome.error;
   EXPECT_THAT(outcome.error, HasSubstr("Broken failed at frame 1: "));
