@@ -16,6 +16,26 @@ namespace loci::memory {
 
 using namespace format;
 
+namespace {
+
+std::set<Id> gone_in_period(const Store& store, const ObjectsQuestion& question) {
+  std::set<Id> objects;
+  for (const EventRow& event : store.events(question.as_of, question.from, question.to))
+    if (event.object && event.kind == EventKind::gone) objects.insert(*event.object);
+  return objects;
+}
+
+std::set<Id> handled_in_period(const Store& store, const ObjectsQuestion& question) {
+  std::set<Id> objects;
+  const ChangesQuestion handled{
+      .from = question.from, .to = question.to, .as_of = question.as_of, .kind = "handled"};
+  for (const Change& change : ask(store, handled).changes)
+    if (change.object) objects.insert(change.object->id);
+  return objects;
+}
+
+}  // namespace
+
 ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   ObjectsAnswer answer;
@@ -27,24 +47,15 @@ ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question) {
   const auto seen_then = [&](const ObjectBelief& object) {
     return !store.observations_of(object.object.id, question.as_of, question.from, question.to).empty();
   };
+  const bool gone = question.filter == ObjectFilter::gone, unmoved = question.filter == ObjectFilter::unmoved;
   const bool over = question.to && *question.to < TimeReader(store).now();
-  std::set<Id> left_then;
-  if (question.gone && over)
-    for (const EventRow& event : store.events(question.as_of, question.from, question.to))
-      if (event.object && event.kind == EventKind::gone) left_then.insert(*event.object);
-  std::set<Id> handled;
-  if (question.unmoved)
-    for (const Change& change :
-         ask(store,
-             ChangesQuestion{
-                 .from = question.from, .to = question.to, .as_of = question.as_of, .kind = "handled"})
-             .changes)
-      if (change.object) handled.insert(change.object->id);
+  const std::set<Id> left_then = gone && over ? gone_in_period(store, question) : std::set<Id>{};
+  const std::set<Id> handled = unmoved ? handled_in_period(store, question) : std::set<Id>{};
   std::erase_if(answer.objects, [&](const ObjectBelief& object) {
-    if (question.unmoved && (handled.contains(object.object.id) || !replies::is_there(object))) return true;
+    if (unmoved && (handled.contains(object.object.id) || !replies::is_there(object))) return true;
     const bool missing = object.status == ObjectStatus::gone || object.status == ObjectStatus::missed;
-    if (question.gone && (!missing || (over && !left_then.contains(object.object.id)))) return true;
-    if ((question.from || question.to) && !(question.gone && over) && !seen_then(object)) return true;
+    if (gone && (!missing || (over && !left_then.contains(object.object.id)))) return true;
+    if ((question.from || question.to) && !(gone && over) && !seen_then(object)) return true;
     return question.unseen_since && object.last_seen && object.last_seen->time >= *question.unseen_since;
   });
   return answer;
@@ -227,10 +238,15 @@ std::vector<Question> object_questions() {
        .period = true,
        .examples = {"", "red --json"},
        .run = [](const Arguments& given) -> Answer {
-         return ask(
-             given.store(),
-             ObjectsQuestion{given.text("object"), given.as_of(), given.time("unseen-since"), given.from(),
-                             given.to(), given.text("state") == "gone", given.text("state") == "unmoved"});
+         const std::string state = given.text("state");
+         return ask(given.store(), {.subject = given.text("object"),
+                                    .as_of = given.as_of(),
+                                    .unseen_since = given.time("unseen-since"),
+                                    .from = given.from(),
+                                    .to = given.to(),
+                                    .filter = state == "gone"      ? ObjectFilter::gone
+                                              : state == "unmoved" ? ObjectFilter::unmoved
+                                                                   : ObjectFilter::all});
        },
        .sentences = objects_sentences()},
       {.name = "about",

@@ -14,16 +14,21 @@ struct Reply;
 struct ReplyContext;
 std::vector<Question> object_questions();
 
+enum class ObjectFilter {
+  all,
+  /// That have gone, or were missed where they should be; of a period that is over, those that were found to
+  /// have gone in it.
+  gone,
+  unmoved,  ///< that are there and were not moved, in the period where there is one
+};
+
 struct ObjectsQuestion {
   std::string subject = {};  ///< empty = all
   AsOf as_of = {};
   std::optional<TimeNs> unseen_since =
       {};  ///< only those that no scene has seen since then, gone ones included
   std::optional<TimeNs> from = {}, to = {};  ///< only those that were seen in this period
-  /// Only those that have gone, or were missed where they should be; of a period that is over, those that
-  /// were found to have gone in it.
-  bool gone = false;
-  bool unmoved = false;  ///< only those that are there and were not moved, in the period where there is one
+  ObjectFilter filter = ObjectFilter::all;
 };
 struct ObjectsAnswer {
   std::vector<ObjectBelief> objects = {};

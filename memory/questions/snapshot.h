@@ -67,8 +67,8 @@ class Snapshot {
   /// Whether every word of a name means something by itself or with its neighbours.
   bool means_objects(const std::string& subject) const;
   /// A name without nouns that only say what its objects are for or in, where nothing is called by all its
-  /// words: "jam jar", "jar of jam" → jam, "red cooking pot" → red pot. Else the name.
-  std::string head_of(const std::string& subject) const;
+  /// words: "jam jar", "jar of jam" → jam, "red cooking pot" → red pot. Unset where there are none.
+  std::optional<std::string> head_of(const std::string& subject) const;
   /// Places by name ("table_1", "table 1"), alias, the beginning of the name (drawer_3 for drawer_3_bottom),
   /// or class (table for table_1); empty when there are none.
   std::vector<PlaceRow> places_called(const std::string& name) const;

@@ -375,8 +375,9 @@ std::vector<Id> Snapshot::find_longest_name(const std::vector<std::string>& word
   return matching;
 }
 
-std::string Snapshot::head_of(const std::string& subject) const {
+std::optional<std::string> Snapshot::head_of(const std::string& subject) const {
   std::vector<std::string> words = lower_case_words(subject);
+  const size_t said = words.size();
   for (size_t i = 0; i + 2 < words.size(); ++i)  // "jar of jam"
     if (is_package(words[i]) && words[i + 1] == "of" && find_by_word(words[i]).empty() &&
         !find_by_word(words[i + 2]).empty())
@@ -395,13 +396,14 @@ std::string Snapshot::head_of(const std::string& subject) const {
     if (!content && called.empty()) continue;
     words.erase(words.begin() + static_cast<std::ptrdiff_t>(content ? i + 1 : i));
   }
+  if (words.size() == said) return {};
   return phrase(words, 0);
 }
 
 bool Snapshot::means_objects(const std::string& subject) const {
   if (is_known_as(subject)) return true;
-  const std::string head = head_of(subject);
-  return words_of(head).size() < words_of(subject).size() && is_known_as(head);
+  const std::optional<std::string> head = head_of(subject);
+  return head && is_known_as(*head);
 }
 
 bool Snapshot::is_known_as(const std::string& subject) const {
@@ -421,10 +423,10 @@ std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
   try {
     return find_exactly(subject);
   } catch (const UnknownName&) {
-    const std::string head = head_of(subject);
-    if (words_of(head).size() == words_of(subject).size()) throw;
+    const std::optional<std::string> head = head_of(subject);
+    if (!head) throw;
     try {
-      return find_exactly(head);
+      return find_exactly(*head);
     } catch (const UnknownName&) {  // the name as it was said is reported
     }
     throw;

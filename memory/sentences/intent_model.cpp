@@ -152,6 +152,11 @@ void keep_frequent(std::vector<std::string>& features) {
   features = std::move(kept);
 }
 
+/// Whether a form takes what a sentence names, by their signatures.
+bool takes(const std::string& of_form, const std::string& of_sentence) {
+  return of_form == "*" || of_form == of_sentence;
+}
+
 /// The forms that take what each sample names: only they compete, as when sentences are read.
 std::vector<std::vector<size_t>> competing_forms(const std::vector<std::string>& forms,
                                                  const std::vector<IntentSample>& samples) {
@@ -161,7 +166,7 @@ std::vector<std::vector<size_t>> competing_forms(const std::vector<std::string>&
     const std::string signature = placeholder_signature(sample.tokens);
     all.emplace_back();
     for (size_t form = 0; form < forms.size(); ++form)
-      if (signatures[form] == "*" || signatures[form] == signature) all.back().push_back(form);
+      if (takes(signatures[form], signature)) all.back().push_back(form);
   }
   return all;
 }
@@ -236,7 +241,7 @@ IntentReading best_intent(const IntentModel& model, const std::vector<std::strin
   const std::string signature = placeholder_signature(tokens);
   constexpr double kNever = -1e9;
   for (size_t form = 0; form < scores.size(); ++form)
-    if (signatures[form] != "*" && signatures[form] != signature) scores[form] = kNever;
+    if (!takes(signatures[form], signature)) scores[form] = kNever;
   normalize(scores);
   const auto best = std::ranges::max_element(scores);
   return {static_cast<size_t>(best - scores.begin()), *best};

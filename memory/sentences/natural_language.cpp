@@ -71,8 +71,8 @@ class ReferenceResolver {
     for (const Parameter& parameter : find_question(query.question)->parameters) {
       if (parameter.type != ParameterType::object && parameter.type != ParameterType::spot) continue;
       const std::string name = query.argument(parameter.name);
-      if (const std::string head = snapshot_.head_of(name); words_of(head).size() < words_of(name).size())
-        notes.push_back(fmt::format("nothing is called '{}'; '{}' is meant", name, head));
+      if (const std::optional<std::string> head = snapshot_.head_of(name))
+        notes.push_back(fmt::format("nothing is called '{}'; '{}' is meant", name, *head));
       for (const std::string& word : words_of(lower_case(name)))
         if (const std::vector<std::string> names = snapshot_.names_related_to(word); !names.empty())
           notes.push_back(fmt::format("'{}' is taken as {}", word, fmt::join(names, ", ")));

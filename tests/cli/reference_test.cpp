@@ -67,7 +67,8 @@ TEST(ManualPages, AreThereForEveryCommandAndAreWellFormed) {
 TEST(Reference, InTheDocumentsIsWhatTheProgramsDeclare) {
   for (const char* program :
        {"loci-browse", "loci-evaluate", "loci-map", "loci-memory", "loci-perceive", "loci-simulate"}) {
-    if (!fs::exists(fs::path(LOCI_BIN_DIR) / program)) continue;  // presets with sanitizers build no browser
+    // Presets with sanitizers build no browser.
+    if (program == std::string("loci-browse") && !fs::exists(fs::path(LOCI_BIN_DIR) / program)) continue;
     const std::string page = std::string(program) + ".md";
     EXPECT_EQ(read_file(fs::path(LOCI_SOURCE_DIR) / "docs/reference" / page),
               read_file(fs::path(LOCI_SHARE_DIR) / "doc/loci" / page))

@@ -105,9 +105,7 @@ void SceneUpdate::prefer_known_object(size_t k) {
     const auto row = static_cast<Eigen::Index>(o), column = static_cast<Eigen::Index>(k);
     const AxisBox& seen = scene_.observations[k].box;
     // Nearness does not overrule the evidence of the model.
-    if (solution_.stay(row, column) + solution_.move(row, column) + solution_.newview(row, column) <
-        kParameters.min_probability)
-      continue;
+    if (pair_probability(o, k) < kParameters.min_probability) continue;
     const double covered = covered_share(predicted_[o], seen);
     const double color = update_.evidence.log_similar(row, column) -
                          options_.appearance_weight * update_.evidence.log_size(row, column);

@@ -32,7 +32,7 @@ double texture(const Vector3d& p) {
     const auto hash = [](int n, uint32_t factor) { return static_cast<uint32_t>(n) * factor; };
     const uint32_t mixed = hash(cell.x(), 73856093) ^ hash(cell.y(), 19349663) ^ hash(cell.z(), 83492791) ^
                            static_cast<uint32_t>(i);
-    Random random(static_cast<uint64_t>(static_cast<int32_t>(mixed)));
+    Random random(static_cast<uint64_t>(static_cast<int32_t>(mixed)));  // with which the bounds were set
     value += random.uniform() / 3;
   }
   return 60 + 180 * value;
