@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <set>
 
 #include "mapping/base/math.h"
@@ -22,22 +24,30 @@ using namespace format;
 
 namespace {
 
-/// The map at the time asked about, as it is stored.
+/// A map as it is stored: the texts, and what they say.
 struct StoredMap {
-  std::string name;
-  mapping::World world;
-  mapping::SemanticMap semantic;
+  std::string name, urdf, sidecar;
+  mapping::World world = {};
+  mapping::SemanticMap semantic = {};
 };
 
-std::optional<StoredMap> map_of(const Snapshot& snapshot) {
+/// The map at the time asked about; nullptr = there is none. A sentence looks it up several times, and
+/// parsing takes longer than all else that it needs: the last one is kept.
+std::shared_ptr<const StoredMap> map_of(const Snapshot& snapshot) {
+  static std::mutex mutex;
+  static std::shared_ptr<const StoredMap> last;
+
   const Store& store = snapshot.store();
   const std::optional<MapRow> row = store.map_at(snapshot.as_of());
-  if (!row) return std::nullopt;
-  StoredMap map{row->name, mapping::parse_urdf(store.blob(row->urdf).bytes, row->name), {}};
+  if (!row) return nullptr;
+  StoredMap map{row->name, store.blob(row->urdf).bytes,
+                row->sidecar ? store.blob(*row->sidecar).bytes : std::string()};
+  const std::lock_guard lock(mutex);
+  if (last && last->name == map.name && last->urdf == map.urdf && last->sidecar == map.sidecar) return last;
+  map.world = mapping::parse_urdf(map.urdf, map.name);
   if (row->sidecar)
-    map.semantic =
-        mapping::semantic_map_from_json(parse_json(store.blob(*row->sidecar).bytes, row->name), row->name);
-  return map;
+    map.semantic = mapping::semantic_map_from_json(parse_json(map.sidecar, map.name), map.name);
+  return last = std::make_shared<const StoredMap>(std::move(map));
 }
 
 /// By the sidecar, else by the beginning of its name: "drawer" of "drawer_3_front".
@@ -109,7 +119,7 @@ std::vector<EnvironmentPart> parts_of_map(const Snapshot& snapshot, const Stored
 }
 
 /// All parts, without their motions and contents.
-std::vector<EnvironmentPart> all_parts(const Snapshot& snapshot, const std::optional<StoredMap>& map) {
+std::vector<EnvironmentPart> all_parts(const Snapshot& snapshot, const StoredMap* map) {
   std::vector<EnvironmentPart> parts;
   if (map) parts = parts_of_map(snapshot, *map);
   for (const PlaceRow& place : snapshot.places()) {
@@ -289,13 +299,13 @@ bool PartMotion::open() const {
 }
 
 std::optional<mapping::World> world_of(const Snapshot& snapshot) {
-  std::optional<StoredMap> map = map_of(snapshot);
+  const std::shared_ptr<const StoredMap> map = map_of(snapshot);
   if (!map) return std::nullopt;
-  return std::move(map->world);
+  return map->world;
 }
 
 std::string find_part_without_place(const Snapshot& snapshot, const std::string& name) {
-  const std::vector<EnvironmentPart> parts = parts_called(all_parts(snapshot, map_of(snapshot)), name);
+  const std::vector<EnvironmentPart> parts = parts_called(all_parts(snapshot, map_of(snapshot).get()), name);
   const bool has_place =
       std::ranges::any_of(parts, [](const EnvironmentPart& part) { return part.place.has_value(); });
   return parts.empty() || has_place ? "" : parts[0].name;
@@ -303,16 +313,16 @@ std::string find_part_without_place(const Snapshot& snapshot, const std::string&
 
 std::set<std::string> joints_called(const Snapshot& snapshot, const std::string& name) {
   std::set<std::string> joints;
-  for (const EnvironmentPart& part : parts_called(all_parts(snapshot, map_of(snapshot)), name))
+  for (const EnvironmentPart& part : parts_called(all_parts(snapshot, map_of(snapshot).get()), name))
     if (part.motion) joints.insert(part.motion->map_joint);
   return joints;
 }
 
 RoomAnswer ask(const Store& store, const RoomQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
-  const std::optional<StoredMap> map = map_of(snapshot);
+  const std::shared_ptr<const StoredMap> map = map_of(snapshot);
   RoomAnswer answer{.asked = question.part, .map = map ? map->name : ""};
-  answer.parts = asked_parts(snapshot, all_parts(snapshot, map), question.part);
+  answer.parts = asked_parts(snapshot, all_parts(snapshot, map.get()), question.part);
   add_motions(snapshot, answer.parts);
   add_contents(snapshot, answer.parts);
   for (const EnvironmentPart& part : answer.parts) ++answer.classes[part.class_name];
@@ -321,9 +331,10 @@ RoomAnswer ask(const Store& store, const RoomQuestion& question) {
 
 OpensAnswer ask(const Store& store, const OpensQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
-  OpensAnswer answer{.asked = question.part,
-                     .state = question.state,
-                     .parts = asked_parts(snapshot, all_parts(snapshot, map_of(snapshot)), question.part)};
+  OpensAnswer answer{
+      .asked = question.part,
+      .state = question.state,
+      .parts = asked_parts(snapshot, all_parts(snapshot, map_of(snapshot).get()), question.part)};
   std::erase_if(answer.parts, [](const EnvironmentPart& part) { return !part.motion; });
   add_motions(snapshot, answer.parts);
   add_contents(snapshot, answer.parts);
