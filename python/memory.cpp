@@ -320,8 +320,7 @@ std::string ingest_file(const std::filesystem::path& file, const std::filesystem
 
 std::string teach(OpenMemory& memory, const std::string& object, const std::string& class_name) {
   return memory.with_store([&](memory::Store& store) {
-    set_fact(store, object, "class", class_name);
-    set_fact(store, object, memory::kTaughtKey, class_name);
+    set_facts(store, object, {{"class", class_name}, {memory::kTaughtKey, class_name}});
     return dumped(apply_catalogues(store).report());
   });
 }

@@ -140,6 +140,7 @@ Command fact_command() {
                 memory::Store store = open_to_change(memory, session);
                 answer = action == "set" ? set_fact(store, word(0), word(1), word(2))
                                          : remove_fact(store, word(0), word(1), word(2));
+                apply_catalogues(store);  // of what was an example, or is called otherwise now
               }
               session.answer(to_text(answer), to_json(answer));
             };
@@ -161,8 +162,8 @@ Command teach_command() {
             table.memory(arguments->memory);
             return [arguments](Session& session) {
               memory::Store store = open_to_change(arguments->memory, session);
-              set_fact(store, arguments->object, "class", arguments->class_name);
-              set_fact(store, arguments->object, memory::kTaughtKey, arguments->class_name);
+              set_facts(store, arguments->object,
+                        {{"class", arguments->class_name}, {memory::kTaughtKey, arguments->class_name}});
               const memory::CatalogueResult result = apply_catalogues(store);
               session.answer(result.summary(), result.report());
             };

@@ -7,6 +7,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
 #include "mapping/world/urdf.h"
+#include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_run.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/map_names.h"
@@ -122,15 +123,19 @@ bool is_edit(const RunRow& run) {
 
 std::string text_of(const Store& store, const RunRow& run, const Json& configuration) {
   if (configuration.contains("text")) return configuration["text"].get<std::string>();
-  for (const FactRow& fact : store.rows_of_run<FactRow>(run.id))  // of `fact set` and `fact remove`
-    if (fact.object)
-      return fmt::format("{}: {}{}", object_name(*fact.object), fact.key,
-                         fact.value ? " is " + *fact.value : " is retracted");
-    else
+  std::string text;  // of `fact set` and `fact remove`
+  for (const FactRow& fact : store.rows_of_run<FactRow>(run.id)) {
+    const std::string what = fact.key + (fact.value ? " is " + *fact.value : " is retracted");
+    if (!text.empty()) {
+      text += ", " + what;
+    } else if (fact.object) {
+      text = object_name(*fact.object) + ": " + what;
+    } else {
       for (const PlaceRow& place : store.places())
-        if (place.id == fact.place)
-          return fmt::format("{}: {}{}", place.name, fact.key,
-                             fact.value ? " is " + *fact.value : " is retracted");
+        if (place.id == fact.place) text = place.name + ": " + what;
+    }
+  }
+  if (!text.empty()) return text;
   return run.program;
 }
 
@@ -142,6 +147,7 @@ Edit toggle(Store& store, const Edit& edit, const char* what, const std::vector<
     if (run.id == edit.run) row = run;
   const Id run =
       reverse_run(store, row, edit.text, {{what, edit.run}}, known_identities(store, others), progress);
+  apply_catalogues(store);
   return edit_of(store, run);
 }
 
@@ -240,6 +246,7 @@ Edit say(Store& store, const std::string& about, const std::string& key, const s
     set_fact(store, about, key, value);
   const EditList list = edits(store);
   if (list.done.empty()) refuse(store, "nothing was changed", "the memory has this fact already");
+  apply_catalogues(store);
   return list.done.back();
 }
 

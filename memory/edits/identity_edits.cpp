@@ -9,6 +9,7 @@
 #include <set>
 
 #include "mapping/base/json.h"
+#include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_run.h"
 #include "memory/recorder/checkpoint.h"
 
@@ -251,6 +252,7 @@ Edit correct_identity(Store& store, const IdentityEdit& edit,
   }
   run.finish();
   rows.commit();
+  apply_catalogues(store);
   Edit made = edit_of(store, run.id());
   std::vector<std::string> notes = unplaced_facts(store);
   if (!with_evidence)

@@ -59,6 +59,21 @@ FactRow row_for(const Snapshot& snapshot, const FactOwner& about, const std::str
   return row;
 }
 
+/// Adds to `rows` those that state a value; none where it is stated already.
+void add_rows_of(const Snapshot& snapshot, const FactOwner& one, const std::string& key,
+                 const std::string& value, std::vector<FactRow>& rows) {
+  const std::vector<Fact> before = facts_of(snapshot, one, key).facts;
+  if (std::ranges::any_of(before, [&](const Fact& fact) { return fact.value == value; })) return;
+  const bool single = key != "alias";
+  for (size_t i = 0; single && i + 1 < before.size(); ++i) {
+    rows.push_back(row_for(snapshot, one, key));
+    rows.back().clock.supersedes = before[i].id;
+  }
+  rows.push_back(row_for(snapshot, one, key));
+  rows.back().value = value;
+  if (single && !before.empty()) rows.back().clock.supersedes = before.back().id;
+}
+
 /// Adds the rows of one change as one run, all of them or none.
 void add_rows(Store& store, const char* verb, const std::vector<FactRow>& rows) {
   if (rows.empty()) return;
@@ -80,28 +95,28 @@ FactsAnswer ask(const Store& store, const FactsQuestion& question) {
 
 FactsAnswer set_fact(Store& store, const std::string& about, const std::string& key,
                      const std::string& value) {
-  if (key.empty() || value.empty()) throw Error("a fact needs a key and a value", {}, "fact set X owner Ada");
-  require_utf8(key);
-  require_utf8(value);
-  if (key == kPlaceNameKey) require_part_name(value);
+  return set_facts(store, about, {{key, value}});
+}
+
+FactsAnswer set_facts(Store& store, const std::string& about,
+                      const std::vector<std::pair<std::string, std::string>>& values) {
+  for (const auto& [key, value] : values) {
+    if (key.empty() || value.empty())
+      throw Error("a fact needs a key and a value", {}, "fact set X owner Ada");
+    require_utf8(key);
+    require_utf8(value);
+    if (key == kPlaceNameKey) require_part_name(value);
+  }
   const Snapshot snapshot(store, {});
   const FactOwner one = find_one(snapshot, about);
-  const FactsAnswer before = facts_of(snapshot, one, key);
-  const bool same = std::any_of(before.facts.begin(), before.facts.end(),
-                                [&](const Fact& fact) { return fact.value == value; });
-  if (!same) {
-    std::vector<FactRow> rows;
-    const bool single = key != "alias";
-    for (size_t i = 0; single && i + 1 < before.facts.size(); ++i) {
-      rows.push_back(row_for(snapshot, one, key));
-      rows.back().clock.supersedes = before.facts[i].id;
-    }
-    rows.push_back(row_for(snapshot, one, key));
-    rows.back().value = value;
-    if (single && !before.facts.empty()) rows.back().clock.supersedes = before.facts.back().id;
-    add_rows(store, "set", rows);
-  }
-  return facts_of(Snapshot(store, {}), one, key);
+  std::vector<FactRow> rows;
+  for (const auto& [key, value] : values) add_rows_of(snapshot, one, key, value, rows);
+  add_rows(store, "set", rows);
+  FactsAnswer answer;
+  const Snapshot now(store, {});
+  for (const auto& [key, value] : values)
+    for (Fact& fact : facts_of(now, one, key).facts) answer.facts.push_back(std::move(fact));
+  return answer;
 }
 
 FactsAnswer remove_fact(Store& store, const std::string& about, const std::string& key,
@@ -109,22 +124,28 @@ FactsAnswer remove_fact(Store& store, const std::string& about, const std::strin
   const Snapshot snapshot(store, {});
   const FactOwner one = find_one(snapshot, about);
   std::vector<FactRow> rows;
+  std::vector<Fact> retracted;
   for (const Fact& fact : facts_of(snapshot, one, key).facts) {
     if (!value.empty() && fact.value != value) continue;
     rows.push_back(row_for(snapshot, one, key));
     rows.back().clock.supersedes = fact.id;
+    retracted.push_back(fact);
   }
   if (rows.empty())
     throw Error(
         fmt::format("{} has no {}{}", one.name, key, value.empty() ? "" : fmt::format(" '{}'", value)), {},
         "see loci-memory fact list");
   add_rows(store, "remove", rows);
-  return facts_of(Snapshot(store, {}), one, key);
+  FactsAnswer answer = facts_of(Snapshot(store, {}), one, key);
+  answer.retracted = std::move(retracted);
+  return answer;
 }
 
 std::string to_text(const FactsAnswer& answer) {
-  if (answer.facts.empty()) return "No such fact is known.\n";
+  if (answer.facts.empty() && answer.retracted.empty()) return "No such fact is known.\n";
   std::string text;
+  for (const Fact& fact : answer.retracted)
+    text += fmt::format("Removed: {} {} {}\n", fact.about, fact.key, fact.value);
   for (const Fact& fact : answer.facts)
     text += fmt::format("{} {} {} (says {}{})\n", fact.about, fact.key, fact.value, fact.source,
                         fact.probability ? fmt::format(", {:.0f} %", 100 * *fact.probability) : "");
@@ -132,16 +153,21 @@ std::string to_text(const FactsAnswer& answer) {
 }
 
 Json to_json(const FactsAnswer& answer) {
-  return {{"facts", format::list_json(answer.facts, [](const Fact& fact) {
-             Json json = {{"about", fact.about},
-                          {"key", fact.key},
-                          {"value", fact.value},
-                          {"valid_from", format_time(fact.valid_from)},
-                          {"known_from", format_time(fact.known_from)},
-                          {"source", fact.source}};
-             if (fact.probability) json["probability"] = *fact.probability;
-             return json;
-           })}};
+  const auto list = [](const std::vector<Fact>& facts) {
+    return format::list_json(facts, [](const Fact& fact) {
+      Json json = {{"about", fact.about},
+                   {"key", fact.key},
+                   {"value", fact.value},
+                   {"valid_from", format_time(fact.valid_from)},
+                   {"known_from", format_time(fact.known_from)},
+                   {"source", fact.source}};
+      if (fact.probability) json["probability"] = *fact.probability;
+      return json;
+    });
+  };
+  Json json = {{"facts", list(answer.facts)}};
+  if (!answer.retracted.empty()) json["retracted"] = list(answer.retracted);
+  return json;
 }
 
 }  // namespace loci::memory

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "mapping/base/json_fwd.h"
 #include "memory/questions/answer_parts.h"
 
@@ -26,6 +30,7 @@ struct FactsQuestion {
 };
 struct FactsAnswer {
   std::vector<Fact> facts = {};
+  std::vector<Fact> retracted = {};  ///< by the change that this is the answer of
 };
 FactsAnswer ask(const Store& store, const FactsQuestion& question);
 std::string to_text(const FactsAnswer& answer);
@@ -36,6 +41,10 @@ Json to_json(const FactsAnswer& answer);
 /// key that hold then.
 FactsAnswer set_fact(Store& store, const std::string& about, const std::string& key,
                      const std::string& value);
+/// The same for several keys and values of one object or place, as one change. Returns its facts of these
+/// keys.
+FactsAnswer set_facts(Store& store, const std::string& about,
+                      const std::vector<std::pair<std::string, std::string>>& values);
 /// Retracts a value, or every value of the key when it is empty. Error when there is none.
 FactsAnswer remove_fact(Store& store, const std::string& about, const std::string& key,
                         const std::string& value);

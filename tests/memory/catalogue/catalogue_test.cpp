@@ -5,9 +5,11 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "mapping/base/json.h"
+#include "memory/edits/edits.h"
 #include "memory/ingest/ingest.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/location.h"
@@ -252,6 +254,35 @@ TEST_F(CatalogueTest, WhatLooksLikeAnExampleIsCalledSoAndTheRestStaysUnknown) {
   Store store = Store::open_write(memory);
   remove_fact(store, "object_1", kTaughtKey, "");
   EXPECT_EQ(apply_catalogues(store).taken_back, 2U);
+}
+
+TEST_F(CatalogueTest, CorrectionsMatchAgain) {
+  const std::filesystem::path memory = home("first", 0, {kRedMug, kBlueBox, kRedMug});
+  const auto named = [&] { return facts(memory); };
+  Store store = Store::open_write(memory);
+  set_facts(store, "object_1", {{"class", "mug"}, {kTaughtKey, "mug"}});
+  apply_catalogues(store);
+  const std::string by_look = "object_3 class mug catalogue";
+  ASSERT_THAT(named(), Contains(by_look));
+  say(store, "object_1", kTaughtKey, "");
+  EXPECT_THAT(named(), Not(Contains(by_look))) << "its example was withdrawn";
+  undo(store);
+  EXPECT_THAT(named(), Contains(by_look));
+  EXPECT_EQ(std::ranges::count(named(), by_look), 1);
+  redo(store);
+  EXPECT_THAT(named(), Not(Contains(by_look)));
+  undo(store);
+  EXPECT_EQ(undo(store).text, "object_1: class is mug, taught is mug") << "several facts are one change";
+  EXPECT_TRUE(named().empty());
+}
+
+TEST_F(CatalogueTest, AnObjectThatIsSplitOffIsComparedWithTheExamples) {
+  const std::filesystem::path memory = home("first", 0, {kRedMug, kBlueBox, kRedMug});
+  Store store = Store::open_write(memory);
+  set_facts(store, "object_1", {{"class", "mug"}, {kTaughtKey, "mug"}});
+  apply_catalogues(store);
+  split_object(store, 3, store.last_scene()->time);
+  EXPECT_THAT(facts(memory), Contains("object_4 class mug catalogue"));
 }
 
 TEST_F(CatalogueTest, RefusesItsOwnHomeAndWhatIsNone) {

@@ -72,7 +72,10 @@ TEST_F(Facts, ANewOwnerSupersedesTheOldOneAndNothingIsOverwritten) {
   EXPECT_THAT(who("Ada's", {.at = {}, .known_at = kLater + 1}), ElementsAre(1));
   {
     Store store = open(2);
-    EXPECT_TRUE(remove_fact(store, "object_1", "owner", "").facts.empty());
+    const FactsAnswer removed = remove_fact(store, "object_1", "owner", "");
+    EXPECT_TRUE(removed.facts.empty());
+    EXPECT_EQ(to_text(removed), "Removed: " + removed.retracted.at(0).about + " owner Ben\n");
+    EXPECT_EQ(to_json(removed)["retracted"][0]["value"], "Ben");
   }
   EXPECT_THROW(who("Ben's"), Error);
   Store store = open(3);
