@@ -291,6 +291,7 @@ HouseholdObject HouseholdShapes::rest() {
             Eigen::AngleAxisd(kPi / 2 * static_cast<double>(draw_.index(2)), Vector3d::UnitY()))
                .toRotationMatrix();
   const bool upright = turn.isIdentity();
+  const bool turned_over = kind >= lying_ && kind < lying_ + turned_;
   Eigen::AlignedBox3f bounds;
   for (auto& vertex : mesh.vertices) bounds.extend(vertex = turn.cast<float>() * vertex);
   const Eigen::Vector3f base(bounds.center().x(), bounds.center().y(), bounds.min().z());
@@ -304,6 +305,7 @@ HouseholdObject HouseholdShapes::rest() {
     object.room = room_;
   else if (any_side_)
     object.room = static_cast<double>(bounds.sizes().head<2>().minCoeff()) / 2;
+  if (turned_over) object.foot = foot_;
   object.mesh = std::move(mesh);
   return object;
 }

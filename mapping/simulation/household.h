@@ -14,6 +14,7 @@ struct HouseholdObject {
   double reach = 0;  ///< no point is further from the z axis
   double top = 0;    ///< height of what may stand on it
   double room = 0;   ///< so far from the z axis its top is flat; 0 = nothing stands on it
+  double foot = 0;   ///< the same of the foot of a vessel that is turned over; 0 = it is none
 };
 
 /// Classes of objects of a household, sorted: "apple", "banana", …

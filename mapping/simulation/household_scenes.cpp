@@ -41,41 +41,113 @@ TriangleMesh table_top(Random& draw) {
   return builder.take();
 }
 
+void put(Table& table, const std::string& name, const HouseholdObject& object, const Vector3d& at,
+         double yaw) {
+  Isometry3d pose(Eigen::Translation3d{at});
+  pose.rotate(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()));
+  table.classes.push_back(name);
+  table.scene.add(fmt::format("object_{}", table.classes.size()), object.mesh, pose);
+}
+
+/// Circles on a table that hold something.
+struct TakenRoom {
+  std::vector<std::pair<Vector2d, double>> circles;
+
+  bool take(const Vector2d& at, double radius, double gap) {
+    if (std::ranges::any_of(circles, [&](const auto& other) {
+          return (other.first - at).norm() < other.second + radius + gap;
+        }))
+      return false;
+    circles.emplace_back(at, radius);
+    return true;
+  }
+};
+
 void add_objects(Table& table, Random& draw) {
   constexpr size_t kObjects = 6;
   constexpr double kGap = 0.012;
-  std::vector<std::pair<Vector2d, double>> taken;
-  const auto put = [&](const std::string& name, const HouseholdObject& object, const Vector3d& at) {
-    Isometry3d pose(Eigen::Translation3d{at});
-    pose.rotate(Eigen::AngleAxisd(draw.uniform(0, 2 * kPi), Vector3d::UnitZ()));
-    table.classes.push_back(name);
-    table.scene.add(fmt::format("object_{}", table.classes.size()), object.mesh, pose);
-  };
-  for (int attempt = 0; attempt < 40 && taken.size() < kObjects; ++attempt) {
+  TakenRoom taken;
+  for (int attempt = 0; attempt < 40 && taken.circles.size() < kObjects; ++attempt) {
     const std::string name = drawn_class(draw);
     const HouseholdObject object = draw_household_object(name, draw);
     const double x = draw.uniform(-0.38, 0.38);
     const Vector2d at(x, draw.uniform(-0.3, 0.3));
-    if (std::ranges::any_of(taken, [&](const auto& other) {
-          return (other.first - at).norm() < other.second + object.reach + kGap;
-        }))
-      continue;
-    taken.emplace_back(at, object.reach);
-    put(name, object, {at.x(), at.y(), 0});
+    if (!taken.take(at, object.reach, kGap)) continue;
+    put(table, name, object, {at.x(), at.y(), 0}, draw.uniform(0, 2 * kPi));
     if (object.room == 0 || draw.uniform() < 0.5) continue;
     const std::string upper = drawn_class(draw);
     const HouseholdObject on_top = draw_household_object(upper, draw);
-    if (on_top.reach < 1.3 * object.room) put(upper, on_top, {at.x(), at.y(), object.top});
+    if (on_top.reach < 1.3 * object.room)
+      put(table, upper, on_top, {at.x(), at.y(), object.top}, draw.uniform(0, 2 * kPi));
   }
 }
 
-Table drawn_table(Random& draw) {
+/// What a stack is made of: the object, its class and how it stands.
+struct Stacked {
+  std::string name;
+  HouseholdObject object;
+  Vector3d at = Vector3d::Zero();
+  double yaw = 0;
+
+  double room() const { return std::max(object.room, object.foot); }
+};
+
+/// Up to four objects upon each other, each with its middle over the flat top of the one below. Half of them
+/// are turned like it.
+std::vector<Stacked> drawn_stack(Random& draw) {
+  static const std::vector<std::string> classes = {"book",   "bowl", "box", "box",    "can", "can",
+                                                   "carton", "cup",  "jar", "sponge", "tin", "tin"};
+  constexpr double kTallest = 0.36, kLeastRoom = 0.35;
+  std::vector<Stacked> stack;
+  const size_t most = 1 + draw.index(4);
+  for (int attempt = 0; attempt < 20 && stack.size() < most; ++attempt) {
+    Stacked next{classes[draw.index(classes.size())], {}, Vector3d::Zero(), draw.uniform(0, 2 * kPi)};
+    next.object = draw_household_object(next.name, draw);
+    const double turn = draw.uniform(0, 2 * kPi), aside = draw.uniform(0, 0.4);
+    const bool aligned = draw.uniform() < 0.5;
+    if (!stack.empty()) {
+      const Stacked& below = stack.back();
+      if (below.room() < kLeastRoom * next.object.reach) continue;
+      next.at = below.at + Vector3d(aside * below.room() * std::cos(turn),
+                                    aside * below.room() * std::sin(turn), below.object.top);
+      if (next.at.z() + next.object.top > kTallest) continue;
+      if (aligned) next.yaw = below.yaw;
+    }
+    stack.push_back(std::move(next));
+    if (stack.back().room() == 0) break;
+  }
+  return stack;
+}
+
+void add_stacks(Table& table, Random& draw) {
+  constexpr size_t kStacks = 5;
+  constexpr double kGap = 0.002;
+  TakenRoom taken;
+  for (int attempt = 0; attempt < 25 && taken.circles.size() < kStacks; ++attempt) {
+    const double x = draw.uniform(-0.32, 0.32);
+    const Vector2d at(x, draw.uniform(-0.25, 0.25));
+    const std::vector<Stacked> stack = drawn_stack(draw);
+    double reach = 0;
+    for (const Stacked& each : stack) reach = std::max(reach, each.at.head<2>().norm() + each.object.reach);
+    if (!taken.take(at, reach, kGap)) continue;
+    for (const Stacked& each : stack)
+      put(table, each.name, each.object, each.at + Vector3d(at.x(), at.y(), 0), each.yaw);
+  }
+}
+
+Table drawn_table(Random& draw, Arrangement arrangement) {
   Table table;
   table.scene.add("table", table_top(draw), Isometry3d::Identity());
-  add_objects(table, draw);
+  if (arrangement == Arrangement::stacked)
+    add_stacks(table, draw);
+  else
+    add_objects(table, draw);
   const double elevation = draw.uniform(15, 70) * kPi / 180, side = draw.uniform(-0.4, 0.4);
   const Vector3d from(side, -std::cos(elevation), std::sin(elevation));
-  const double distance = draw.uniform() < 0.6 ? draw.uniform(0.75, 1.3) : draw.uniform(1.3, 2.2);
+  double distance = draw.uniform() < 0.6 ? draw.uniform(0.75, 1.3) : draw.uniform(1.3, 2.2);
+  // Further below the camera a plane is taken for the floor.
+  constexpr double kHighest = 1.15;
+  if (arrangement == Arrangement::stacked) distance = std::min(distance, kHighest / std::sin(elevation));
   table.map_from_camera = looking_at(from.normalized() * distance, Vector3d::Zero());
   return table;
 }
@@ -107,7 +179,8 @@ cv::Mat lit(const RenderedView& view, const Isometry3d& map_from_camera, Random 
 
 }  // namespace
 
-HouseholdScenes::HouseholdScenes(size_t scenes, const Random& random) : random_(random) {
+HouseholdScenes::HouseholdScenes(size_t scenes, const Random& random, Arrangement arrangement)
+    : random_(random), arrangement_(arrangement) {
   info_.format = "simulated";
   info_.path = "household objects";
   info_.map_frame = "table";
@@ -120,7 +193,7 @@ HouseholdScenes::HouseholdScenes(size_t scenes, const Random& random) : random_(
 
 RgbdFrame HouseholdScenes::frame(size_t i) const {
   Random draw = random_.fork(i);
-  const Table table = drawn_table(draw);
+  const Table table = drawn_table(draw, arrangement_);
   classes_ = table.classes;
   RgbdFrame frame;
   frame.camera = info_.camera;

@@ -13,11 +13,15 @@ namespace loci::mapping {
 /// neighbours (their correlation falls linearly to nothing at 8 pixels).
 cv::Mat seen_through_window(const cv::Mat& depth, double focal_times_baseline, Random draw);
 
-/// Tables with drawn household objects, some upon others, before a Kinect at drawn distances, heights and in
-/// drawn light: endless examples for a classifier. Same seed, same bytes.
+/// How the objects of a table are put: apart from each other with now and then one on top, or as stacks of up
+/// to four that stand close.
+enum class Arrangement { spread, stacked };
+
+/// Tables with drawn household objects before a Kinect at drawn distances, heights and in drawn light:
+/// endless examples for a classifier. Same seed, same bytes.
 class HouseholdScenes : public Recording {
  public:
-  HouseholdScenes(size_t scenes, const Random& random);
+  HouseholdScenes(size_t scenes, const Random& random, Arrangement arrangement = Arrangement::spread);
 
   const RecordingInfo& info() const override { return info_; }
   size_t size() const override { return info_.frames; }
@@ -32,6 +36,7 @@ class HouseholdScenes : public Recording {
 
  private:
   Random random_;
+  Arrangement arrangement_;
   RecordingInfo info_;
   mutable cv::Mat labels_;
   mutable std::vector<std::string> classes_;

@@ -108,6 +108,7 @@ class HouseholdShapes {
   Random& draw_;
   ShapeBuilder builder_;
   double room_ = 0;                ///< of what stands upright
+  double foot_ = 0;                ///< of what is turned over
   bool any_side_ = false;          ///< a box: on any of its faces
   double lying_ = 0, turned_ = 0;  ///< probabilities
 };

@@ -105,6 +105,7 @@ void HouseholdShapes::bowl() {
   }
   const Rgba inside = chance(draw_, 0.6) ? color : glaze();
   hollow(outside, wall, printed(draw_, color, 2), inside);
+  foot_ = foot;
   turned_ = 0.25;
 }
 

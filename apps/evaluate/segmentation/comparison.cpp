@@ -15,6 +15,7 @@
 #include "mapping/recording/recording.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/io/labelled_recording.h"
+#include "perception/annotators/segmentation/object_clusters.h"
 #include "perception/pipeline/pipeline.h"
 
 namespace loci::apps::segmentation_evaluation {
@@ -34,6 +35,16 @@ std::map<int64_t, std::string> read_categories(const fs::path& folder) {
     categories[table.integer(row, static_cast<size_t>(scene))] =
         table.cell(row, static_cast<size_t>(category));
   return categories;
+}
+
+/// The objects of a label image (CV_16U).
+LabelledImage objects_of(const cv::Mat& raw) {
+  LabelledImage image{cv::Mat::zeros(raw.size(), CV_16U), raw > 0};
+  for (int v = 0; v < raw.rows; ++v)
+    for (int u = 0; u < raw.cols; ++u)
+      if (const int label = raw.at<uint16_t>(v, u); label >= 20)
+        image.object.at<uint16_t>(v, u) = static_cast<uint16_t>(label / 10 - 1);
+  return image;
 }
 
 /// Our segments and seconds of every frame, by the frame's name.
@@ -84,27 +95,57 @@ void ComparisonOptions::declare(OptionTable& table) {
 }
 
 LabelledImage read_labels(const fs::path& path) {
-  const cv::Mat raw = perception::read_label_image(path);
-  LabelledImage image{cv::Mat::zeros(raw.size(), CV_16U), raw > 0};
-  for (int v = 0; v < raw.rows; ++v)
-    for (int u = 0; u < raw.cols; ++u)
-      if (const int label = raw.at<uint16_t>(v, u); label >= 20)
-        image.object.at<uint16_t>(v, u) = static_cast<uint16_t>(label / 10 - 1);
-  return image;
+  return objects_of(perception::read_label_image(path));
 }
 
-Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::path& images,
-                   const ComparisonOptions& options, Progress& progress, Warnings& warnings) {
-  const std::shared_ptr<mapping::Recording> recording = mapping::open_recording(folder);
-  const std::map<std::string, fs::path> label_files = perception::find_label_images(folder);
-  const std::map<int64_t, std::string> categories = read_categories(folder);
-  if (label_files.empty())
+LabelledScenes open_labelled_scenes(const fs::path& folder) {
+  LabelledScenes scenes;
+  scenes.recording = mapping::open_recording(folder);
+  scenes.name = scenes.recording->info().path;
+  const std::map<std::string, fs::path> files = perception::find_label_images(folder);
+  if (files.empty())
     throw Error("there are no labels", {folder.string(), 0, {}},
                 "FRAME_label.png belongs beside FRAME_depth.png");
+  scenes.labels = [files](const std::string& frame) -> std::optional<LabelledImage> {
+    const auto file = files.find(frame);
+    if (file == files.end()) return std::nullopt;
+    return read_labels(file->second);
+  };
+  scenes.category = [categories = read_categories(folder)](const std::string& frame) {
+    const auto category = categories.find(perception::scene_number(frame));
+    return category == categories.end() ? std::string() : category->second;
+  };
+  return scenes;
+}
+
+LabelledScenes drawn_tables(mapping::Arrangement arrangement, int tables, int seed) {
+  const auto drawn = std::make_shared<mapping::HouseholdScenes>(
+      static_cast<size_t>(tables), Random(static_cast<uint64_t>(seed)), arrangement);
+  LabelledScenes scenes;
+  scenes.name = fmt::format("rendered tables, {}, seed {}",
+                            arrangement == mapping::Arrangement::stacked ? "stacks" : "objects apart", seed);
+  scenes.recording = drawn;
+  const mapping::HouseholdScenes* last = drawn.get();
+  scenes.labels = [last](const std::string&) -> std::optional<LabelledImage> {
+    LabelledImage image = objects_of(last->labels());
+    std::map<int, int> pixels;
+    for (const uint16_t object : cv::Mat_<uint16_t>(image.object)) ++pixels[object];
+    for (const auto& [object, count] : pixels)
+      if (object > 0 && count < perception::ClusterOptions().min_points)
+        image.judged.setTo(0, image.object == object);
+    return image;
+  };
+  scenes.category = [](const std::string&) { return std::string(); };
+  return scenes;
+}
+
+Comparison compare(const LabelledScenes& scenes, const fs::path& pipeline, const fs::path& images,
+                   const ComparisonOptions& options, Progress& progress, Warnings& warnings) {
+  const std::shared_ptr<mapping::Recording>& recording = scenes.recording;
   const std::map<std::string, Segmentation> found = ours(recording, pipeline, progress, warnings);
   std::vector<std::unique_ptr<Peer>> peers;
   Comparison comparison;
-  comparison.folder = recording->info().path;
+  comparison.folder = scenes.name;
   comparison.methods.push_back({"ours", {}, {}, {}});
   if (options.peers) {
     comparison.methods.push_back({"PCL EuclideanClusterExtraction", {}, {}, {}});
@@ -118,18 +159,17 @@ Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::p
   for (size_t i = 0; i < recording->size(); ++i) {
     const mapping::RgbdFrame frame = recording->frame(i);
     progress.check(static_cast<double>(i) / static_cast<double>(recording->size()), frame.name);
-    const auto label_file = label_files.find(frame.name);
-    if (label_file == label_files.end()) continue;
-    const LabelledImage truth = read_labels(label_file->second);
+    const std::optional<LabelledImage> labels = scenes.labels(frame.name);
+    if (!labels) continue;
+    const LabelledImage& truth = *labels;
     if (truth.object.size() != frame.depth.size())
-      throw Error("the label image is not as large as the depth image", {label_file->second.string(), 0, {}},
-                  "");
+      throw Error(fmt::format("the label image of frame {} is not as large as its depth image", frame.name),
+                  {scenes.name, 0, {}}, "");
     std::vector<Segmentation> results = {found.at(frame.name)};
     for (const auto& peer : peers) results.push_back(peer->segment(frame.depth, frame.camera.depth));
-    const auto category = categories.find(perception::scene_number(frame.name));
     FrameResult& judged = comparison.frames.emplace_back();
     judged.name = frame.name;
-    judged.category = category == categories.end() ? "" : category->second;
+    judged.category = scenes.category(frame.name);
     std::vector<cv::Mat> segments;
     for (size_t m = 0; m < results.size(); ++m) {
       MethodResult& method = comparison.methods[m];
@@ -145,7 +185,7 @@ Comparison compare(const fs::path& folder, const fs::path& pipeline, const fs::p
     mapping::write_image(images / (frame.name + ".png"), strip(color, truth.object, segments, 0.5));
   }
   if (comparison.frames.empty())
-    throw Error("no frame has labels", {folder.string(), 0, {}},
+    throw Error("no frame has labels", {scenes.name, 0, {}},
                 "labels are named after frames: FRAME_label.png");
   return comparison;
 }

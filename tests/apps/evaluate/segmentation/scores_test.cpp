@@ -60,7 +60,8 @@ TEST(SegmentationComparison, FindsStackedAndTouchingThingsAheadOfItsPeers) {
   NoProgress progress;
   Warnings warnings;
   const Comparison comparison =
-      compare(std::filesystem::path(LOCI_SOURCE_DIR) / "tests/data/blocks", {}, {}, {}, progress, warnings);
+      compare(open_labelled_scenes(std::filesystem::path(LOCI_SOURCE_DIR) / "tests/data/blocks"), {}, {}, {},
+              progress, warnings);
   ASSERT_EQ(comparison.frames.size(), 2U);
   ASSERT_EQ(comparison.methods.size(), 4U);
   const Scores& ours = comparison.methods[0].scores;
@@ -73,4 +74,22 @@ TEST(SegmentationComparison, FindsStackedAndTouchingThingsAheadOfItsPeers) {
 }
 
 }  // namespace
+TEST(SegmentationComparison, DrawsTheSameTablesFromASeed) {
+  NoProgress progress;
+  Warnings warnings;
+  ComparisonOptions options;
+  options.peers = false;
+  const auto judge = [&](int seed) {
+    return compare(drawn_tables(mapping::Arrangement::stacked, 2, seed), {}, {}, options, progress, warnings);
+  };
+  const Comparison first = judge(1), again = judge(1), other = judge(2);
+  ASSERT_EQ(first.frames.size(), 2U);
+  ASSERT_EQ(first.methods.size(), 1U);
+  const Scores& scores = first.methods[0].scores;
+  EXPECT_GT(scores.objects(), 4);
+  EXPECT_GT(scores.weighted_overlap(), 0.3);
+  EXPECT_EQ(scores.weighted_overlap(), again.methods[0].scores.weighted_overlap());
+  EXPECT_NE(scores.weighted_overlap(), other.methods[0].scores.weighted_overlap());
+}
+
 }  // namespace loci::apps::segmentation_evaluation
