@@ -97,7 +97,7 @@ struct Stacked {
 std::vector<Stacked> drawn_stack(Random& draw) {
   static const std::vector<std::string> classes = {"book",   "bowl", "box", "box",    "can", "can",
                                                    "carton", "cup",  "jar", "sponge", "tin", "tin"};
-  constexpr double kTallest = 0.36, kLeastRoom = 0.35;
+  constexpr double kMaxHeight = 0.36, kMinRoom = 0.35;
   std::vector<Stacked> stack;
   const size_t most = 1 + draw.index(4);
   for (int attempt = 0; attempt < 20 && stack.size() < most; ++attempt) {
@@ -107,10 +107,10 @@ std::vector<Stacked> drawn_stack(Random& draw) {
     const bool aligned = draw.uniform() < 0.5;
     if (!stack.empty()) {
       const Stacked& below = stack.back();
-      if (below.room() < kLeastRoom * next.object.reach) continue;
+      if (below.room() < kMinRoom * next.object.reach) continue;
       next.at = below.at + Vector3d(aside * below.room() * std::cos(turn),
                                     aside * below.room() * std::sin(turn), below.object.top);
-      if (next.at.z() + next.object.top > kTallest) continue;
+      if (next.at.z() + next.object.top > kMaxHeight) continue;
       if (aligned) next.yaw = below.yaw;
     }
     stack.push_back(std::move(next));
