@@ -147,7 +147,7 @@ void WorldActors::set(const mapping::World& world, const PreparedWorld& prepared
 
 void WorldActors::set_joints(const JointState& state) {
   if (world_.links.empty()) return;
-  const auto poses = root_from_links(world_, state);
+  const auto poses = root_from_links(world_, joints_of_world(world_, state));
   for (size_t i = 0; i < poses.size(); ++i) {
     links_[i].map_from_link = poses[i];
     const auto matrix = matrix_of(poses[i]);

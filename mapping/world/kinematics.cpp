@@ -90,6 +90,11 @@ Isometry3d joint_motion(const Joint& joint, double position) {
   return motion;
 }
 
+JointState joints_of_world(const World& world, JointState state) {
+  std::erase_if(state, [&](const auto& joint) { return world.find_joint(joint.first) == nullptr; });
+  return state;
+}
+
 std::vector<Isometry3d> root_from_links(const World& world, const JointState& state) {
   Index joints;
   for (size_t i = 0; i < world.joints.size(); ++i) joints.emplace(world.joints[i].name, i);

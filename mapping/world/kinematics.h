@@ -11,6 +11,10 @@ namespace loci::mapping {
 /// names an unknown joint or a value that is not finite is an Error.
 std::vector<Isometry3d> root_from_links(const World& world, const JointState& state);
 
+/// Those of a state's joints that the world has. A robot reports its own joints beside those of the
+/// furniture.
+JointState joints_of_world(const World& world, JointState state);
+
 /// Motion of a joint at a position: rotation about, or translation along, its axis (normalised here). Fixed
 /// joints do not move; floating and planar joints have no single position and stay at their origin.
 Isometry3d joint_motion(const Joint& joint, double position);

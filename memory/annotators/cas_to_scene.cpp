@@ -242,6 +242,7 @@ SceneRecord scene_record(const perception::types::SceneCas& cas, const mapping::
     const auto positions = joints.positions.get();
     for (size_t i = 0; i < names.size() && i < positions.size(); ++i)
       record.row.joints[names[i]] = positions[i];
+    if (world != nullptr) record.row.joints = joints_of_world(*world, std::move(record.row.joints));
     record.structures.push_back(joints);
   }
   read_camera(cas, scene, heads, record);

@@ -57,10 +57,7 @@ class MapMarkers {
     return markers;
   }
   /// Those of a recording's joints that the map has.
-  JointState known(JointState joints) const {
-    std::erase_if(joints, [&](const auto& joint) { return map_.find_joint(joint.first) == nullptr; });
-    return joints;
-  }
+  JointState known(JointState joints) const { return joints_of_world(map_, std::move(joints)); }
 
  private:
   mapping::World map_;

@@ -64,6 +64,9 @@ class Snapshot {
   std::vector<PlaceRow> find_places(const std::string& name) const;
   /// As find_places(); empty where the name means nothing.
   std::vector<PlaceRow> places_meant(const std::string& name) const;
+  /// A text with the names given by people that have an article in them as one word each: "where is my cup"
+  /// is "where is my_cup" where something is called "my cup", so that it does not mean any cup.
+  std::string with_names_joined(std::string text) const;
   /// Whether every word of a name means something by itself or with its neighbours.
   bool means_objects(const std::string& subject) const;
   /// A name without nouns that only say what its objects are for or in, where nothing is called by all its

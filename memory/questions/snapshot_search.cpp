@@ -127,7 +127,8 @@ std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
   take([&](const PlaceRow& place) { return lower_case(place.name) == name; });
   take([&](const PlaceRow& place) {
     return std::any_of(facts_.begin(), facts_.end(), [&](const FactRow& fact) {
-      return fact.place == place.id && fact.key == "alias" && lower_case(*fact.value) == name;
+      return fact.place == place.id && fact.key == "alias" &&
+             with_underscores(lower_case(*fact.value)) == joined;
     });
   });
   // What was renamed is found by its old name, too.
@@ -142,7 +143,7 @@ std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
 }
 
 std::vector<PlaceRow> Snapshot::places_meant(const std::string& asked) const {
-  std::vector<std::string> words = lower_case_words(asked);
+  std::vector<std::string> words = lower_case_words(with_names_joined(asked));
   while (words.size() > 1 && kFillers.contains(words.front())) words.erase(words.begin());
   std::vector<PlaceRow> found = places_called(phrase(words, 0));
   // "kitchen table" may be any table, "top drawer" not any drawer.
@@ -236,8 +237,9 @@ std::vector<Id> Snapshot::find_named(const std::string& word) const {
         found.push_back(*fact.object);
   };
   // Who was given a name is meant by it, not everything of that kind.
-  take_facts(
-      [&](const FactRow& fact, const std::string& value) { return fact.key == "alias" && value == word; });
+  take_facts([&](const FactRow& fact, const std::string& value) {
+    return fact.key == "alias" && (value == word || with_underscores(value) == word);
+  });
   if (!found.empty()) return unique(std::move(found));
   const std::set<std::string> meanings = taxonomy_.meanings(word);
   take_facts([&](const FactRow& fact, const std::string& value) {
@@ -375,6 +377,29 @@ std::vector<Id> Snapshot::find_longest_name(const std::vector<std::string>& word
   return matching;
 }
 
+std::string Snapshot::with_names_joined(std::string text) const {
+  std::vector<std::string> names;
+  for (const FactRow& fact : facts_) {
+    if (fact.key != "alias") continue;
+    const std::vector<std::string> words = lower_case_words(*fact.value);
+    if (words.size() > 1 &&
+        std::ranges::any_of(words, [](const auto& word) { return kFillers.contains(word); }))
+      names.push_back(phrase(words, 0));
+  }
+  std::ranges::sort(names, std::greater(), &std::string::size);
+  const auto in_word = [](const std::string& all, size_t i) {
+    return i < all.size() && (std::isalnum(static_cast<unsigned char>(all[i])) != 0 || all[i] == '_');
+  };
+  for (const std::string& name : names) {
+    const std::string lower = lower_case(text);
+    for (size_t at = lower.find(name); at != std::string::npos; at = lower.find(name, at + name.size())) {
+      if ((at > 0 && in_word(lower, at - 1)) || in_word(lower, at + name.size())) continue;
+      text.replace(at, name.size(), with_underscores(name));
+    }
+  }
+  return text;
+}
+
 std::optional<std::string> Snapshot::head_of(const std::string& subject) const {
   std::vector<std::string> words = lower_case_words(subject);
   const size_t said = words.size();
@@ -407,7 +432,7 @@ bool Snapshot::means_objects(const std::string& subject) const {
 }
 
 bool Snapshot::is_known_as(const std::string& subject) const {
-  std::vector<std::string> words = lower_case_words(subject);
+  std::vector<std::string> words = lower_case_words(with_names_joined(subject));
   std::erase_if(words,
                 [](const std::string& word) { return kFillers.contains(word) || is_superlative(word); });
   for (size_t next = 0; next < words.size();) {
@@ -434,7 +459,7 @@ std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
 }
 
 std::vector<Id> Snapshot::find_exactly(const std::string& subject) const {
-  std::vector<std::string> words = lower_case_words(subject);
+  std::vector<std::string> words = lower_case_words(with_names_joined(subject));
   std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
   std::vector<Id> found;
   if (!words.empty()) found = find_by_word(phrase(words, 0));

@@ -245,8 +245,14 @@ class Conversation {
         references_(store, question) {}
 
   NaturalLanguageAnswer answer(const std::string& sentence) {
-    NaturalLanguageAnswer answer = answer_by_rules(with_choices_joined(sentence));
+    NaturalLanguageAnswer answer = answer_with_names(snapshot_.with_names_joined(sentence));
     answer.sentence = sentence;
+    return answer;
+  }
+
+ private:
+  NaturalLanguageAnswer answer_with_names(const std::string& sentence) {
+    NaturalLanguageAnswer answer = answer_by_rules(with_choices_joined(sentence));
     // A name of several words that nothing is called by may be more than a name: "the bowl land".
     const bool failed = answer.query && answer.why_not && !answer.reply;
     const bool misplaced =
@@ -268,7 +274,6 @@ class Conversation {
     return answer;
   }
 
- private:
   /// What the rules make of a whole sentence.
   NaturalLanguageAnswer answer_by_rules(const std::string& sentence) {
     NaturalLanguageAnswer answer{.sentence = sentence};

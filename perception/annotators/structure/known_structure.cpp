@@ -133,16 +133,9 @@ JointState joints_of(const types::Scene& scene, const KnownMap& map, Warnings& w
   for (size_t i = 0; i < std::min(names.size(), positions.size()); ++i) {
     joints[names[i]] = positions[i];
     if (!map.world.find_joint(names[i]) && !map.robot_has_joint(names[i]))
-      warnings.add("the map has no joint '" + names[i] + "', which the recording moves");
+      warnings.add("the map has no joint '" + names[i] + "', which the recording moves: it is left out");
   }
   return joints;
-}
-
-JointState joints_of_map(const JointState& joints, const mapping::World& world) {
-  JointState known;
-  for (const auto& [name, position] : joints)
-    if (world.find_joint(name)) known[name] = position;
-  return known;
 }
 
 void add_region(const types::SceneCas& scene, const Region& region, const cv::Mat& labels, int label,
@@ -421,7 +414,7 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
     return;
   }
   const JointState all_joints = joints_of(scene, *map_, context.warnings);
-  JointState joints = joints_of_map(all_joints, map_->world);
+  JointState joints = joints_of_world(map_->world, all_joints);
   map_->scene.set_joints(map_->part, joints);
   map_->hide_robots();
   const cv::Mat points = cloud_points(facade);

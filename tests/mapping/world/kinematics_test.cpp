@@ -55,6 +55,10 @@ TEST(Kinematics, UnknownJointIsRefusedWithTheNearestName) {
   EXPECT_THROW(root_from_links(arm(), {{"shoulder", std::nan("")}}), Error);
 }
 
+TEST(Kinematics, AStateIsReducedToTheJointsOfTheWorld) {
+  EXPECT_EQ(joints_of_world(arm(), {{"head_pan", 0.3}, {"shoulder", 0.1}}), (JointState{{"shoulder", 0.1}}));
+}
+
 TEST(Kinematics, UnknownLinkIsRefusedWithTheNearestName) {
   try {
     arm().link_index("uper");

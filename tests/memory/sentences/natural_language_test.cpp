@@ -206,6 +206,27 @@ TEST_F(NaturalLanguage, NamesOfSeveralWordsAndPluralsReadWell) {
   EXPECT_THAT(say("Were the tomatoes on the counter at 8:30?").reply->text, HasSubstr("tomatoes were on"));
 }
 
+TEST_F(NaturalLanguage, ANameWithAPronounMeansWhoeverWasGivenIt) {
+  store_.reset();
+  {
+    Store store = Store::open_write(file_);
+    set_fact(store, "object_2", "alias", "my cup");
+    set_fact(store, "table_1", "alias", "our table");
+  }
+  store_.emplace(Store::open_read(file_));
+  const auto found = [&](const char* sentence) {
+    std::vector<Id> ids;
+    for (const auto& location : say(sentence).answer->get<WhereAnswer>().objects)
+      ids.push_back(location.object.id);
+    return ids;
+  };
+  EXPECT_THAT(found("Where is my cup?"), testing::ElementsAre(2));
+  EXPECT_THAT(found("where did I leave My  Cup"), testing::ElementsAre(2));
+  EXPECT_THAT(found("Where is my tea cup?"), testing::ElementsAre(1));
+  EXPECT_THAT(ask(*store_, WhereQuestion{"my cup"}).objects, testing::SizeIs(1));
+  EXPECT_EQ(say("What is on our table?").answer->get<ContentsAnswer>().places.at(0).place.name, "table_1");
+}
+
 TEST_F(NaturalLanguage, NoLongerIsTheOppositeAndALookHasAnAge) {
   EXPECT_EQ(say("Is the red thing no longer on the table?").reply->text, "Yes: the tea cup is on counter_1.");
   EXPECT_EQ(say("Is the red thing no longer on the counter?").reply->verdict, Verdict::no);
