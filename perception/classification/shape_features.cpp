@@ -18,19 +18,26 @@ struct FeatureDelegate {
   std::vector<float> (*compute)(const SurfacePoints&);
 };
 
-constexpr std::array<FeatureDelegate, 13> kDelegates = {
+constexpr std::array<FeatureDelegate, 20> kDelegates = {
     {{"VFH", "VFHSignature308", feature_delegates::vfh},
      {"CVFH", "CVFHSignature308", feature_delegates::cvfh},
      {"OURCVFH", "OURCVFHSignature308", feature_delegates::our_cvfh},
      {"ESF", "ESFSignature640", feature_delegates::esf},
      {"GRSD", "GRSDSignature21", feature_delegates::grsd},
+     {"RSD", "PrincipalRadiiRSD2", feature_delegates::rsd},
+     {"CRH", "CameraRollHistogram90", feature_delegates::crh},
      {"PFH", "PFHSignature125", feature_delegates::pfh},
+     {"PFHRGB", "PFHRGBSignature250", feature_delegates::pfh_rgb},
      {"FPFH", "FPFHSignature33", feature_delegates::fpfh},
      {"SHOT", "SHOT352", feature_delegates::shot},
+     {"ColorSHOT", "SHOT1344", feature_delegates::color_shot},
      {"USC", "UniqueShapeContext1960", feature_delegates::usc},
+     {"3DSC", "ShapeContext1980", feature_delegates::shape_context},
      {"GASD", "GASDSignature512", feature_delegates::gasd},
      {"RIFT", "RIFT32", feature_delegates::rift},
      {"SpinImage", "SpinImage153", feature_delegates::spin_image},
+     {"Moments", "MomentInvariants3", feature_delegates::moments},
+     {"Curvatures", "PrincipalCurvatures2", feature_delegates::curvatures},
      {"GaussImage", "GaussImage12", feature_delegates::gauss_image}}};
 
 const FeatureDelegate& delegate(const std::string& name) {
@@ -60,18 +67,17 @@ SurfacePoints thinned_surface(const SurfacePoints& surface) {
   for (size_t first = 0; first < order.size();) {
     Eigen::Vector3f point = Eigen::Vector3f::Zero();
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-    float brightness = 0;
+    Eigen::Vector3f color = Eigen::Vector3f::Zero();
     size_t last = first;
     for (; last < order.size() && order[last].first == order[first].first; ++last) {
       point += surface.points[order[last].second];
       normal += surface.normals[order[last].second];
-      if (!surface.brightness.empty()) brightness += surface.brightness[order[last].second];
+      if (!surface.colors.empty()) color += surface.colors[order[last].second];
     }
     if (normal.norm() > 0) {
       thin.points.emplace_back(point / static_cast<float>(last - first));
       thin.normals.emplace_back(normal.normalized());
-      if (!surface.brightness.empty())
-        thin.brightness.push_back(brightness / static_cast<float>(last - first));
+      if (!surface.colors.empty()) thin.colors.emplace_back(color / static_cast<float>(last - first));
     }
     first = last;
   }

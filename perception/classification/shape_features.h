@@ -12,7 +12,7 @@ namespace loci::perception {
 struct SurfacePoints {
   std::vector<Eigen::Vector3f> points;
   std::vector<Eigen::Vector3f> normals;
-  std::vector<float> brightness{};  ///< 0 to 255, as many; empty = not known
+  std::vector<Eigen::Vector3f> colors{};  ///< blue, green, red, 0 to 255, as many; empty = not known
 };
 
 /// What an object stands on, in the frame of the points: up·x = ground on it.
@@ -33,9 +33,10 @@ std::string shape_feature_signature(const std::string& name);
 
 /// One vector that describes the whole surface, computed with PCL (but for GaussImage) after the points were
 /// thinned to one for each cell of 5 mm (points without a normal are left out). Descriptors of single points
-/// (FPFH, SHOT, USC, RIFT, spin images) are averaged over points spread over the surface, those of parts
-/// (CVFH, OUR-CVFH) over the parts; PFH is taken of all pairs of points. The same bytes for the same points.
-/// Empty when there is no brightness for RIFT, and when there are too few points.
+/// (FPFH, SHOT, ColorSHOT, USC, 3DSC, RIFT, RSD, spin images, moments, curvatures) are averaged over points
+/// spread over the surface, those of parts (CVFH, OUR-CVFH) over the parts; PFH and PFHRGB are taken of all
+/// pairs of points. The same bytes for the same points. Empty when there are no colours for RIFT, PFHRGB and
+/// ColorSHOT, and when there are too few points.
 std::vector<float> shape_feature(const std::string& name, const SurfacePoints& surface);
 
 }  // namespace loci::perception

@@ -53,15 +53,16 @@ void annotate_local(cas::Cas& cas, const types::Cluster& cluster, const std::str
   cluster.annotations.push_back(annotation);
 }
 
-/// Brightness of the colour image where each point falls on it; empty when the scene has none.
-std::vector<float> brightness_of(const types::SceneCas& scene, const std::vector<Eigen::Vector3f>& points) {
+/// Colour of the image where each point falls on it, black outside; empty when the scene has none.
+std::vector<Eigen::Vector3f> colors_of(const types::SceneCas& scene,
+                                       const std::vector<Eigen::Vector3f>& points) {
   if (!scene.has(types::SceneCas::kColor) || !scene.has_camera("color") || !scene.has_camera("depth"))
     return {};
   const cv::Mat image = types::view_image(scene, types::SceneCas::kColor);
   if (image.type() != CV_8UC3) return {};
   const mapping::RgbdCamera camera = types::cameras(scene);
   const Isometry3d color_from_depth = camera.depth_from_color.inverse();
-  std::vector<float> brightness;
+  std::vector<Eigen::Vector3f> colors;
   for (const Eigen::Vector3f& point : points) {
     const Vector3d in_color = color_from_depth * point.cast<double>();
     const bool before = in_color.z() > 0;
@@ -69,9 +70,9 @@ std::vector<float> brightness_of(const types::SceneCas& scene, const std::vector
     const cv::Point pixel(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
     const bool inside = before && cv::Rect({}, image.size()).contains(pixel);
     const cv::Vec3b color = inside ? image.at<cv::Vec3b>(pixel) : cv::Vec3b();
-    brightness.push_back(0.114f * color[0] + 0.587f * color[1] + 0.299f * color[2]);
+    colors.emplace_back(color[0], color[1], color[2]);
   }
-  return brightness;
+  return colors;
 }
 
 std::string joined(const Ensemble& model, const std::string& between,
@@ -120,7 +121,7 @@ SurfacePoints cluster_surface(const types::SceneCas& scene, const types::Cluster
     surface.points.emplace_back(points[static_cast<size_t>(index)].getVector3fMap());
     surface.normals.emplace_back(normals[static_cast<size_t>(index)].getNormalVector3fMap());
   }
-  surface.brightness = brightness_of(scene, surface.points);
+  surface.colors = colors_of(scene, surface.points);
   return surface;
 }
 

@@ -10,8 +10,8 @@
 
 namespace loci::perception {
 
-/// What a cluster shows of its surface: points with normals in the camera frame, with the brightness of the
-/// colour image where there is one.
+/// What a cluster shows of its surface: points with normals in the camera frame, with the colours of the
+/// image where there is one.
 SurfacePoints cluster_surface(const types::SceneCas& scene, const types::Cluster& cluster);
 
 /// What it shows: its surface where the scene has a cloud, its image where it has one.

@@ -1,4 +1,6 @@
+#include <pcl/common/centroid.h>
 #include <pcl/console/print.h>
+#include <pcl/features/crh.h>
 #include <pcl/features/cvfh.h>
 #include <pcl/features/gasd.h>
 #include <pcl/features/grsd.h>
@@ -100,6 +102,16 @@ std::vector<float> gasd(const SurfacePoints& surface) {
   pcl::GASDEstimation<pcl::PointXYZ, pcl::GASDSignature512> estimator;
   estimator.setInputCloud(clouds.points);
   return mean_histogram<pcl::GASDSignature512>(estimator);
+}
+
+std::vector<float> crh(const SurfacePoints& surface) {
+  const PclClouds clouds(surface);
+  Eigen::Vector4f centroid;
+  pcl::compute3DCentroid(*clouds.points, centroid);
+  pcl::CRHEstimation<pcl::PointXYZ, pcl::Normal, pcl::Histogram<90>> estimator;
+  prepare(estimator, clouds);
+  estimator.setCentroid(centroid);
+  return mean_histogram<pcl::Histogram<90>>(estimator);
 }
 
 std::vector<float> grsd(const SurfacePoints& surface) {

@@ -42,7 +42,7 @@ std::vector<float> mean_of(const Cloud& signatures, const Values& values_of) {
   std::vector<float> mean;
   size_t count = 0;
   for (const auto& signature : signatures) {
-    const auto& values = values_of(signature);
+    const auto& values = values_of(signature);  // a reference, or a value whose life this prolongs
     if (!std::all_of(std::begin(values), std::end(values), [](float value) { return std::isfinite(value); }))
       continue;
     mean.resize(static_cast<size_t>(std::end(values) - std::begin(values)), 0.0f);

@@ -1,11 +1,15 @@
 #include <pcl/console/print.h>
+#include <pcl/features/3dsc.h>
 #include <pcl/features/fpfh.h>
-#include <pcl/features/intensity_gradient.h>
-#include <pcl/features/rift.h>
+#include <pcl/features/moment_invariants.h>
+#include <pcl/features/principal_curvatures.h>
+#include <pcl/features/rsd.h>
 #include <pcl/features/shot.h>
 #include <pcl/features/spin_image.h>
 #include <pcl/features/usc.h>
 #include <pcl/keypoints/iss_3d.h>
+
+#include <array>
 
 #include "perception/classification/features/pcl_clouds.h"
 
@@ -108,35 +112,62 @@ std::vector<float> usc(const SurfacePoints& surface) {
       signatures, [](const auto& signature) -> const auto& { return signature.descriptor; });
 }
 
-std::vector<float> rift(const SurfacePoints& surface) {
-  constexpr double kRadius = 0.03;
-  constexpr int kDistances = 4, kAngles = 8;
-  if (surface.brightness.empty()) return {};
+std::vector<float> shape_context(const SurfacePoints& surface) {
+  constexpr double kRadius = 0.04;
   const PclClouds clouds(surface);
-  auto shaded = std::make_shared<pcl::PointCloud<pcl::PointXYZI>>();
-  for (size_t i = 0; i < surface.points.size(); ++i) {
-    const Eigen::Vector3f& p = surface.points[i];
-    shaded->push_back(pcl::PointXYZI(p.x(), p.y(), p.z(), surface.brightness[i]));
-  }
-  auto tree = std::make_shared<pcl::search::KdTree<pcl::PointXYZI>>();
-  auto gradients = std::make_shared<pcl::PointCloud<pcl::IntensityGradient>>();
-  pcl::IntensityGradientEstimation<pcl::PointXYZI, pcl::Normal, pcl::IntensityGradient> slopes;
-  slopes.setInputCloud(shaded);
-  slopes.setInputNormals(clouds.normals);
-  slopes.setSearchMethod(tree);
-  slopes.setRadiusSearch(kRadius / 2);
-  slopes.setNumberOfThreads(1);
-  slopes.compute(*gradients);
-  pcl::RIFTEstimation<pcl::PointXYZI, pcl::IntensityGradient, pcl::Histogram<kDistances * kAngles>> estimator;
-  estimator.setInputCloud(shaded);
-  estimator.setInputGradient(gradients);
-  estimator.setSearchMethod(tree);
+  // Its directions about the normal are drawn, by default from the same seed.
+  pcl::ShapeContext3DEstimation<pcl::PointXYZ, pcl::Normal, pcl::ShapeContext1980> estimator;
+  prepare(estimator, clouds);
+  estimator.setIndices(some_of(clouds, kFew));
+  estimator.setSearchSurface(clouds.points);
   estimator.setRadiusSearch(kRadius);
-  estimator.setNrDistanceBins(kDistances);
-  estimator.setNrGradientBins(kAngles);
+  estimator.setMinimalRadius(kRadius / 10);
+  estimator.setPointDensityRadius(kRadius / 5);
+  pcl::PointCloud<pcl::ShapeContext1980> signatures;
+  estimator.compute(signatures);
+  return mean_of(
+      signatures, [](const auto& signature) -> const auto& { return signature.descriptor; });
+}
+
+std::vector<float> rsd(const SurfacePoints& surface) {
+  constexpr double kRadius = 0.02, kPlane = 0.2;
+  const PclClouds clouds(surface);
+  pcl::RSDEstimation<pcl::PointXYZ, pcl::Normal, pcl::PrincipalRadiiRSD> estimator;
+  prepare(estimator, clouds);
   estimator.setIndices(some_of(clouds, kSpread));
-  estimator.setSearchSurface(shaded);
-  return mean_histogram<pcl::Histogram<kDistances * kAngles>>(estimator);
+  estimator.setSearchSurface(clouds.points);
+  estimator.setRadiusSearch(kRadius);
+  estimator.setPlaneRadius(kPlane);
+  pcl::PointCloud<pcl::PrincipalRadiiRSD> radii;
+  estimator.compute(radii);
+  return mean_of(radii, [](const auto& at) { return std::array{at.r_min, at.r_max}; });
+}
+
+std::vector<float> moments(const SurfacePoints& surface) {
+  constexpr double kRadius = 0.025;
+  const PclClouds clouds(surface);
+  pcl::MomentInvariantsEstimation<pcl::PointXYZ, pcl::MomentInvariants> estimator;
+  estimator.setInputCloud(clouds.points);
+  estimator.setSearchMethod(clouds.tree);
+  estimator.setIndices(some_of(clouds, kSpread));
+  estimator.setSearchSurface(clouds.points);
+  estimator.setRadiusSearch(kRadius);
+  pcl::PointCloud<pcl::MomentInvariants> invariants;
+  estimator.compute(invariants);
+  return mean_of(invariants, [](const auto& at) { return std::array{at.j1, at.j2, at.j3}; });
+}
+
+std::vector<float> curvatures(const SurfacePoints& surface) {
+  constexpr double kRadius = 0.02;
+  const PclClouds clouds(surface);
+  pcl::PrincipalCurvaturesEstimation<pcl::PointXYZ, pcl::Normal, pcl::PrincipalCurvatures> estimator;
+  prepare(estimator, clouds);
+  estimator.setIndices(some_of(clouds, kSpread));
+  estimator.setSearchSurface(clouds.points);
+  estimator.setRadiusSearch(kRadius);
+  pcl::PointCloud<pcl::PrincipalCurvatures> signatures;
+  estimator.compute(signatures);
+  return mean_of(signatures, [](const auto& at) { return std::array{at.pc1, at.pc2}; });
 }
 
 std::vector<float> spin_image(const SurfacePoints& surface) {

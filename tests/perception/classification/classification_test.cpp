@@ -37,7 +37,8 @@ SurfacePoints seen(bool round, double size, double turn, Random random) {
           (centre + point + 0.001 * Eigen::Vector3d(random.normal(), random.normal(), random.normal()))
               .cast<float>());
       surface.normals.emplace_back(normal.cast<float>());
-      surface.brightness.push_back(static_cast<float>(100 + 50 * std::sin(0.7 * i) * std::cos(0.9 * j)));
+      surface.colors.emplace_back(40.0f, static_cast<float>(100 + 50 * std::sin(0.7 * i) * std::cos(0.9 * j)),
+                                  150.0f);
     }
   return surface;
 }
@@ -80,10 +81,11 @@ TEST(ShapeFeatures, every_descriptor_has_the_length_of_its_name_and_is_the_same_
   }
 }
 
-TEST(ShapeFeatures, what_rests_on_brightness_needs_it) {
+TEST(ShapeFeatures, what_rests_on_colors_needs_them) {
   SurfacePoints surface = seen(true, 0.05, 0, Random(3));
-  surface.brightness.clear();
-  EXPECT_TRUE(shape_feature("RIFT", surface).empty());
+  surface.colors.clear();
+  for (const char* name : {"RIFT", "PFHRGB", "ColorSHOT"})
+    EXPECT_TRUE(shape_feature(name, surface).empty()) << name;
   EXPECT_FALSE(shape_feature("OURCVFH", surface).empty());
 }
 
@@ -105,7 +107,7 @@ TEST(ShapeFeatures, points_without_normal_do_not_count) {
   const std::vector<float> before = shape_feature("PFH", surface);
   surface.points.emplace_back(0.0f, 0.0f, 0.9f);
   surface.normals.emplace_back(Eigen::Vector3f::Constant(std::nanf("")));
-  surface.brightness.push_back(0);
+  surface.colors.emplace_back(0.0f, 0.0f, 0.0f);
   EXPECT_EQ(shape_feature("PFH", surface), before);
 }
 
