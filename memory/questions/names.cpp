@@ -4,6 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <set>
+
+#include "mapping/base/text.h"
 
 namespace loci::memory {
 namespace {
@@ -47,9 +50,16 @@ std::string Names::of(const ObjectRef& object) const {
   return object.label ? name + " " + object.name : *object.color + " " + object.name;
 }
 
+std::string with_article(const std::string& name) {
+  static const std::set<std::string> determiners = {"the",  "a",   "an",  "my",    "our",
+                                                    "your", "his", "her", "their", "its"};
+  const std::string first = lower_case(name.substr(0, name.find(' ')));
+  return determiners.contains(first) || first.ends_with("'s") ? name : "the " + name;
+}
+
 std::string Names::subject(const ObjectRef& object) const {
   const std::string name = of(object);
-  return name == object.name ? name : "the " + name;
+  return name == object.name ? name : with_article(name);
 }
 
 std::string name_in_words(const std::string& place) {

@@ -15,13 +15,15 @@ class Names {
   /// The best name known, without an article: alias, product or class, else the colour ("red object"), with
   /// the shortest qualifier that tells it from others of that name: colour, place, or id.
   std::string of(const ObjectRef& object) const;
-  /// As the subject of a sentence: "the milk", "object_4".
+  /// As the subject of a sentence: "the milk", "my cup", "object_4".
   std::string subject(const ObjectRef& object) const;
 
  private:
   const Snapshot& snapshot_;
 };
 
+/// "the milk", and "my cup" as it is.
+std::string with_article(const std::string& name);
 /// "on table_1", "in drawer_1".
 std::string in_words(const PlaceRef& place);
 /// "drawer_1" for drawer_1_bottom.

@@ -59,6 +59,21 @@ std::string with_agreement(const std::string& text) {
   return result;
 }
 
+/// What is beyond the length of a reply's sentence begins its evidence, if a semicolon divides it.
+void divide(Reply& reply) {
+  if (length_of(reply.text) <= kMaxReplyLength) return;
+  for (size_t at = reply.text.rfind("; "); at != std::string::npos && at > 0;
+       at = reply.text.rfind("; ", at - 1)) {
+    const std::string sentence = reply.text.substr(0, at) + ".";
+    if (length_of(sentence) > kMaxReplyLength) continue;
+    std::string rest = reply.text.substr(at + 2);
+    if (rest.ends_with('.')) rest.pop_back();
+    reply.evidence.insert(reply.evidence.begin(), std::move(rest));
+    reply.text = sentence;
+    return;
+  }
+}
+
 }  // namespace
 
 std::string shortened(const std::string& text, size_t length) {
@@ -77,7 +92,9 @@ Reply Answer::reply(const ReplyContext& context) const {
   if (!reply.text.empty() && reply.text[0] >= 'a' && reply.text[0] <= 'z' &&
       !reply.text.starts_with("object_"))
     reply.text[0] = static_cast<char>(reply.text[0] - 'a' + 'A');
-  reply.text = shortened(with_agreement(reply.text));
+  reply.text = with_agreement(reply.text);
+  divide(reply);
+  reply.text = shortened(reply.text);
   if (reply.evidence.size() > kMaxEvidenceLines) reply.evidence.resize(kMaxEvidenceLines);
   for (std::string& line : reply.evidence) line = shortened(with_agreement(line), 2 * kMaxReplyLength);
   return reply;

@@ -378,6 +378,7 @@ std::vector<Id> Snapshot::find_longest_name(const std::vector<std::string>& word
 }
 
 std::string Snapshot::with_names_joined(std::string text) const {
+  text = phrase(words_of(text), 0);
   std::vector<std::string> names;
   for (const FactRow& fact : facts_) {
     if (fact.key != "alias") continue;

@@ -11,6 +11,7 @@
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
 #include "memory/questions/map_names.h"
+#include "memory/questions/names.h"
 #include "memory/questions/objects.h"
 #include "memory/questions/snapshot.h"
 #include "memory/sentences/coordination.h"
@@ -570,7 +571,7 @@ Json to_json(const NaturalLanguageAnswer& answer) {
 std::vector<std::string> suggested_questions(const Store& store) {
   std::vector<std::string> suggestions;
   const auto name = [](const ObjectRef& object) {
-    return object.label ? "the " + *object.label : object.name;
+    return object.label ? with_article(*object.label) : object.name;
   };
   const std::vector<ObjectBelief> objects = ask(store, ObjectsQuestion{}).objects;
   if (!objects.empty()) suggestions.push_back(fmt::format("Where is {}?", name(objects.front().object)));

@@ -284,6 +284,20 @@ TEST_F(Questions, WasAtAMomentIsWhatTheBeliefSaysOfIt) {
   EXPECT_THAT(elsewhere.text, HasSubstr("was on counter_1, seen there at 09:30"));
 }
 
+TEST_F(Questions, WhatASentenceHasNoRoomForBeginsItsEvidence) {
+  const Query query{.question = "was",
+                    .arguments = {{"object", "blue"},
+                                  {"place", "table_1"},
+                                  {"from", "2026-05-01 08:20"},
+                                  {"to", "2026-05-01 08:40"}},
+                    .asks = Asks::verdict};
+  const TimeWriter times(*store_);
+  const Reply reply =
+      ask(*store_, query, {}).reply({.store = *store_, .query = query, .as_of = {}, .times = times});
+  EXPECT_THAT(reply.text, testing::EndsWith("it was out of view in the one scene of that time."));
+  EXPECT_THAT(reply.evidence.at(0), testing::StartsWith("it is believed to have been there ("));
+}
+
 TEST_F(Questions, WasOfAnUndescribedContainerThatNobodyOpenedIsNotObserved) {
   EXPECT_EQ(was("yellow", "drawer_1", "08:00", "09:40").verdict, Verdict::not_observed);
   EXPECT_EQ(was("yellow", "drawer_1", "10:00", "11:00").verdict, Verdict::yes);

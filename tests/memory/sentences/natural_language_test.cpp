@@ -215,13 +215,14 @@ TEST_F(NaturalLanguage, ANameWithAPronounMeansWhoeverWasGivenIt) {
   }
   store_.emplace(Store::open_read(file_));
   const auto found = [&](const char* sentence) {
+    const NaturalLanguageAnswer answer = say(sentence);
     std::vector<Id> ids;
-    for (const auto& location : say(sentence).answer->get<WhereAnswer>().objects)
-      ids.push_back(location.object.id);
+    for (const auto& location : answer.answer->get<WhereAnswer>().objects) ids.push_back(location.object.id);
     return ids;
   };
   EXPECT_THAT(found("Where is my cup?"), testing::ElementsAre(2));
   EXPECT_THAT(found("where did I leave My  Cup"), testing::ElementsAre(2));
+  EXPECT_THAT(say("Where is my cup?").reply->text, testing::StartsWith("My cup is "));
   EXPECT_THAT(found("Where is my tea cup?"), testing::ElementsAre(1));
   EXPECT_THAT(ask(*store_, WhereQuestion{"my cup"}).objects, testing::SizeIs(1));
   EXPECT_EQ(say("What is on our table?").answer->get<ContentsAnswer>().places.at(0).place.name, "table_1");
