@@ -216,8 +216,12 @@ TEST_F(NaturalLanguage, ANameWithAPronounMeansWhoeverWasGivenIt) {
   store_.emplace(Store::open_read(file_));
   const auto found = [&](const char* sentence) {
     std::vector<Id> ids;
-    for (const auto& location : say(sentence).answer->get<WhereAnswer>().objects)
-      ids.push_back(location.object.id);
+    const NaturalLanguageAnswer answer = say(sentence);
+    if (!answer.answer) {
+      ADD_FAILURE() << sentence << "\n" << text(answer);
+      return ids;
+    }
+    for (const auto& location : answer.answer->get<WhereAnswer>().objects) ids.push_back(location.object.id);
     return ids;
   };
   EXPECT_THAT(found("Where is my cup?"), testing::ElementsAre(2));
