@@ -58,6 +58,14 @@ std::optional<TimeSpan> last_change(const Store& store, const std::string& subje
   return last;
 }
 
+/// How many there are of what words mean.
+size_t number_of(const Snapshot& snapshot, const std::string& subject) {
+  return static_cast<size_t>(std::ranges::count_if(snapshot.find_objects(subject), [&](Id id) {
+    const BeliefRow* belief = snapshot.belief(id);
+    return belief != nullptr && belief->status != ObjectStatus::gone;
+  }));
+}
+
 size_t number_on(const Store& store, const std::string& place, AsOf as_of) {
   size_t number = 0;
   for (const PlaceContents& contents : ask(store, ContentsQuestion{.place = place, .as_of = as_of}).places)
@@ -80,7 +88,8 @@ Verdict verdict_of(const ComparisonAnswer& answer) {
   if (answer.by == "distance") return all[1].value ? Verdict::yes : Verdict::not_observed;
   const Compared &a = all[answer.by == "nearer" ? 1 : 0], &b = all[answer.by == "nearer" ? 2 : 1];
   if (!a.value || !b.value) return Verdict::not_observed;
-  const bool more = answer.by == "bigger" || answer.by == "taller" || answer.by == "more";
+  const bool more =
+      answer.by == "bigger" || answer.by == "taller" || answer.by == "more" || answer.by == "more-objects";
   return verdict_of(more ? *a.value > *b.value : *a.value < *b.value);
 }
 
@@ -94,6 +103,7 @@ std::string value_text(const std::string& by, const Compared& one, const TimeWri
   }
   if (!one.value) return "not known";
   if (is_of_size(by) && !is_of_height(by)) return fmt::format("{:.2g} l", kLitres * *one.value);
+  if (by == "more-objects") return fmt::format("{:.0f}", *one.value);
   if (by == "more") return fmt::format("{:.0f} {}", *one.value, *one.value == 1 ? "object" : "objects");
   return fmt::format("{:.0f} cm", 100 * *one.value);
 }
@@ -107,6 +117,8 @@ std::string statement(const ComparisonAnswer& answer, const std::vector<std::str
   if (answer.by == "nearer")
     return fmt::format("{} is {} from {} and {} from {}", names[0], value(1), names[1], value(2), names[2]);
   if (answer.by == "more") return fmt::format("{} on {}, {} on {}", value(0), names[0], value(1), names[1]);
+  if (answer.by == "more-objects")
+    return fmt::format("{} × {}, {} × {}", value(0), names[0], value(1), names[1]);
   if (is_of_height(answer.by))
     return fmt::format("{} is {} high, {} {}", names[0], value(0), names[1], value(1));
   const std::string verb = answer.by == "left-before"    ? "left"
@@ -134,6 +146,11 @@ ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question) {
     if (question.by == "more") {
       answer.compared.push_back({.name = name_in_words(snapshot.find_places(subject).front().name)});
       answer.compared.back().value = static_cast<double>(number_on(store, subject, question.as_of));
+      continue;
+    }
+    if (question.by == "more-objects") {
+      answer.compared.push_back({.name = subject});
+      answer.compared.back().value = static_cast<double>(number_of(snapshot, subject));
       continue;
     }
     Compared one = compared_object(snapshot, subject);
@@ -201,57 +218,59 @@ void write_reply(const ComparisonAnswer& answer, const ReplyContext& context, Re
 std::vector<Question> comparison_questions() {
   const auto by = [](const char* what) { return std::map<std::string, std::string>{{"by", what}}; };
   using enum Asks;
-  return {{.name = "compare",
-           .description =
-               "Two objects against each other: distance, size, what left or moved first; or two places",
-           .parameters =
-               {{.name = "object",
-                 .type = ParameterType::spot,
-                 .help = "An object; for more a place",
-                 .positional = true,
-                 .required = true},
-                {.name = "with", .type = ParameterType::spot, .help = "The other one", .required = true},
-                {.name = "than", .type = ParameterType::object, .help = "Nearer than to this object"},
-                {.name = "by",
-                 .help = "What is compared",
-                 .default_text = "distance",
-                 .choices = {"distance", "nearer", "bigger", "smaller", "taller", "shorter", "left-before",
-                             "moved-before", "more"}}},
-           .asks = verdict,
-           .examples = {"green --with red", "green --with red --by bigger --json"},
-           .run = [](const Arguments& given) -> Answer {
-             ComparisonQuestion question{.subject = given.text("object"),
-                                         .with = given.text("with"),
-                                         .than = given.text("than"),
-                                         .as_of = given.as_of()};
-             if (!given.text("by").empty()) question.by = given.text("by");
-             return ask(given.store(), question);
-           },
-           .sentences = {{"howfar: <object> from<with> [away|apart]", property,
-                          "How far is the tea from the oil?", by("distance")},
-                         {"howfar: <object> and<with> [apart|away|from]", property, "", by("distance")},
-                         {"what|bare: distance between<object> and<with>", property, "", by("distance")},
-                         {"what|bare: distance from<object> to<with>", property, "", by("distance")},
-                         {"what|bare: distance of<object> to<with>", property, "", by("distance")},
-                         {"yes|bare: nearer|nearest <object> to<with> than<than>", verdict,
-                          "Is the tea nearer to the oil than the pot?", by("nearer")},
-                         {"yes|what: nearer|nearest <object> to<with> to<than>", objects,
-                          "Is the tea nearer to the oil or to the pot?", by("nearer")},
-                         {"yes|bare: bigger <object> than<with>", verdict, "Is the pot bigger than the cup?",
-                          by("bigger")},
-                         {"yes|bare: smaller <object> than<with>", verdict, "", by("smaller")},
-                         {"yes|bare: taller <object> than<with>", verdict, "Is the milk taller than the oil?",
-                          by("taller")},
-                         {"yes|bare: shorter <object> than<with>", verdict, "", by("shorter")},
-                         {"what: taller <object> and<with>", objects, "", by("taller")},
-                         {"what: shorter <object> and<with>", objects, "", by("shorter")},
-                         {"what: bigger <object> and<with>", objects, "", by("bigger")},
-                         {"what: smaller <object> and<with>", objects, "", by("smaller")},
-                         {"yes: vanish|go|leave|take <object> before<with> [away]", verdict,
-                          "Did the plate disappear before the bowl?", by("left-before")},
-                         {"yes: move <object> before<with>", verdict, "", by("moved-before")},
-                         {"yes|bare: morethings than at<object> at<with>", verdict,
-                          "Is there more on the counter than on the table?", by("more")}}}};
+  return {
+      {.name = "compare",
+       .description =
+           "Two objects against each other: distance, size, what left or moved first; or two places",
+       .parameters =
+           {{.name = "object",
+             .type = ParameterType::spot,
+             .help = "An object; for more a place",
+             .positional = true,
+             .required = true},
+            {.name = "with", .type = ParameterType::spot, .help = "The other one", .required = true},
+            {.name = "than", .type = ParameterType::object, .help = "Nearer than to this object"},
+            {.name = "by",
+             .help = "What is compared",
+             .default_text = "distance",
+             .choices = {"distance", "nearer", "bigger", "smaller", "taller", "shorter", "left-before",
+                         "moved-before", "more", "more-objects"}}},
+       .asks = verdict,
+       .examples = {"green --with red", "green --with red --by bigger --json"},
+       .run = [](const Arguments& given) -> Answer {
+         ComparisonQuestion question{.subject = given.text("object"),
+                                     .with = given.text("with"),
+                                     .than = given.text("than"),
+                                     .as_of = given.as_of()};
+         if (!given.text("by").empty()) question.by = given.text("by");
+         return ask(given.store(), question);
+       },
+       .sentences = {
+           {"howfar: <object> from<with> [away|apart]", property, "How far is the tea from the oil?",
+            by("distance")},
+           {"howfar: <object> and<with> [apart|away|from]", property, "", by("distance")},
+           {"what|bare: distance between<object> and<with>", property, "", by("distance")},
+           {"what|bare: distance from<object> to<with>", property, "", by("distance")},
+           {"what|bare: distance of<object> to<with>", property, "", by("distance")},
+           {"yes|bare: nearer|nearest <object> to<with> than<than>", verdict,
+            "Is the tea nearer to the oil than the pot?", by("nearer")},
+           {"yes|what: nearer|nearest <object> to<with> to<than>", objects,
+            "Is the tea nearer to the oil or to the pot?", by("nearer")},
+           {"yes|bare: bigger <object> than<with>", verdict, "Is the pot bigger than the cup?", by("bigger")},
+           {"yes|bare: smaller <object> than<with>", verdict, "", by("smaller")},
+           {"yes|bare: taller <object> than<with>", verdict, "Is the milk taller than the oil?",
+            by("taller")},
+           {"yes|bare: shorter <object> than<with>", verdict, "", by("shorter")},
+           {"what: taller <object> and<with>", objects, "", by("taller")},
+           {"what: shorter <object> and<with>", objects, "", by("shorter")},
+           {"what: bigger <object> and<with>", objects, "", by("bigger")},
+           {"what: smaller <object> and<with>", objects, "", by("smaller")},
+           {"yes: vanish|go|leave|take <object> before<with> [away]", verdict,
+            "Did the plate disappear before the bowl?", by("left-before")},
+           {"yes: move <object> before<with>", verdict, "", by("moved-before")},
+           {"yes: outnumber <object> <with>", verdict, "Do the cups outnumber the pots?", by("more-objects")},
+           {"yes|bare: morethings than at<object> at<with>", verdict,
+            "Is there more on the counter than on the table?", by("more")}}}};
 }
 
 }  // namespace loci::memory

@@ -306,11 +306,14 @@ std::vector<SentenceForm> near_sentences() {
       {"what: which<any> pos<around> [stand]", agent},
   };
   // On an object: places of these names come first.
+  // What is in it is not recorded.
   for (const std::string at : {"on", "in"}) {
-    forms.push_back({"what: " + at + "<around> [thing|stand|else|put|see]", objects, "", on_top});
-    forms.push_back({"yes|bare: thing " + at + "<around> [stand|see]", exists, "", on_top});
-    forms.push_back({"yes|bare: <object> " + at + "<around> [stand|see|put]", verdict,
-                     at == "on" ? "Is there an apple on the plate?" : "", on_top});
+    const bool on = at == "on";
+    forms.push_back(
+        {"what: " + at + "<around> [thing|stand|else|put|see]", on ? objects : agent, "", on_top});
+    forms.push_back({"yes|bare: thing " + at + "<around> [stand|see]", on ? exists : agent, "", on_top});
+    forms.push_back({"yes|bare: <object> " + at + "<around> [stand|see|put]", on ? verdict : agent,
+                     on ? "Is there an apple on the plate?" : "", on_top});
   }
   return forms;
 }

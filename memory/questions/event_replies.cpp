@@ -173,6 +173,20 @@ void most_often(const ChangesAnswer& answer, const Names& names, Reply& reply) {
   reply.text = fmt::format("{}, {}.", list_in_words(list), counted(most, "time"));
 }
 
+/// What the first or the last changes are of: several where they were seen at once.
+void at_one_end(const ChangesAnswer& answer, const Names& names, const ReplyContext& context, Reply& reply) {
+  const bool first = context.query.asks == Asks::earliest;
+  const TimeNs time = first ? answer.changes.front().time : answer.changes.back().time;
+  std::vector<std::string> list;
+  reply.objects.clear();
+  for (const Change& change : answer.changes)
+    if (change.object && change.time == time && std::ranges::count(reply.objects, change.object->id) == 0) {
+      reply.objects.push_back(change.object->id);
+      list.push_back(without_place(names.of(*change.object)));
+    }
+  reply.text = fmt::format("{}, by {}.", list_in_words(list), context.times.text(time));
+}
+
 /// "How many objects were moved?", not "How often was it moved?"
 bool counts_objects(const Query& query) {
   static const std::set<std::string> kinds = {"came", "left", "relocated"};
@@ -222,6 +236,10 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
       break;
     case Asks::most:
       most_often(answer, names, reply);
+      break;
+    case Asks::earliest:
+    case Asks::latest:
+      at_one_end(answer, names, context, reply);
       break;
     case Asks::number:
       if (counts_objects(context.query)) {

@@ -181,6 +181,8 @@ void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Repl
     case Asks::all:
     case Asks::only:
       contents_verdict(answer, contents, snapshot, names, context, reply);
+      if (reply.verdict == Verdict::yes && context.query.asks == Asks::verdict && !contents.sure.empty())
+        if (const auto& place = contents.sure.front().place) reply.places = {place->name};
       break;
     case Asks::probability: {
       const std::vector<ObjectBelief>& objects = contents.sure.empty() ? contents.perhaps : contents.sure;
@@ -255,8 +257,10 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
   } else if (context.query.asks == Asks::agent) {
     reply.not_known = true;
     reply.objects.clear();
-    reply.text =
-        fmt::format("Not recorded: what is behind or under {}; near it: {}.", around, list_in_words(list, 3));
+    reply.text = answer.on_top ? fmt::format("Not recorded: what is in {}; on it: {}.", around,
+                                             list.empty() ? "nothing" : list_in_words(list, 3))
+                               : fmt::format("Not recorded: what is behind or under {}; near it: {}.", around,
+                                             list_in_words(list, 3));
   } else if (context.query.asks == Asks::verdict || context.query.asks == Asks::exists) {
     reply.verdict = list.empty() ? Verdict::no : Verdict::yes;
     reply.text = fmt::format("{}: {}", list.empty() ? "No" : "Yes", found);

@@ -73,6 +73,8 @@ enum class Asks {
   throughout,   ///< a verdict on whether it was so all the time
   together,     ///< a verdict on whether they are at one place
   most,         ///< which of them most often
+  earliest,     ///< which of them first
+  latest,       ///< which of them last
 };
 
 /// A question with its arguments as text.

@@ -158,6 +158,26 @@ PlaceContentsHistory contents_history_of(const Snapshot& snapshot, const PlaceRo
   return history;
 }
 
+/// What is there now and was not in the period.
+PlaceContentsHistory new_contents_of(const Snapshot& snapshot, const PlaceRow& place,
+                                     const ContentsHistoryQuestion& question,
+                                     const std::optional<std::set<Id>>& meant) {
+  std::set<Id> then;
+  for (const PastContent& object : contents_history_of(snapshot, place, question, meant).objects)
+    then.insert(object.now.object.id);
+  if (question.to)  // what was not in view, too
+    for (const BeliefRow& belief : Snapshot(snapshot.store(), {.at = question.to}).beliefs())
+      if (is_believed_at(belief, place.id)) then.insert(belief.object);
+  ContentsHistoryQuestion ever = question;
+  ever.from.reset();
+  ever.to.reset();
+  PlaceContentsHistory history = contents_history_of(snapshot, place, ever, meant);
+  std::erase_if(history.objects, [&](const PastContent& object) {
+    return then.contains(object.now.object.id) || !object.still_there || !replies::is_there(object.now);
+  });
+  return history;
+}
+
 struct PlaceStay {
   Id place = 0;
   TimeNs from = 0;
@@ -280,9 +300,11 @@ ContentsHistoryAnswer ask(const Store& store, const ContentsHistoryQuestion& que
     const std::vector<Id> objects = snapshot.find_objects(question.subject);
     meant.emplace(objects.begin(), objects.end());
   }
+  const bool fresh = question.state == "new";
   for (const PlaceRow& place : snapshot.find_places(question.place))
-    answer.places.push_back(contents_history_of(snapshot, place, question, meant));
-  if (question.state.empty()) return answer;
+    answer.places.push_back(
+        (fresh ? new_contents_of : contents_history_of)(snapshot, place, question, meant));
+  if (question.state.empty() || fresh) return answer;
   std::set<Id> handled;  // that left, or were moved
   if (question.state != "gone")
     for (const Change& change :
@@ -432,6 +454,8 @@ std::vector<SentenceForm> contents_history_sentences() {
       {"what: see at<place> person [thing] -may -do", objects},
       {"what: see last at<place> [thing]", last_time},
       {"what: last at<place> [thing|put|stand]", last_time},
+      {"what: newsince at<place> [thing]", objects, "", state("new")},
+      {"what: newsince which<object> at<place>", objects, "", state("new")},
       {"what: been at<place> [stand|thing|put|see|keep]", objects, "What has been on the table today?"},
   };
 }
@@ -457,10 +481,12 @@ std::vector<Question> routine_questions() {
        .parameters = {place_parameter(),
                       only_object_parameter(),
                       {.name = "state",
-                       .help = "gone: only what is no longer there; stayed: only what never left; unmoved: "
-                               "nor was moved",
+                       .help =
+                           "gone: only what is no longer there; new: only what is there and was not then; "
+                           "stayed: only what never left; unmoved: "
+                           "nor was moved",
                        .default_text = "any",
-                       .choices = {"gone", "stayed", "unmoved"}}},
+                       .choices = {"gone", "stayed", "unmoved", "new"}}},
        .period = true,
        .examples = {"drawer_1", "table_1 --between 08:00 10:00 --json"},
        .run = [](const Arguments& given) -> Answer {

@@ -67,7 +67,7 @@ struct ContentsHistoryQuestion {
   std::optional<TimeNs> from = {}, to = {};  ///< only what was seen in this period
   std::string subject = {};                  ///< only these; empty = all objects
   /// "gone": only what is no longer there; "stayed": only what is there and did not leave in the period;
-  /// "unmoved": nor was moved; empty = all.
+  /// "new": only what is there and was not in the period; "unmoved": nor was moved; empty = all.
   std::string state = {};
 };
 struct PastContent {

@@ -120,6 +120,10 @@ Reply combined(const std::vector<Reply>& replies, const Coordination& coordinati
     return *std::ranges::max_element(replies, {}, [](const Reply& reply) {
       return reply.time && !reply.not_known ? reply.time->last : TimeNs{0};
     });
+  // "On the table or on the counter?" is answered by the place where it is.
+  const auto is_so = [](const Reply& reply) { return reply.verdict == Verdict::yes; };
+  if (coordination.joint == "or" && std::ranges::count_if(replies, is_so) == 1)
+    return *std::ranges::find_if(replies, is_so);
   Reply all;
   std::vector<std::string> bodies;
   all.not_known = std::ranges::all_of(replies, &Reply::not_known);
@@ -142,6 +146,14 @@ Reply combined(const std::vector<Reply>& replies, const Coordination& coordinati
   }
   all.text = shortened(all.text + joined(bodies, "; ") + ".");
   return all;
+}
+
+Reply contrary_of(Reply reply) {
+  if (reply.verdict != Verdict::yes && reply.verdict != Verdict::no) return reply;
+  const bool yes = reply.verdict == Verdict::no;
+  if (reply.text.starts_with(yes ? "No" : "Yes")) reply.text.replace(0, yes ? 2 : 3, yes ? "Yes" : "No");
+  reply.verdict = yes ? Verdict::yes : Verdict::no;
+  return reply;
 }
 
 Reply in_lines(const std::vector<Reply>& replies) {

@@ -29,4 +29,7 @@ Reply combined(const std::vector<Reply>& replies, const Coordination& coordinati
 /// objects and places are stated. Not for no replies.
 Reply in_lines(const std::vector<Reply>& replies);
 
+/// The verdict on the contrary of what was asked; other replies as they are.
+Reply contrary_of(Reply reply);
+
 }  // namespace loci::memory

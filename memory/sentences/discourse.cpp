@@ -72,6 +72,13 @@ bool take_apposition(Words& before, const Words& words) {
   return false;
 }
 
+/// "What is on the shelf, besides the jam?"
+bool take_exception(Words& before, const Words& words) {
+  if (words.size() < 2 || first_lemma(words) != "except") return false;
+  before.insert(before.end(), words.begin(), words.end());
+  return true;
+}
+
 /// "If the milk is still there, tell me where": where it is still there.
 bool take_condition(Words& before, const Words& words) {
   static const std::vector<Words> orders =
@@ -91,7 +98,8 @@ std::vector<Words> fragments_of(const std::string& sentence) {
     Words words = sentence_words(text);
     drop_fillers(words);
     const bool taken = !fragments.empty() &&
-                       (take_apposition(fragments.back(), words) || take_condition(fragments.back(), words));
+                       (take_exception(fragments.back(), words) || take_apposition(fragments.back(), words) ||
+                        take_condition(fragments.back(), words));
     if (!words.empty() && !taken) fragments.push_back(std::move(words));
     text.clear();
   };
@@ -497,10 +505,6 @@ void drop_old_place(Words& words) {
     return;
   }
 }
-
-}  // namespace
-
-namespace {
 
 /// "Name them all", "any tips", "help": asks for the answer to what else is said.
 bool asks_for_answer(const Words& words) {

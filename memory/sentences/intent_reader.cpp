@@ -27,8 +27,10 @@ struct Named {
   std::string time;         ///< as people write it; "" = none
   bool throughout = false;  ///< "the whole day": more than a time
 
-  const Mention* first(bool place) const {
-    const auto found = std::ranges::find(mentions, place, &Mention::place);
+  /// The first object or place; with `known`, that means something in the memory.
+  const Mention* first(bool place, bool known) const {
+    const auto found = std::ranges::find_if(
+        mentions, [&](const Mention& one) { return one.place == place && (one.known || !known); });
     return found == mentions.end() ? nullptr : &*found;
   }
 };
@@ -107,12 +109,14 @@ struct Topic {
 
 Topic topic_for(const std::vector<Named>& parts, size_t at) {
   Topic topic;
-  const auto take = [&](const Named& part) {
-    if (topic.object == nullptr) topic.object = part.first(false);
-    if (topic.place == nullptr) topic.place = part.first(true);
+  const auto take = [&](const Named& part, bool known) {
+    if (topic.object == nullptr) topic.object = part.first(false, known);
+    if (topic.place == nullptr) topic.place = part.first(true, known);
   };
-  for (size_t i = at; i-- > 0;) take(parts[i]);
-  for (size_t i = at + 1; i < parts.size(); ++i) take(parts[i]);
+  for (const bool known : {true, false}) {
+    for (size_t i = at; i-- > 0;) take(parts[i], known);
+    for (size_t i = at + 1; i < parts.size(); ++i) take(parts[i], known);
+  }
   return topic;
 }
 
@@ -182,6 +186,18 @@ bool is_covered(const IntentReading& reading, const Tokens& tokens) {
   return uncovered.empty() || (reading.probability >= kCertain && std::ranges::all_of(uncovered, passes));
 }
 
+/// Whether a name has a relation that the form has no room for: "what came after OBJECT".
+bool drops_relation(const std::string& form, const Tokens& tokens) {
+  static const std::set<std::string> relations = {"afterwards", "before", "between",
+                                                  "except",     "than",   "without"};
+  const Tokens of_form = tokens_of(words_of(lower_case(form), " ?,."));
+  for (size_t i = 0; i + 1 < tokens.lemmas.size(); ++i)
+    if ((tokens.lemmas[i + 1] == "OBJECT" || tokens.lemmas[i + 1] == "PLACE") &&
+        relations.contains(tokens.lemmas[i]) && std::ranges::count(of_form.lemmas, tokens.lemmas[i]) == 0)
+      return true;
+  return false;
+}
+
 std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std::string& time) {
   static const std::vector<std::string> signatures = signatures_of(trained_intents().forms);
   const Tokens tokens = intent_tokens(sentence.words);
@@ -198,7 +214,7 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   // "How many?" says too little.
   if (tokens.lemmas.size() < 2 || best.probability < kMinProbability || form == kNoIntent)
     return std::nullopt;
-  if (!is_covered(best, tokens)) return std::nullopt;
+  if (!is_covered(best, tokens) || drops_relation(form, tokens)) return std::nullopt;
   // "Is it on the table or on the counter?" asks for one of them.
   const bool choice = form == "Is OBJECT on PLACE?" && sentence.places[0].find(" or ") != std::string::npos;
   const std::string asked = sentence.throughout ? "Was OBJECT on PLACE?" : choice ? "Where is OBJECT?" : form;

@@ -21,58 +21,66 @@ const std::map<std::string, WordClass>& classes() {
   return all;
 }
 
+}  // namespace
+
+const std::map<std::string, Words>& contractions() {
+  static const std::map<std::string, Words> all = {{"can't", {"can", "not"}},
+                                                   {"cannot", {"can", "not"}},
+                                                   {"cant", {"can", "not"}},
+                                                   {"won't", {"will", "not"}},
+                                                   {"i'm", {"i", "am"}},
+                                                   {"im", {"i", "am"}},
+                                                   {"whats", {"what", "is"}},
+                                                   {"wheres", {"where", "is"}},
+                                                   {"theres", {"there", "is"}},
+                                                   {"isnt", {"is", "not"}},
+                                                   {"dont", {"do", "not"}},
+                                                   {"didnt", {"did", "not"}},
+                                                   {"hasnt", {"has", "not"}},
+                                                   {"havent", {"have", "not"}},
+                                                   {"wasnt", {"was", "not"}},
+                                                   {"where'd", {"where", "did"}},
+                                                   {"when'd", {"when", "did"}},
+                                                   {"who'd", {"who", "did"}},
+                                                   {"let's", {"let", "us"}},
+                                                   {"i'll", {"i", "will"}},
+                                                   {"ive", {"i", "have"}},
+                                                   {"doesnt", {"does", "not"}},
+                                                   {"arent", {"are", "not"}},
+                                                   {"werent", {"were", "not"}},
+                                                   {"wont", {"will", "not"}},
+                                                   {"couldnt", {"could", "not"}},
+                                                   {"whos", {"who", "is"}},
+                                                   {"whens", {"when", "is"}},
+                                                   {"hows", {"how", "is"}},
+                                                   {"thats", {"that", "is"}},
+                                                   {"its", {"its"}},
+                                                   {"r", {"are"}},
+                                                   {"u", {"you"}},
+                                                   {"&", {"and"}},
+                                                   {"w/", {"with"}},
+                                                   {"gimme", {"give", "me"}},
+                                                   {"lemme", {"let", "me"}},
+                                                   {"dunno", {"do", "not", "know"}},
+                                                   {"gotta", {"got", "to"}},
+                                                   {"wanna", {"want", "to"}},
+                                                   {"til", {"until"}},
+                                                   {"'til", {"until"}},
+                                                   {"cuz", {"because"}},
+                                                   {"coz", {"because"}},
+                                                   {"ya", {"you"}}};
+  return all;
+}
+
+namespace {
+
 /// "what's" as "what is", "can't" as "can not".
 Words expanded(const std::string& word) {
-  static const std::map<std::string, Words> whole = {{"can't", {"can", "not"}},
-                                                     {"cannot", {"can", "not"}},
-                                                     {"cant", {"can", "not"}},
-                                                     {"won't", {"will", "not"}},
-                                                     {"i'm", {"i", "am"}},
-                                                     {"im", {"i", "am"}},
-                                                     {"whats", {"what", "is"}},
-                                                     {"wheres", {"where", "is"}},
-                                                     {"theres", {"there", "is"}},
-                                                     {"isnt", {"is", "not"}},
-                                                     {"dont", {"do", "not"}},
-                                                     {"didnt", {"did", "not"}},
-                                                     {"hasnt", {"has", "not"}},
-                                                     {"havent", {"have", "not"}},
-                                                     {"wasnt", {"was", "not"}},
-                                                     {"where'd", {"where", "did"}},
-                                                     {"when'd", {"when", "did"}},
-                                                     {"who'd", {"who", "did"}},
-                                                     {"let's", {"let", "us"}},
-                                                     {"i'll", {"i", "will"}},
-                                                     {"ive", {"i", "have"}},
-                                                     {"doesnt", {"does", "not"}},
-                                                     {"arent", {"are", "not"}},
-                                                     {"werent", {"were", "not"}},
-                                                     {"wont", {"will", "not"}},
-                                                     {"couldnt", {"could", "not"}},
-                                                     {"whos", {"who", "is"}},
-                                                     {"whens", {"when", "is"}},
-                                                     {"hows", {"how", "is"}},
-                                                     {"thats", {"that", "is"}},
-                                                     {"its", {"its"}},
-                                                     {"r", {"are"}},
-                                                     {"u", {"you"}},
-                                                     {"&", {"and"}},
-                                                     {"w/", {"with"}},
-                                                     {"gimme", {"give", "me"}},
-                                                     {"lemme", {"let", "me"}},
-                                                     {"dunno", {"do", "not", "know"}},
-                                                     {"gotta", {"got", "to"}},
-                                                     {"wanna", {"want", "to"}},
-                                                     {"til", {"until"}},
-                                                     {"'til", {"until"}},
-                                                     {"cuz", {"because"}},
-                                                     {"coz", {"because"}},
-                                                     {"ya", {"you"}}};
   static const std::set<std::string> before_is = {"what", "where", "who",   "there", "it",  "how",
                                                   "when", "that",  "which", "he",    "she", "here"};
   static const std::vector<std::pair<std::string, std::string>> endings = {
       {"n't", "not"}, {"'re", "are"}, {"'ve", "have"}, {"'d", "would"}, {"'ll", "will"}};
-  if (const auto found = whole.find(word); found != whole.end()) return found->second;
+  if (const auto found = contractions().find(word); found != contractions().end()) return found->second;
   if (word.ends_with("'s") && before_is.contains(word.substr(0, word.size() - 2)))
     return {word.substr(0, word.size() - 2), "is"};
   for (const auto& [ending, rest] : endings)
@@ -134,7 +142,9 @@ void name_by_number(Words& words) {
       words[i + 1] = ordinal->second;
     }
     if (!furniture.contains(words[i])) continue;
-    if (i + 2 < words.size() && (words[i + 1] == "number" || words[i + 1] == "no"))
+    const bool numbered =
+        i + 2 < words.size() && (is_digits(without_hash(words[i + 2])) || numbers.contains(words[i + 2]));
+    if (numbered && (words[i + 1] == "number" || words[i + 1] == "no"))
       words.erase(words.begin() + static_cast<std::ptrdiff_t>(i) + 1);
     words[i + 1] = without_hash(words[i + 1]);
     // "the drawer one can find it in"
@@ -239,6 +249,7 @@ void expand_verbs(Words& words) {
     if (!words[i].ends_with("'s") || words[i].size() < 4) continue;
     const std::string& next = words[i + 1];
     if (class_of(lemma_of(next)) == WordClass::name && !lexicon().contains(next)) continue;
+    if (class_of(lemma_of(next)) == WordClass::person) continue;  // "the neighbour's girl"
     words[i].resize(words[i].size() - 2);
     words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 1, "is");
   }

@@ -41,6 +41,9 @@ bool is_household_noun(const std::string& word);
 /// "drawer 2". Times and names keep their ':', '-', '_' and '.'.
 Words sentence_words(const std::string& sentence);
 
+/// Contractions that no apostrophe shows, or of their own: "whats" → "what is", "can't" → "can not".
+const std::map<std::string, Words>& contractions();
+
 /// Words with their lemmas; "next to" is one word.
 struct Tokens {
   Words words, lemmas;

@@ -18,189 +18,14 @@
 #include "memory/sentences/event_clause.h"
 #include "memory/sentences/intent_reader.h"
 #include "memory/sentences/lexicon.h"
+#include "memory/sentences/references.h"
+#include "memory/sentences/rephrasing.h"
 #include "memory/sentences/sentence_parser.h"
 #include "memory/sentences/spelling.h"
 #include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
 namespace {
-
-// ---- References: "it", "there", "this drawer", "the other one".
-
-const std::set<std::string> kPronouns = {"it", "them", "that",     "this",    "they",
-                                         "he", "she",  "that one", "this one"};
-
-/// Replaces "it", "there" and "this drawer" by what they mean.
-class ReferenceResolver {
- public:
-  ReferenceResolver(const Store& store, const NaturalLanguageQuestion& question)
-      : snapshot_(store, question.as_of), last_subject_(question.about ? object_name(*question.about) : "") {}
-
-  /// Keeps what the last sentence was about and what its answer named.
-  void remember(const Query& query, const std::vector<Id>& objects) {
-    last_objects_ = objects;
-    if (const auto subject = argument_of(query, {ParameterType::object, ParameterType::spot}))
-      last_subject_ = *subject;
-    if (const auto place = argument_of(query, {ParameterType::place, ParameterType::part}))
-      last_place_ = *place;
-  }
-
-  /// What the last answer named.
-  const std::vector<Id>& last_objects() const { return last_objects_; }
-
-  void resolve(Query& query, std::vector<std::string>& notes) {
-    for (const Parameter& parameter : find_question(query.question)->parameters) {
-      const auto given = query.arguments.find(parameter.name);
-      if (given == query.arguments.end() || !names_something(parameter.type)) continue;
-      std::string& text = given->second;
-      if (text.ends_with(" one") && text != "other one" && text != "this one" && text != "that one" &&
-          !last_subject_.empty())
-        text.replace(text.size() - 3, 3, last_subject_.substr(last_subject_.rfind(' ') + 1));
-      if (text == "other one" || text == "other" || text == "other ones") replace_other(text, notes);
-      if (kPronouns.contains(text) && is_place(parameter.type) && !last_place_.empty()) {
-        notes.push_back(fmt::format("'{}' is taken as {}", text, last_place_));
-        text = last_place_;
-      }
-      if (kPronouns.contains(text)) replace_pronoun(text, notes);
-      if (text.starts_with("this ") || text.starts_with("that ")) replace_demonstrative(text, notes);
-      if (parameter.type == ParameterType::place && text == "there") replace_there(query, parameter, notes);
-    }
-  }
-
-  /// Notes which names of this memory a word is taken for: "crockery" for plate and bowl.
-  void note_related(const Query& query, std::vector<std::string>& notes) const {
-    for (const Parameter& parameter : find_question(query.question)->parameters) {
-      if (parameter.type != ParameterType::object && parameter.type != ParameterType::spot) continue;
-      const std::string name = query.argument(parameter.name);
-      if (const std::optional<std::string> head = snapshot_.head_of(name))
-        notes.push_back(fmt::format("nothing is called '{}'; '{}' is meant", name, *head));
-      for (const std::string& word : words_of(lower_case(name)))
-        if (const std::vector<std::string> names = snapshot_.names_related_to(word); !names.empty())
-          notes.push_back(fmt::format("'{}' is taken as {}", word, fmt::join(names, ", ")));
-    }
-  }
-
-  /// Notes which place an unknown name is taken for.
-  void note_places(const Query& query, std::vector<std::string>& notes) const {
-    for (const Parameter& parameter : find_question(query.question)->parameters) {
-      const std::string name = query.argument(parameter.name);
-      const bool several = name.find(" or ") != std::string::npos || name.find(" and ") != std::string::npos;
-      if (parameter.type != ParameterType::place || name.empty() || several ||
-          !snapshot_.places_called(name).empty())
-        continue;
-      try {
-        const auto places = snapshot_.find_places(name);
-        notes.push_back(
-            fmt::format("no place is called '{}'; {} is meant", name,
-                        places.size() == 1 ? places[0].name : "any " + name.substr(name.rfind(' ') + 1)));
-      } catch (const UnknownName&) {
-        continue;  // reported by the answer
-      }
-    }
-  }
-
- private:
-  static bool is_place(ParameterType type) {
-    return type == ParameterType::place || type == ParameterType::part;
-  }
-  static bool names_something(ParameterType type) {
-    return type == ParameterType::object || type == ParameterType::place || type == ParameterType::part ||
-           type == ParameterType::spot;
-  }
-  static std::optional<std::string> argument_of(const Query& query, const std::set<ParameterType>& types) {
-    for (const Parameter& parameter : find_question(query.question)->parameters)
-      if (types.contains(parameter.type) && query.arguments.contains(parameter.name))
-        return query.argument(parameter.name);
-    return std::nullopt;
-  }
-
-  void replace_pronoun(std::string& text, std::vector<std::string>& notes) const {
-    if (!last_subject_.empty()) {
-      notes.push_back(fmt::format("'{}' is taken as '{}'", text, last_subject_));
-      text = last_subject_;
-      return;
-    }
-    const BeliefRow* latest = nullptr;
-    const auto seen = [&](const BeliefRow& row) {
-      const SceneRow* scene = row.last_scene ? snapshot_.scene(*row.last_scene) : nullptr;
-      return scene == nullptr ? TimeNs{0} : scene->time;
-    };
-    for (const BeliefRow& row : snapshot_.beliefs())
-      if (latest == nullptr || seen(row) > seen(*latest)) latest = &row;
-    if (latest == nullptr) return;
-    notes.push_back(fmt::format("nothing was spoken of before: '{}' is taken as {}, which was seen last",
-                                text, object_name(latest->object)));
-    text = object_name(latest->object);
-  }
-
-  /// "the other one" is of the kind spoken of, and not what the last answer named.
-  void replace_other(std::string& text, std::vector<std::string>& notes) const {
-    const size_t end =
-        std::min({last_subject_.find(" on "), last_subject_.find(" in "), last_subject_.size()});
-    try {
-      for (const Id object : snapshot_.find_objects(last_subject_.substr(0, end)))
-        if (std::ranges::count(last_objects_, object) == 0) {
-          notes.push_back(fmt::format("'{}' is taken as {}", text, object_name(object)));
-          text = object_name(object);
-          return;
-        }
-    } catch (const UnknownName&) {
-      return;  // reported by the answer
-    }
-  }
-
-  /// The place of the most probable object that is meant; "" = unknown.
-  std::string place_of(const std::string& subject) const {
-    try {
-      const Id object = snapshot_.find_objects(subject).front();
-      const auto place = snapshot_.place_ref(snapshot_.belief(object)->place);
-      return place ? place->name : "";
-    } catch (const UnknownName&) {
-      return "";  // reported by the answer
-    }
-  }
-
-  /// "there" is the place named last, else where the object was seen last.
-  void replace_there(Query& query, const Parameter& parameter, std::vector<std::string>& notes) const {
-    const auto subject = argument_of(query, {ParameterType::object});
-    const std::string place = !last_place_.empty() ? last_place_ : subject ? place_of(*subject) : "";
-    if (!place.empty()) {
-      notes.push_back(fmt::format("'there' is taken as {}", place));
-      query.arguments[parameter.name] = place;
-    } else if (!parameter.required) {
-      query.arguments.erase(parameter.name);  // anywhere
-    }
-  }
-
-  /// "this drawer" is the drawer that was seen last.
-  void replace_demonstrative(std::string& text, std::vector<std::string>& notes) const {
-    const std::string name = text.substr(5);
-    std::vector<PlaceRow> places;
-    try {
-      places = snapshot_.find_places(name);
-    } catch (const UnknownName&) {
-      text = name;
-      return;
-    }
-    const PlaceRow* chosen = nullptr;
-    TimeNs latest = 0;
-    for (const PlaceRow& place : places)
-      for (const VisibilityRow& view : snapshot_.store().visibility_of_place(place.id)) {
-        const SceneRow* scene = snapshot_.scene(view.scene);
-        if (scene == nullptr || view.fraction.value_or(0) <= 0 || scene->time < latest) continue;
-        latest = scene->time;
-        chosen = &place;
-      }
-    if (chosen == nullptr) chosen = &places[0];
-    notes.push_back(fmt::format("'{}' is taken as {}, {}", text, chosen->name,
-                                latest == 0 ? "the first of that name" : "which was looked at last"));
-    text = chosen->name;
-  }
-
-  Snapshot snapshot_;
-  std::string last_subject_, last_place_;
-  std::vector<Id> last_objects_;
-};
 
 /// Whether the query has an answer without its time.
 bool is_answered_later(const Store& store, Query query, AsOf as_of) {
@@ -243,21 +68,57 @@ class Conversation {
         snapshot_(store, question.as_of),
         times_(store),
         writer_(store),
-        references_(store, question) {}
+        references_(store, question.as_of, question.about) {}
 
   NaturalLanguageAnswer answer(const std::string& sentence) {
-    NaturalLanguageAnswer answer = answer_with_names(snapshot_.with_names_joined(sentence));
+    const std::string meant = as_meant(snapshot_.with_names_joined(joined(words_of(sentence), " ")),
+                                       [&](const std::string& words) { return is_name(words); });
+    const auto elided = elided_question(meant);
+    NaturalLanguageAnswer answer = answer_or_rephrase(elided ? elided->question : meant);
+    if (elided && answer.reply) add_more(elided->more, answer);
+    if (elided && !answer.query) answer = answer_or_rephrase(meant);
     answer.sentence = sentence;
+    if (!answer.query) set_not_understood(answer);
     return answer;
   }
 
  private:
+  /// What is not understood is said in plainer words, once.
+  NaturalLanguageAnswer answer_or_rephrase(const std::string& sentence) {
+    if (const auto contrary = contrary_question(sentence)) {
+      NaturalLanguageAnswer other = answer_or_rephrase(*contrary);
+      if (!other.reply || !other.reply->verdict) return not_understood(sentence);
+      other.reply = contrary_of(*other.reply);
+      return other;
+    }
+    NaturalLanguageAnswer answer = answer_with_names(sentence);
+    if (answer.query && !(answer.why_not && !answer.reply)) return answer;
+    const auto plain = rephrased(sentence, [&](const std::string& words) { return is_name(words); });
+    if (!plain) return answer;
+    NaturalLanguageAnswer other = answer_with_names(plain->sentence);
+    if (!other.reply || (plain->contrary && !other.reply->verdict)) return answer;
+    if (plain->contrary) other.reply = contrary_of(*other.reply);
+    if (other.understood_as.empty()) other.understood_as = plain->sentence;
+    return other;
+  }
+
+  /// The answer to "and when?" as another line.
+  void add_more(const std::string& question, NaturalLanguageAnswer& answer) {
+    const NaturalLanguageAnswer more = answer_by_rules(question);
+    if (more.reply) answer.reply = in_lines({*answer.reply, *more.reply});
+  }
+
+  bool is_name(const std::string& words) const {
+    return !snapshot_.places_meant(words).empty() || snapshot_.means_objects(words);
+  }
+
   NaturalLanguageAnswer answer_with_names(const std::string& sentence) {
     NaturalLanguageAnswer answer = answer_by_rules(with_choices_joined(sentence));
     // A name of several words that nothing is called by may be more than a name: "the bowl land".
     const bool failed = answer.query && answer.why_not && !answer.reply;
     const bool misplaced =
-        failed && answer.why_not->reason == "unknown_place" && is_object_for_place(*answer.query);
+        failed && ((answer.why_not->reason == "unknown_place" && is_object_for_place(*answer.query)) ||
+                   (answer.why_not->reason == "never_seen" && is_place_for_object(*answer.query)));
     const bool doubtful = misplaced || (failed && has_unknown_word(*answer.query));
     if (!answer.query || doubtful) {
       auto other = answer_in_parts(sentence);
@@ -358,14 +219,21 @@ class Conversation {
     return std::nullopt;
   }
 
+  static NaturalLanguageAnswer not_understood(const std::string& sentence) {
+    NaturalLanguageAnswer answer{.sentence = sentence};
+    set_not_understood(answer);
+    return answer;
+  }
+
   static void set_not_understood(NaturalLanguageAnswer& answer) {
     answer.why_not = NoAnswer{
         "not_understood", fmt::format("'{}' is not understood.", shortened(answer.sentence, 80)), {}};
     answer.nearest = nearest_examples(answer.sentence);
   }
 
-  /// Whether a name has a word before its noun that nobody knows, or ends like a verb or an adverb: then it
-  /// is likelier that the sentence was not understood than that something is called so.
+  /// Whether a name has a word before its noun that nobody knows, or ends like a verb or an adverb, or is
+  /// nothing that could stand somewhere ("meeting"): then it is likelier that the sentence was not understood
+  /// than that something is called so.
   bool is_strange(const Query& query) const {
     const auto known = [&](const std::string& word) {
       return is_known_word(word) || word.find_first_of("_0123456789'") != std::string::npos ||
@@ -376,6 +244,10 @@ class Conversation {
           parameter.type != ParameterType::part && parameter.type != ParameterType::spot)
         continue;
       const std::vector<std::string> words = words_of(lower_case(query.argument(parameter.name)));
+      if (words.empty()) continue;
+      const std::string& noun = words.back();
+      const bool is_noun = !wordnet::base_forms(noun, wordnet::PartOfSpeech::noun).empty();
+      if (is_noun && !known(noun) && !wordnet::may_be_somewhere(noun)) return true;
       for (size_t i = 0; i < words.size(); ++i) {
         if (known(words[i])) continue;
         const bool verb = words[i].ends_with("ed") || words[i].ends_with("ing") || words[i].ends_with("ly") ||
@@ -393,6 +265,12 @@ class Conversation {
       const std::string name = query.argument(parameter.name);
       return place && !name.empty() && snapshot_.places_meant(name).empty() && snapshot_.means_objects(name);
     });
+  }
+
+  /// Whether a place stands where a question has an object: "where did the shelf go".
+  bool is_place_for_object(const Query& query) const {
+    const std::string name = query.argument("object");
+    return !name.empty() && !snapshot_.places_meant(name).empty() && !snapshot_.means_objects(name);
   }
 
   /// Whether a name of several words has one that means nothing in this memory.

@@ -164,8 +164,16 @@ Query query_of(const Rule& rule, const Slots& slots) {
 }
 
 /// Whether a question takes this time, which becomes its arguments.
-bool add_time(Query& query, const Question& question, SentenceTime time,
-              const std::optional<SentencePeriod>& period) {
+bool add_time(Query& query, const Question& question, SentenceTime time, std::optional<SentencePeriod> period,
+              const TimeReader& times) {
+  // What happened, or was somewhere, "around eight" may have been seen a little earlier or later.
+  const bool listed = query.asks == Asks::objects || query.asks == Asks::number || query.asks == Asks::exists;
+  if (period && period->around && listed &&
+      (time == SentenceTime::period || time == SentenceTime::moment_or_period)) {
+    constexpr TimeNs kAround = 1800 * kSecond;
+    const TimeSpan span = times.read(period->from);
+    period = SentencePeriod{format_time(span.first - kAround), format_time(span.last + kAround)};
+  }
   if (time == SentenceTime::since) {
     if (!period || period->from.empty()) return false;
     query.arguments["unseen-since"] = period->from;
@@ -201,6 +209,13 @@ bool add_time(Query& query, const Question& question, SentenceTime time,
   return true;
 }
 
+/// "Were there ever two cups on the table" is not about now.
+bool is_of_unknown_past(const Query& query, const Clause& clause) {
+  const bool past = clause.marks.contains("was") || clause.marks.contains("been") ||
+                    clause.marks.contains("did") || clause.marks.contains("had");
+  return past && !clause.period && query.arguments.contains("count");
+}
+
 bool same(const Query& a, const Query& b) {
   return a.question == b.question && a.arguments == b.arguments && a.asks == b.asks;
 }
@@ -214,7 +229,9 @@ std::vector<Query> matching(const std::string& sentence, const TimeReader& times
       const auto slots = match(rule, clause);
       if (!slots) continue;
       Query query = query_of(rule, *slots);
-      if (add_time(query, *rule.question, rule.form->time.value_or(rule.question->time), clause.period) &&
+      if (is_of_unknown_past(query, clause)) continue;
+      if (add_time(query, *rule.question, rule.form->time.value_or(rule.question->time), clause.period,
+                   times) &&
           std::ranges::none_of(queries, [&](const Query& one) { return same(one, query); }))
         queries.push_back(std::move(query));
     }
@@ -311,8 +328,8 @@ std::vector<Query> parse_follow_up(const std::string& sentence, const Query& las
   if (clause.phrases.empty()) {
     if (!clause.period) return {};
     for (const char* name : {"at", "from", "to"}) query.arguments.erase(name);
-    return add_time(query, *question, question->time, clause.period) ? std::vector{query}
-                                                                     : std::vector<Query>{};
+    return add_time(query, *question, question->time, clause.period, times) ? std::vector{query}
+                                                                            : std::vector<Query>{};
   }
   const Phrase& phrase = clause.phrases[0];
   const bool of_place = phrase.relation == "on" || phrase.relation == "in" || phrase.relation == "at";

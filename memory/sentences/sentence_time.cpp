@@ -139,7 +139,10 @@ class PeriodReader {
     if (!is_time(first, last_, introduced)) return std::nullopt;
     const std::string text = join(first, last_);
     const TimeSpan span = times_.read(text);
-    return SentencePeriod{text, text, span.last - span.first < kLongSpan};
+    SentencePeriod period{text, text, span.last - span.first < kLongSpan};
+    const auto is_about = [](const std::string& word) { return word == "around" || word == "about"; };
+    period.around = period.moment && (is_about(head) || (first > first_ && is_about(words_[first - 1])));
+    return period;
   }
 
   const Words& words_;

@@ -13,6 +13,7 @@ struct SentencePeriod {
   std::string from, to;     ///< "" = open
   bool moment = false;      ///< one short time
   bool throughout = false;  ///< "the whole day": all of it
+  bool around = false;      ///< "around nine"
 };
 
 /// Removes the longest time from a sentence ("this morning", "between nine and ten", "in the last hour"), the

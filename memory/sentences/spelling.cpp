@@ -31,6 +31,7 @@ const std::set<std::string>& known_words() {
     for (const auto& [form, by] : vocabulary::compounds()) add(form);
     for (const auto& of_class : vocabulary::classes()) add(of_class.words);
     for (const auto& surrounding : vocabulary::surroundings()) add(surrounding.words);
+    for (const auto& [word, full] : contractions()) add(word);
     add(vocabulary::kFurniture);
     add(vocabulary::kHouseholdWords);
     add(vocabulary::kOtherWords);

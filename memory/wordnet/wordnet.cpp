@@ -145,6 +145,19 @@ std::span<const Synset> hypernyms(Synset sense) {
                                all.hypernym_begins[sense + 1] - all.hypernym_begins[sense]);
 }
 
+bool is_person(const std::string& noun) {
+  constexpr int kPerson = 18;  // lexicographer file
+  const std::vector<Synset> all = senses(noun, PartOfSpeech::noun);
+  return !all.empty() && tables().files[all.front()] == kPerson;
+}
+
+bool may_be_somewhere(const std::string& noun) {
+  constexpr std::array<int, 4> kLiving = {3, 5, 8, 18};  // lexicographer files: tops, animals, bodies, persons
+  return std::ranges::any_of(senses(noun, PartOfSpeech::noun), [&](Synset one) {
+    return can_be_touched(one) || std::ranges::count(kLiving, tables().files[one]) > 0;
+  });
+}
+
 Relation relation_of(const std::string& noun, const std::string& other, int max_steps) {
   constexpr size_t kMaxSenses = 2;
   std::set<Synset> reached = touchable_senses(noun, kMaxSenses);

@@ -27,6 +27,11 @@ std::vector<Synset> senses(const std::string& word, PartOfSpeech part);
 /// What a sense is a kind of, directly.
 std::span<const Synset> hypernyms(Synset sense);
 
+/// Whether a noun, in its most frequent sense, is a person: "neighbour".
+bool is_person(const std::string& noun);
+/// Whether a noun may be somewhere: "spanner", "cat", but not "meeting".
+bool may_be_somewhere(const std::string& noun);
+
 /// How a noun for something that can be touched is related to another one.
 enum class Relation {
   none,

@@ -217,6 +217,10 @@ TEST_F(NaturalLanguage, ANameWithAPronounMeansWhoeverWasGivenIt) {
   const auto found = [&](const char* sentence) {
     const NaturalLanguageAnswer answer = say(sentence);
     std::vector<Id> ids;
+    if (!answer.answer) {
+      ADD_FAILURE() << sentence << "\n" << text(answer);
+      return ids;
+    }
     for (const auto& location : answer.answer->get<WhereAnswer>().objects) ids.push_back(location.object.id);
     return ids;
   };

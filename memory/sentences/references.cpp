@@ -1,0 +1,172 @@
+#include "memory/sentences/references.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "mapping/base/text.h"
+
+namespace loci::memory {
+namespace {
+
+const std::set<std::string> kPronouns = {"it", "them", "that",     "this",    "they",
+                                         "he", "she",  "that one", "this one"};
+
+bool is_place(ParameterType type) {
+  return type == ParameterType::place || type == ParameterType::part;
+}
+bool names_something(ParameterType type) {
+  return type == ParameterType::object || type == ParameterType::place || type == ParameterType::part ||
+         type == ParameterType::spot;
+}
+std::optional<std::string> argument_of(const Query& query, const std::set<ParameterType>& types) {
+  for (const Parameter& parameter : find_question(query.question)->parameters)
+    if (types.contains(parameter.type) && query.arguments.contains(parameter.name))
+      return query.argument(parameter.name);
+  return std::nullopt;
+}
+
+}  // namespace
+
+void ReferenceResolver::remember(const Query& query, const std::vector<Id>& objects) {
+  last_objects_ = objects;
+  if (const auto subject = argument_of(query, {ParameterType::object, ParameterType::spot}))
+    last_subject_ = *subject;
+  if (const auto place = argument_of(query, {ParameterType::place, ParameterType::part}))
+    last_place_ = *place;
+}
+
+void ReferenceResolver::resolve(Query& query, std::vector<std::string>& notes) {
+  for (const Parameter& parameter : find_question(query.question)->parameters) {
+    const auto given = query.arguments.find(parameter.name);
+    if (given == query.arguments.end() || !names_something(parameter.type)) continue;
+    std::string& text = given->second;
+    if (text.ends_with(" one") && text != "other one" && text != "this one" && text != "that one" &&
+        !last_subject_.empty())
+      text.replace(text.size() - 3, 3, last_subject_.substr(last_subject_.rfind(' ') + 1));
+    if (text == "other one" || text == "other" || text == "other ones") replace_other(text, notes);
+    if (kPronouns.contains(text) && is_place(parameter.type) && !last_place_.empty()) {
+      notes.push_back(fmt::format("'{}' is taken as {}", text, last_place_));
+      text = last_place_;
+    }
+    if (kPronouns.contains(text)) replace_pronoun(text, notes);
+    if (text.starts_with("this ") || text.starts_with("that ")) replace_demonstrative(text, notes);
+    if (parameter.type == ParameterType::place && text == "there") replace_there(query, parameter, notes);
+  }
+}
+
+void ReferenceResolver::note_related(const Query& query, std::vector<std::string>& notes) const {
+  for (const Parameter& parameter : find_question(query.question)->parameters) {
+    if (parameter.type != ParameterType::object && parameter.type != ParameterType::spot) continue;
+    const std::string name = query.argument(parameter.name);
+    if (const std::optional<std::string> head = snapshot_.head_of(name))
+      notes.push_back(fmt::format("nothing is called '{}'; '{}' is meant", name, *head));
+    for (const std::string& word : words_of(lower_case(name)))
+      if (const std::vector<std::string> names = snapshot_.names_related_to(word); !names.empty())
+        notes.push_back(fmt::format("'{}' is taken as {}", word, fmt::join(names, ", ")));
+  }
+}
+
+void ReferenceResolver::note_places(const Query& query, std::vector<std::string>& notes) const {
+  for (const Parameter& parameter : find_question(query.question)->parameters) {
+    const std::string name = query.argument(parameter.name);
+    const bool several = name.find(" or ") != std::string::npos || name.find(" and ") != std::string::npos;
+    if (parameter.type != ParameterType::place || name.empty() || several ||
+        !snapshot_.places_called(name).empty())
+      continue;
+    try {
+      const auto places = snapshot_.find_places(name);
+      notes.push_back(
+          fmt::format("no place is called '{}'; {} is meant", name,
+                      places.size() == 1 ? places[0].name : "any " + name.substr(name.rfind(' ') + 1)));
+    } catch (const UnknownName&) {
+      continue;  // reported by the answer
+    }
+  }
+}
+
+void ReferenceResolver::replace_pronoun(std::string& text, std::vector<std::string>& notes) const {
+  if (!last_subject_.empty()) {
+    notes.push_back(fmt::format("'{}' is taken as '{}'", text, last_subject_));
+    text = last_subject_;
+    return;
+  }
+  const BeliefRow* latest = nullptr;
+  const auto seen = [&](const BeliefRow& row) {
+    const SceneRow* scene = row.last_scene ? snapshot_.scene(*row.last_scene) : nullptr;
+    return scene == nullptr ? TimeNs{0} : scene->time;
+  };
+  for (const BeliefRow& row : snapshot_.beliefs())
+    if (latest == nullptr || seen(row) > seen(*latest)) latest = &row;
+  if (latest == nullptr) return;
+  notes.push_back(fmt::format("nothing was spoken of before: '{}' is taken as {}, which was seen last", text,
+                              object_name(latest->object)));
+  text = object_name(latest->object);
+}
+
+/// "the other one" is of the kind spoken of, and not what the last answer named.
+void ReferenceResolver::replace_other(std::string& text, std::vector<std::string>& notes) const {
+  const size_t end = std::min({last_subject_.find(" on "), last_subject_.find(" in "), last_subject_.size()});
+  try {
+    for (const Id object : snapshot_.find_objects(last_subject_.substr(0, end)))
+      if (std::ranges::count(last_objects_, object) == 0) {
+        notes.push_back(fmt::format("'{}' is taken as {}", text, object_name(object)));
+        text = object_name(object);
+        return;
+      }
+  } catch (const UnknownName&) {
+    return;  // reported by the answer
+  }
+}
+
+/// The place of the most probable object that is meant; "" = unknown.
+std::string ReferenceResolver::place_of(const std::string& subject) const {
+  try {
+    const Id object = snapshot_.find_objects(subject).front();
+    const auto place = snapshot_.place_ref(snapshot_.belief(object)->place);
+    return place ? place->name : "";
+  } catch (const UnknownName&) {
+    return "";  // reported by the answer
+  }
+}
+
+/// "there" is the place named last, else where the object was seen last.
+void ReferenceResolver::replace_there(Query& query, const Parameter& parameter,
+                                      std::vector<std::string>& notes) const {
+  const auto subject = argument_of(query, {ParameterType::object});
+  const std::string place = !last_place_.empty() ? last_place_ : subject ? place_of(*subject) : "";
+  if (!place.empty()) {
+    notes.push_back(fmt::format("'there' is taken as {}", place));
+    query.arguments[parameter.name] = place;
+  } else if (!parameter.required) {
+    query.arguments.erase(parameter.name);  // anywhere
+  }
+}
+
+/// "this drawer" is the drawer that was seen last.
+void ReferenceResolver::replace_demonstrative(std::string& text, std::vector<std::string>& notes) const {
+  const std::string name = text.substr(5);
+  std::vector<PlaceRow> places;
+  try {
+    places = snapshot_.find_places(name);
+  } catch (const UnknownName&) {
+    text = name;
+    return;
+  }
+  const PlaceRow* chosen = nullptr;
+  TimeNs latest = 0;
+  for (const PlaceRow& place : places)
+    for (const VisibilityRow& view : snapshot_.store().visibility_of_place(place.id)) {
+      const SceneRow* scene = snapshot_.scene(view.scene);
+      if (scene == nullptr || view.fraction.value_or(0) <= 0 || scene->time < latest) continue;
+      latest = scene->time;
+      chosen = &place;
+    }
+  if (chosen == nullptr) chosen = &places[0];
+  notes.push_back(fmt::format("'{}' is taken as {}, {}", text, chosen->name,
+                              latest == 0 ? "the first of that name" : "which was looked at last"));
+  text = chosen->name;
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "memory/questions/question.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci::memory {
+
+/// Replaces "it", "there", "this drawer" and "the other one" by what they mean.
+class ReferenceResolver {
+ public:
+  /// `about`: what "it" means at first; unset = the object seen last.
+  ReferenceResolver(const Store& store, const AsOf& as_of, const std::optional<Id>& about)
+      : snapshot_(store, as_of), last_subject_(about ? object_name(*about) : "") {}
+
+  /// Keeps what the last sentence was about and what its answer named.
+  void remember(const Query& query, const std::vector<Id>& objects);
+  /// What the last answer named.
+  const std::vector<Id>& last_objects() const { return last_objects_; }
+
+  /// Replaces references in the arguments; what they were taken as is added to the notes.
+  void resolve(Query& query, std::vector<std::string>& notes);
+  /// Notes which names of this memory a word is taken for: "crockery" for plate and bowl.
+  void note_related(const Query& query, std::vector<std::string>& notes) const;
+  /// Notes which place an unknown name is taken for.
+  void note_places(const Query& query, std::vector<std::string>& notes) const;
+
+ private:
+  void replace_pronoun(std::string& text, std::vector<std::string>& notes) const;
+  void replace_other(std::string& text, std::vector<std::string>& notes) const;
+  std::string place_of(const std::string& subject) const;
+  void replace_there(Query& query, const Parameter& parameter, std::vector<std::string>& notes) const;
+  void replace_demonstrative(std::string& text, std::vector<std::string>& notes) const;
+
+  Snapshot snapshot_;
+  std::string last_subject_, last_place_;
+  std::vector<Id> last_objects_;
+};
+
+}  // namespace loci::memory

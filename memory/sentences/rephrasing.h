@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace loci::memory {
+
+// Sentences in plainer words, before and after the readers try them.
+
+/// What the speaker means after all: "on the shelf, no, sorry, on the counter" is on the counter; "which pot
+/// is on the table, the red one or the grey one?" is which pot. Other sentences as they are. `is_name` = the
+/// words mean something in the memory.
+std::string as_meant(const std::string& sentence, const std::function<bool(const std::string&)>& is_name);
+
+/// A sentence said otherwise.
+struct Rephrasing {
+  std::string sentence = {};
+  bool contrary = false;  ///< the sentence asks for the contrary: "nothing moved" is "anything moved"
+};
+/// For a sentence that no reader understands: common constructions in plain ones ("who keeps opening", "how
+/// many of the cups are red"), without courtesy around an embedded question, people as "someone". Unset where
+/// there is nothing to change. `is_name` = the words mean something in the memory.
+std::optional<Rephrasing> rephrased(const std::string& sentence,
+                                    const std::function<bool(const std::string&)>& is_name);
+
+/// "Nobody moved the pot" asks for the contrary of "did somebody move the pot"; unset for other sentences.
+std::optional<std::string> contrary_question(const std::string& sentence);
+
+/// "Was the pot moved, and when?": the question, and the question word that asks more of the same.
+struct ElidedQuestion {
+  std::string question = {}, more = {};
+};
+std::optional<ElidedQuestion> elided_question(const std::string& sentence);
+
+}  // namespace loci::memory

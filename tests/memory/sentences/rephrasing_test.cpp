@@ -1,0 +1,145 @@
+#include "memory/sentences/rephrasing.h"
+
+#include "memory/sentences/natural_language.h"
+#include "memory/sentences/sentence_parser.h"
+#include "tests/memory/questions/day_fixture.h"
+
+namespace loci::memory {
+namespace {
+
+const std::set<std::string> kNames = {"tea", "milk", "pot", "cup", "cups", "plate", "table", "shelf", "jar"};
+
+bool is_name(const std::string& words) {
+  return kNames.contains(words);
+}
+
+std::string plain(const std::string& sentence) {
+  const auto one = rephrased(sentence, is_name);
+  return one ? one->sentence : "";
+}
+
+TEST(Rephrasing, ASpeakersCorrectionReplacesWhatItCorrects) {
+  EXPECT_EQ(as_meant("what's on the shelf no sorry on the table", is_name), "what is on the table");
+  EXPECT_EQ(as_meant("Where is the tea, no wait, the milk?", is_name), "where is the milk ?");
+  EXPECT_EQ(as_meant("wait no not the tea the milk where's the milk", is_name), "where is the milk");
+  EXPECT_EQ(as_meant("is the pot free, scratch that, where is it", is_name), "where is it");
+  EXPECT_EQ(as_meant("Sorry, no milk today?", is_name), "milk today ?");
+  const std::string whole = "Is there no tea on the shelf?";
+  EXPECT_EQ(as_meant(whole, is_name), whole);
+}
+
+TEST(Rephrasing, AChoiceAfterACompleteQuestionIsPartOfIt) {
+  EXPECT_EQ(as_meant("Which of the two cups is on the table, the red one or the blue one?", is_name),
+            "which cups is on the table ?");
+  EXPECT_EQ(as_meant("Which cup is nearer to the pot, the red or the blue one?", is_name),
+            "is the pot nearer to the red cup or to the blue cup ?");
+}
+
+TEST(Rephrasing, CleftsAndCountsAskPlainly) {
+  EXPECT_EQ(as_meant("What was it that I put on the table?", is_name), "what did someone put on the table ?");
+  EXPECT_EQ(as_meant("cups total", is_name), "how many cups");
+  EXPECT_EQ(as_meant("What is on the table that wasn't there at nine?", is_name),
+            "what newsince is on the table at nine ?");
+}
+
+TEST(Rephrasing, CourtesyAroundAQuestionIsLeftOutAndConditionsAreNot) {
+  EXPECT_EQ(plain("If it isn't too much trouble, what is on the shelf?"), ", what is on the shelf ?");
+  EXPECT_EQ(plain("Perhaps you could enlighten me as to which cups were moved."), "which cups were moved .");
+  EXPECT_EQ(plain("If the milk is on the shelf, where is the tea?"), "");
+  EXPECT_EQ(plain("I put the milk where the tea is"), "");
+}
+
+TEST(Rephrasing, ConstructionsBecomePlainOnes) {
+  EXPECT_EQ(plain("Who keeps moving the pot?"), "who moving the pot ?");
+  EXPECT_EQ(plain("How many of the cups on the table are red?"), "how many red cups on the table ?");
+  EXPECT_EQ(plain("What is the red thing on the table?"), "which red thing is on the table ?");
+  EXPECT_EQ(plain("How long was the pot out before somebody took it away?"), "how long was the pot out ?");
+  EXPECT_EQ(plain("Are there more cups than plates?"), "does the cups outnumber the plates ?");
+  EXPECT_EQ(plain("pot or cup bigger"), "which is bigger pot or cup");
+  EXPECT_EQ(plain("Where is the milk?"), "");
+}
+
+TEST(Rephrasing, PeopleAreSomeoneUnlessTheMemoryKnowsThem) {
+  EXPECT_EQ(plain("Has some idiot moved the pot?"), "has someone moved the pot ?");
+  EXPECT_EQ(plain("Did the plumber move the pot?"), "did someone move the pot ?");
+  const auto known = [](const std::string& words) { return words == "plumber" || is_name(words); };
+  EXPECT_FALSE(rephrased("Did the plumber move the pot?", known));
+}
+
+TEST(Rephrasing, ANegativeSubjectAsksForTheContrary) {
+  EXPECT_EQ(contrary_question("So nobody moved the pot, right?"), "so did somebody moved the pot , right ?");
+  EXPECT_EQ(contrary_question("Nobody has moved the pot."), "has somebody moved the pot .");
+  EXPECT_EQ(contrary_question("No one opened it?"), "did somebody opened it ?");
+  EXPECT_FALSE(contrary_question("What has nobody moved?"));
+  EXPECT_FALSE(contrary_question("Nobody never moved the pot."));
+  EXPECT_FALSE(contrary_question("Was the pot moved?"));
+  const auto nothing = rephrased("Has nothing happened since six?", is_name);
+  ASSERT_TRUE(nothing);
+  EXPECT_TRUE(nothing->contrary);
+  EXPECT_EQ(nothing->sentence, "has anything happened since six ?");
+}
+
+TEST(Rephrasing, AQuestionWordAfterAndAsksMore) {
+  const auto elided = elided_question("Was the pot moved, and when?");
+  ASSERT_TRUE(elided);
+  EXPECT_EQ(elided->question, "was the pot moved?");
+  EXPECT_EQ(elided->more, "when?");
+  EXPECT_FALSE(elided_question("What is on the table and where is the pot?"));
+}
+
+class RephrasedQuestions : public testing_support::DayFixture {
+ protected:
+  NaturalLanguageAnswer say(const std::string& sentence) const {
+    return ask(*store_, NaturalLanguageQuestion{{sentence}, {}}).at(0);
+  }
+};
+
+TEST_F(RephrasedQuestions, TheContraryHasTheOtherVerdict) {
+  const NaturalLanguageAnswer moved = say("So nobody moved the red thing, right?");
+  ASSERT_TRUE(moved.reply) << text(moved);
+  EXPECT_EQ(moved.reply->verdict, Verdict::no);
+  EXPECT_THAT(moved.reply->text, testing::StartsWith("No: the tea cup"));
+  EXPECT_EQ(moved.query->argument("kind"), "handled");
+}
+
+TEST_F(RephrasedQuestions, MoreThanOneThingIsAnsweredByALineEach) {
+  const NaturalLanguageAnswer both = say("Was the red thing moved, and when?");
+  ASSERT_TRUE(both.reply) << text(both);
+  EXPECT_EQ(both.reply->verdict, Verdict::yes);
+  EXPECT_TRUE(both.reply->time);
+  const NaturalLanguageAnswer where = say("When did you last see the red thing and where?");
+  ASSERT_TRUE(where.reply) << text(where);
+  EXPECT_EQ(where.reply->places, std::vector<std::string>{"counter_1"});
+}
+
+TEST_F(RephrasedQuestions, OfPlacesToChooseFromTheOneIsNamed) {
+  const NaturalLanguageAnswer answer = say("Is the red thing on the table or on the counter?");
+  ASSERT_TRUE(answer.reply) << text(answer);
+  EXPECT_EQ(answer.reply->places, std::vector<std::string>{"counter_1"});
+}
+
+TEST_F(RephrasedQuestions, WhatIsInAnObjectIsNotRecorded) {
+  EXPECT_TRUE(say("Is there something in the tea cup?").reply->not_known);
+  EXPECT_EQ(say("Is there something on the tea cup?").reply->verdict, Verdict::no);
+}
+
+TEST_F(RephrasedQuestions, TheFirstAndTheLastToComeAreNamed) {
+  EXPECT_EQ(say("What came to the counter last?").query->asks, Asks::latest);
+  EXPECT_EQ(say("What left the table first?").reply->objects, std::vector<Id>{1});
+}
+
+TEST_F(RephrasedQuestions, WhatIsNewWasNotThereThen) {
+  const NaturalLanguageAnswer fresh = say("What is on the counter that wasn't there at eight?");
+  ASSERT_TRUE(fresh.reply) << text(fresh);
+  EXPECT_EQ(fresh.query->argument("state"), "new");
+  EXPECT_THAT(fresh.reply->objects, testing::Contains(1));
+}
+
+TEST_F(RephrasedQuestions, WhatIsLostInANameIsNotAnswered) {
+  EXPECT_FALSE(say("Where did I leave my holiday?").query);  // nothing that stands somewhere
+  EXPECT_FALSE(say("Were there ever two red things on the table at once?").reply);
+  EXPECT_FALSE(say("What came to the table right after the blue thing?").reply);
+}
+
+}  // namespace
+}  // namespace loci::memory
