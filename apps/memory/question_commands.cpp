@@ -166,6 +166,7 @@ memory::Question why_question() {
                           .positional = true,
                           .required = true}},
           .examples = {"red", "scene_3 --json"},
+          .answer = nullptr,
           .run = [](const memory::Arguments& given) -> memory::Answer {
             const std::string subject = given.text("subject");
             if (const std::optional<memory::Id> scene = scene_id(subject))
