@@ -11,6 +11,7 @@
 #include "memory/exchange/observation_image.h"
 #include "memory/fleet/fleet_replica.h"
 #include "memory/ingest/ingest.h"
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/map_names.h"
 #include "memory/questions/question.h"
@@ -348,7 +349,12 @@ void add_memory(py::module_& module) {
   add_observation(module);
   add_scene(module);
 
-  module.def("_questions", [] { return dumped(memory::questions_json()); });
+  module.def("_questions", [] {
+    Json json = memory::questions_json();
+    json["sentence"] = memory::sentence_schema().name();
+    json["$defs"].update(memory::sentence_schema().definitions());
+    return dumped(json);
+  });
   module.def("_edits", [] {
     Json json = Json::array();
     for (const memory::EditAction& action : memory::edit_actions())

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <sstream>
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
@@ -21,11 +22,18 @@ namespace loci::apps {
 namespace {
 
 constexpr const char* kDetails = "Print all that is known, not only the answer";
+constexpr size_t kMaxListed = 10;  ///< lines of what a question that inspects finds
 
-/// Whether the text of a command is a sentence with its evidence. Questions that inspect the memory list what
-/// they find.
-bool has_reply(const memory::Question& question) {
-  return question.group == memory::QuestionGroup::ask;
+/// The first lines of a text, and how many there are more.
+std::string first_lines(const std::string& text) {
+  std::string first;
+  size_t count = 0;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line); ++count)
+    if (count < kMaxListed) first += line + "\n";
+  if (count > kMaxListed)
+    first += fmt::format("... {} with --details\n", counted(count - kMaxListed, "more line"));
+  return first;
 }
 
 /// What is given on the command line for a question.
@@ -62,7 +70,7 @@ void QuestionArguments::declare(const memory::Question& question, ArgumentTable&
                  &options[parameter.name], parameter.help, with);
   }
   if (question.period) table.option("--between TIME TIME", &between, "Two times", {.values = 2});
-  if (has_reply(question)) table.flag("--details", details, kDetails);
+  table.flag("--details", details, kDetails);
 }
 
 memory::Query QuestionArguments::query(const memory::Question& question) const {
@@ -75,15 +83,18 @@ memory::Query QuestionArguments::query(const memory::Question& question) const {
   return query;
 }
 
-/// The answer as people read it.
+/// The answer as people read it: one sentence with its evidence, and of a question that inspects the memory
+/// the first lines of what it finds.
 std::string text_of(const memory::Answer& answer, const memory::Question& question,
                     const memory::Query& query, bool details, const memory::Store& store) {
   const memory::TimeWriter times(store);
-  if (!has_reply(question)) return answer.to_text(times);
   const auto as_of = read_as_of(store, query.argument("at"), query.argument("known-at"));
   memory::Reply reply = answer.reply({store, query, as_of, times});
-  if (details) reply.evidence.clear();  // it is in what follows
-  return to_text(reply) + (details ? answer.to_text(times) : "");
+  const bool inspects = question.group == memory::QuestionGroup::inspect;
+  if (!details && !inspects) return to_text(reply);
+  reply.evidence.clear();  // it is in what follows
+  const std::string all = answer.to_text(times);
+  return (all.starts_with(reply.text) ? "" : to_text(reply)) + (details ? all : first_lines(all));
 }
 
 Command question_command(const memory::Question& question) {
@@ -166,6 +177,7 @@ memory::Question why_question() {
                           .positional = true,
                           .required = true}},
           .examples = {"red", "scene_3 --json"},
+          .answer = nullptr,
           .run = [](const memory::Arguments& given) -> memory::Answer {
             const std::string subject = given.text("subject");
             if (const std::optional<memory::Id> scene = scene_id(subject))

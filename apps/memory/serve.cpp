@@ -5,16 +5,22 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
+#include <thread>
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
+#include "mapping/base/json.h"
+#include "mapping/http/http_server.h"
 #include "memory/fleet/fleet_database.h"
+#include "memory/server/http_transport.h"
 #include "memory/server/tool_server.h"
 
 namespace loci::apps {
 namespace {
 
-constexpr size_t kMaxMessage = 4'000'000;  ///< bytes
+constexpr double kMaxMessage_mb = 4;
+constexpr size_t kMaxMessage = static_cast<size_t>(kMaxMessage_mb * 1e6);  ///< bytes
 
 /// Replies to lines from standard input until it ends.
 class LineServer {
@@ -60,6 +66,21 @@ class LineServer {
   std::string line_;
 };
 
+/// Replies to messages at an address until Ctrl-C.
+void serve_http(const memory::ToolServer& server, const std::string& address, mapping::HttpLimits& limits,
+                Session& session) {
+  table_of(limits).validate();
+  const mapping::HttpAddress at = mapping::read_http_address(address);
+  memory::HttpTransport transport(server);
+  const mapping::HttpServer http(at.address, at.port, limits, [&](const mapping::HttpRequest& request) {
+    return transport.reply(request);
+  });
+  const std::string url = http.url() + memory::HttpTransport::kPath;
+  session.answer(fmt::format("answering at {} (Ctrl-C stops)\n", url), {{"url", url}, {"port", http.port()}});
+  std::fflush(stdout);
+  while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+}
+
 }  // namespace
 
 Command serve_command() {
@@ -70,25 +91,37 @@ Command serve_command() {
                    "loci-memory serve --mcp -m demo-output/memory.loci",
                    R"(echo '{"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": {"name": "ask", )"
                    R"("arguments": {"question": "Where is the red cup?"}}}' | )"
-                   "loci-memory serve --mcp -m demo-output/memory.loci"},
+                   "loci-memory serve --mcp -m demo-output/memory.loci",
+                   "timeout --preserve-status -s INT 3 "
+                   "loci-memory serve --mcp --http 0 -m demo-output/memory.loci"},
       .declare = [](ArgumentTable& table) {
         struct Arguments {
-          std::string memory;
+          std::string memory, http;
           bool mcp = false, allow_edits = false;
+          mapping::HttpLimits limits{.max_mb = kMaxMessage_mb};
         };
         auto arguments = std::make_shared<Arguments>();
         table.memory(arguments->memory);
         table.flag("--mcp", arguments->mcp,
                    "Read messages from standard input and write replies to standard output, a line each",
                    {.required = true});
+        table.option("--http ADDRESS", &arguments->http,
+                     "Answer over HTTP instead, at ADDRESS:PORT (127.0.0.1:8642); a port alone is at "
+                     "127.0.0.1, 0 = any that is free");
         table.flag("--allow-edits", arguments->allow_edits,
                    "Offer the corrections of `loci-memory edit` as tools; without it nothing is written");
+        table.options(table_of(arguments->limits), "HTTP");
+        for (const char* limit : {"--max-mb", "--request-s", "--connections", "--token-file"})
+          table.at(limit).needs = {"--http"};
         return [arguments](Session& session) {
           if (arguments->allow_edits && memory::is_fleet_url(arguments->memory))
             throw UsageError("--allow-edits needs a file: a memory in a database changes by pushes alone");
           const memory::ToolServer server(memory_source(arguments->memory, session), kVersion,
                                           arguments->allow_edits);
-          LineServer(server).run();
+          if (arguments->http.empty())
+            LineServer(server).run();
+          else
+            serve_http(server, arguments->http, arguments->limits, session);
         };
       }};
 }

@@ -10,6 +10,7 @@
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/standing_question.h"
 
@@ -28,7 +29,7 @@ void run_command(const std::string& command, const memory::EventWatcher::News& n
                  Warnings& warnings) {
   setenv("LOCI_QUESTION", news.question.c_str(), 1);
   setenv("LOCI_EVENT", line.c_str(), 1);
-  setenv("LOCI_EVENT_JSON", memory::format::change_json(news.change).dump().c_str(), 1);
+  setenv("LOCI_EVENT_JSON", memory::format::change_record().json(news.change).dump().c_str(), 1);
   std::fflush(stdout);
   const int status = std::system(command.c_str());
   if (status != 0) warnings.add(fmt::format("the command ended with status {}", status));
@@ -52,7 +53,8 @@ void watch(const WatchArguments& arguments, Session& session) {
       const std::string line =
           fmt::format("{}  {}", memory::format::when_text(news.change, times), to_text(news.change));
       if (session.flags().json) {
-        const Json json = {{"question", news.question}, {"event", memory::format::change_json(news.change)}};
+        const Json json = {{"question", news.question},
+                           {"event", memory::format::change_record().json(news.change)}};
         fmt::print("{}\n", json.dump());
       } else {
         fmt::print("{}\n", line);

@@ -1,8 +1,10 @@
 #include "mapping/base/hash.h"
 
+#include <fmt/format.h>
 #include <openssl/evp.h>
 
 #include <array>
+#include <random>
 
 #include "mapping/base/error.h"
 
@@ -19,6 +21,13 @@ std::string content_hash(std::string_view bytes) {
     text.push_back("0123456789abcdef"[digest[i] & 0xf]);
   }
   return text;
+}
+
+std::string unguessable_hex(int words) {
+  std::random_device random;
+  std::string hex;
+  for (int i = 0; i < words; ++i) hex += fmt::format("{:08x}", random());
+  return hex;
 }
 
 }  // namespace loci

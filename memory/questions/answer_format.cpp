@@ -118,65 +118,6 @@ std::string table_text(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
-Json vector_json(const Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-Json place_json(const PlaceRef& place) {
-  return place.name;
-}
-
-Json scene_json(const SceneRef& scene) {
-  Json json = {{"scene", scene.scene}, {"time", format_time(scene.time)}};
-  if (scene.recording) json["recording"] = *scene.recording;
-  if (scene.frame) json["frame"] = *scene.frame;
-  return json;
-}
-
-Json object_json(const ObjectRef& object) {
-  Json json = {{"object", object.name}};
-  if (object.label) json["label"] = *object.label;
-  if (!object.aliases.empty()) json["aliases"] = object.aliases;
-  if (object.color) json["color"] = *object.color;
-  put(json, "size", object.size, vector_json);
-  return json;
-}
-
-Json belief_json(const ObjectBelief& belief) {
-  Json json = object_json(belief.object);
-  json["status"] = to_text(belief.status);
-  json["probability"] = belief.probability;
-  json["in_home"] = belief.in_home;
-  put(json, "place", belief.place, place_json);
-  put(json, "position", belief.position, vector_json);
-  put(json, "first_seen", belief.first_seen, scene_json);
-  put(json, "last_seen", belief.last_seen, scene_json);
-  json["sightings"] = belief.sightings;
-  if (seen_once(belief)) json["seen_once"] = true;
-  json["since_last_seen"] = {{"out_of_view", belief.scenes_out_of_view},
-                             {"hidden", belief.scenes_hidden},
-                             {"missed", belief.scenes_missed}};
-  put(json, "looked_for", belief.last_missed, scene_json);
-  return json;
-}
-
-Json change_json(const Change& change) {
-  Json json = {{"kind", to_text(change.kind)}, {"time", format_time(change.time)}};
-  if (change.since) json["since"] = format_time(*change.since);
-  if (change.object) json.update(object_json(*change.object));
-  put(json, "place", change.place, place_json);
-  put(json, "from_place", change.from_place, place_json);
-  put(json, "position", change.position, vector_json);
-  put(json, "from_position", change.from_position, vector_json);
-  if (change.joint) json["joint"] = *change.joint;
-  if (change.joint_position) json["joint_position"] = *change.joint_position;
-  if (change.from_joint_position) json["from_joint_position"] = *change.from_joint_position;
-  json["probability"] = change.probability;
-  put(json, "scene", change.scene, scene_json);
-  json["source"] = change.source;
-  return json;
-}
-
 }  // namespace format
 
 using namespace format;

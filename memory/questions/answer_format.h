@@ -30,25 +30,4 @@ std::string lines_text(const std::vector<std::string>& lines);
 /// Columns as wide as they need to be, the last one as it is.
 std::string table_text(const std::vector<std::vector<std::string>>& rows);
 
-Json vector_json(const Vector3d& v);
-Json place_json(const PlaceRef& place);
-Json scene_json(const SceneRef& scene);
-Json object_json(const ObjectRef& object);
-Json belief_json(const ObjectBelief& belief);
-Json change_json(const Change& change);
-
-/// An array of write(element).
-template <class List, class Write>
-Json list_json(const List& list, Write write) {
-  Json json = Json::array();
-  for (const auto& element : list) json.push_back(write(element));
-  return json;
-}
-
-/// Sets json[key] where there is a value.
-template <class T, class Write>
-void put(Json& json, const char* key, const std::optional<T>& value, Write write) {
-  if (value) json[key] = write(*value);
-}
-
 }  // namespace loci::memory::format

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/question.h"
 #include "memory/questions/routines.h"
@@ -166,11 +167,12 @@ std::vector<SimilarScene> similar_scenes(const Snapshot& snapshot, const Objects
   return similar;
 }
 
-Json expected_json(const ExpectedObject& expected) {
-  Json json = belief_json(expected.now);
-  json["visits_there"] = expected.visits;
-  json["share"] = expected.share;
-  return json;
+const Record<ExpectedObject>& expected_record() {
+  static const auto record = Record<ExpectedObject>("ExpectedObject")
+                                 .with(&ExpectedObject::now, belief_record())
+                                 .value("visits_there", &ExpectedObject::visits)
+                                 .value("share", &ExpectedObject::share);
+  return record;
 }
 
 }  // namespace
@@ -215,25 +217,40 @@ std::string to_text(const CoOccurrenceAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<CoOccurrence>& other_record() {
+  static const auto record = Record<CoOccurrence>("CoOccurrence")
+                                 .with(&CoOccurrence::object, object_record())
+                                 .value("scenes", &CoOccurrence::scenes)
+                                 .value("together", &CoOccurrence::together)
+                                 .value("same_place", &CoOccurrence::same_place)
+                                 .value("share", &CoOccurrence::share)
+                                 .record("last", &CoOccurrence::last, scene_record());
+  return record;
+}
+
+const Record<CoOccurrences>& co_occurrences_record() {
+  static const auto record = Record<CoOccurrences>("CoOccurrences")
+                                 .with(&CoOccurrences::object, object_record())
+                                 .value("scenes", &CoOccurrences::scenes)
+                                 .record("together", &CoOccurrences::others, other_record());
+  return record;
+}
+
+const Record<CoOccurrenceAnswer>& co_occurrence_record() {
+  static const auto record =
+      Record<CoOccurrenceAnswer>("CoOccurrenceAnswer")
+          .value("asked", &CoOccurrenceAnswer::asked)
+          .record("objects", &CoOccurrenceAnswer::objects, co_occurrences_record())
+          .value("other", [](const CoOccurrenceAnswer& answer) { return unless_empty(answer.other); });
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const CoOccurrenceAnswer& answer) {
-  const auto other_json = [](const CoOccurrence& other) {
-    Json json = object_json(other.object);
-    json["scenes"] = other.scenes;
-    json["together"] = other.together;
-    json["same_place"] = other.same_place;
-    json["share"] = other.share;
-    put(json, "last", other.last, scene_json);
-    return json;
-  };
-  Json json = {{"asked", answer.asked},
-               {"objects", list_json(answer.objects, [&](const CoOccurrences& object) {
-                  Json one = object_json(object.object);
-                  one["scenes"] = object.scenes;
-                  one["together"] = list_json(object.others, other_json);
-                  return one;
-                })}};
-  if (!answer.other.empty()) json["other"] = answer.other;
-  return json;
+  return co_occurrence_record().json(answer);
 }
 
 MissingAnswer ask(const Store& store, const MissingQuestion& question) {
@@ -273,15 +290,30 @@ std::string to_text(const MissingAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<MissingPlace>& missing_place_record() {
+  static const auto record = Record<MissingPlace>("MissingPlace")
+                                 .value("place", &MissingPlace::place)
+                                 .value("visits", &MissingPlace::visits)
+                                 .record("missing", &MissingPlace::missing, expected_record())
+                                 .record("present", &MissingPlace::present, expected_record());
+  return record;
+}
+
+const Record<MissingAnswer>& missing_record() {
+  static const auto record =
+      Record<MissingAnswer>("MissingAnswer")
+          .value("asked", &MissingAnswer::asked)
+          .record("places", &MissingAnswer::places, missing_place_record())
+          .value("occasion", [](const MissingAnswer& answer) { return unless_empty(answer.occasion); });
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const MissingAnswer& answer) {
-  Json json = {{"asked", answer.asked}, {"places", list_json(answer.places, [](const MissingPlace& place) {
-                                           return Json{{"place", place.place.name},
-                                                       {"visits", place.visits},
-                                                       {"missing", list_json(place.missing, expected_json)},
-                                                       {"present", list_json(place.present, expected_json)}};
-                                         })}};
-  if (!answer.occasion.empty()) json["occasion"] = answer.occasion;
-  return json;
+  return missing_record().json(answer);
 }
 
 SceneTypeAnswer ask(const Store& store, const SceneTypeQuestion& question) {
@@ -323,19 +355,29 @@ std::string to_text(const SceneTypeAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<SimilarScene>& similar_scene_record() {
+  static const auto record = Record<SimilarScene>("SimilarScene")
+                                 .record("scene", &SimilarScene::scene, scene_record())
+                                 .value("similarity", &SimilarScene::similarity);
+  return record;
+}
+
+const Record<SceneTypeAnswer>& scene_type_record() {
+  static const auto record = Record<SceneTypeAnswer>("SceneTypeAnswer")
+                                 .record("scene", &SceneTypeAnswer::scene, scene_record())
+                                 .value("places", &SceneTypeAnswer::places)
+                                 .record("objects", &SceneTypeAnswer::objects, object_record())
+                                 .record("similar", &SceneTypeAnswer::similar, similar_scene_record())
+                                 .value("occasions", &SceneTypeAnswer::occasions);
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const SceneTypeAnswer& answer) {
-  Json json = {
-      {"scene", scene_json(answer.scene)},
-      {"places", answer.places},
-      {"objects", list_json(answer.objects, object_json)},
-      {"similar",
-       list_json(answer.similar,
-                 [](const SimilarScene& similar) {
-                   return Json{{"scene", scene_json(similar.scene)}, {"similarity", similar.similarity}};
-                 })},
-      {"occasions", Json::object()}};
-  for (const auto& [name, probability] : answer.occasions) json["occasions"][name] = probability;
-  return json;
+  return scene_type_record().json(answer);
 }
 
 std::vector<Question> co_occurrence_questions() {
@@ -351,6 +393,7 @@ std::vector<Question> co_occurrence_questions() {
                        .help = "The other object",
                        .default_text = "all others"}},
        .examples = {"red", "red --with green --json"},
+       .answer = format::schema_by<co_occurrence_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(),
                     CoOccurrenceQuestion{given.text("object"), given.text("with"), given.as_of()});
@@ -369,6 +412,7 @@ std::vector<Question> co_occurrence_questions() {
                        .default_text = "any",
                        .choices = {"breakfast", "lunch", "tea", "dinner", "supper"}}},
        .examples = {"table_1", "table_1 --occasion breakfast --json"},
+       .answer = format::schema_by<missing_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(),
                     MissingQuestion{given.text("place"), given.text("occasion"), given.as_of()});
@@ -390,6 +434,7 @@ std::vector<Question> co_occurrence_questions() {
                        .help = "Number of the scene",
                        .default_text = "the last"}},
        .examples = {"", "--scene 3 --json"},
+       .answer = format::schema_by<scene_type_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), SceneTypeQuestion{given.number("scene"), given.as_of()});
        },

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/events.h"
@@ -12,6 +13,9 @@
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {
+
+using namespace format;
+
 namespace {
 
 bool is_of_height(const std::string& by) {
@@ -175,15 +179,30 @@ std::string to_text(const ComparisonAnswer& answer, const TimeWriter& times) {
          statement(answer, plain_names(answer), times) + "\n";
 }
 
+namespace {
+
+const Record<Compared>& compared_record() {
+  static const auto record = Record<Compared>("Compared")
+                                 .value("name", &Compared::name)
+                                 .value("value", &Compared::value)
+                                 .time("until", [](const Compared& one) {
+                                   return one.time ? std::optional(one.time->last) : std::nullopt;
+                                 });
+  return record;
+}
+
+const Record<ComparisonAnswer>& comparison_record() {
+  static const auto record = Record<ComparisonAnswer>("ComparisonAnswer")
+                                 .value("by", &ComparisonAnswer::by)
+                                 .value("verdict", &ComparisonAnswer::verdict)
+                                 .record("compared", &ComparisonAnswer::compared, compared_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const ComparisonAnswer& answer) {
-  Json compared = Json::array();
-  for (const Compared& one : answer.compared) {
-    Json json = {{"name", one.name}};
-    if (one.value) json["value"] = *one.value;
-    if (one.time) json["until"] = format_time(one.time->last);
-    compared.push_back(json);
-  }
-  return {{"by", answer.by}, {"verdict", to_text(answer.verdict)}, {"compared", compared}};
+  return comparison_record().json(answer);
 }
 
 void write_reply(const ComparisonAnswer& answer, const ReplyContext& context, Reply& reply) {
@@ -237,6 +256,7 @@ std::vector<Question> comparison_questions() {
                          "moved-before", "more", "more-objects"}}},
        .asks = verdict,
        .examples = {"green --with red", "green --with red --by bigger --json"},
+       .answer = format::schema_by<comparison_record>,
        .run = [](const Arguments& given) -> Answer {
          ComparisonQuestion question{.subject = given.text("object"),
                                      .with = given.text("with"),

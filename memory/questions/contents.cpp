@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/question.h"
 #include "memory/questions/snapshot.h"
@@ -61,15 +62,21 @@ std::string view_text(const PlaceContents& contents, const TimeWriter& times) {
                      contents.fraction ? fmt::format(", {:.0f} % of it", 100 * *contents.fraction) : "");
 }
 
-Json contents_json(const PlaceContents& contents) {
-  Json json = {{"place", contents.place.name},
-               {"container", contents.place.container},
-               {"objects", list_json(contents.there, belief_json)},
-               {"gone", list_json(contents.gone, belief_json)}};
-  if (contents.gone_in_all > contents.gone.size()) json["gone_in_all"] = contents.gone_in_all;
-  put(json, "last_look", contents.last_view, scene_json);
-  if (contents.fraction) json["fraction"] = *contents.fraction;
-  return json;
+const Record<PlaceContents>& place_contents_record() {
+  static const auto record =
+      Record<PlaceContents>("PlaceContents")
+          .value("place", &PlaceContents::place)
+          .value("container", [](const PlaceContents& contents) { return contents.place.container; })
+          .record("objects", &PlaceContents::there, belief_record())
+          .record("gone", &PlaceContents::gone, belief_record())
+          .value("gone_in_all",
+                 [](const PlaceContents& contents) {
+                   return contents.gone_in_all > contents.gone.size() ? std::optional(contents.gone_in_all)
+                                                                      : std::nullopt;
+                 })
+          .record("last_look", &PlaceContents::last_view, scene_record())
+          .value("fraction", &PlaceContents::fraction);
+  return record;
 }
 
 /// Sets what the point is.
@@ -147,12 +154,22 @@ std::string to_text(const ContentsAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<ContentsAnswer>& contents_record() {
+  static const auto record =
+      Record<ContentsAnswer>("ContentsAnswer")
+          .value("asked", &ContentsAnswer::asked)
+          .value("verdict", &ContentsAnswer::verdict)
+          .record("places", &ContentsAnswer::places, place_contents_record())
+          .value("subject", [](const ContentsAnswer& answer) { return unless_empty(answer.subject); });
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const ContentsAnswer& answer) {
-  Json json = {{"asked", answer.asked},
-               {"verdict", to_text(answer.verdict)},
-               {"places", list_json(answer.places, contents_json)}};
-  if (!answer.subject.empty()) json["subject"] = answer.subject;
-  return json;
+  return contents_record().json(answer);
 }
 
 NearAnswer ask(const Store& store, const NearQuestion& question) {
@@ -193,16 +210,31 @@ std::string to_text(const NearAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<NearObject>& near_object_record() {
+  static const auto record = Record<NearObject>("NearObject")
+                                 .with(&NearObject::object, belief_record())
+                                 .value("distance", &NearObject::distance_m);
+  return record;
+}
+
+const Record<NearAnswer>& near_record() {
+  static const auto record =
+      Record<NearAnswer>("NearAnswer")
+          .value("asked", &NearAnswer::asked)
+          .value("point", &NearAnswer::point)
+          .value("radius", &NearAnswer::radius_m)
+          .value("around", [](const NearAnswer& answer) { return unless_empty(answer.around); })
+          .value("level", [](const NearAnswer& answer) { return if_true(answer.level); })
+          .record("objects", &NearAnswer::objects, near_object_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const NearAnswer& answer) {
-  Json json = {{"asked", answer.asked}, {"point", vector_json(answer.point)}, {"radius", answer.radius_m}};
-  if (!answer.around.empty()) json["around"] = answer.around;
-  if (answer.level) json["level"] = true;
-  json["objects"] = list_json(answer.objects, [](const NearObject& near) {
-    Json one = belief_json(near.object);
-    one["distance"] = near.distance_m;
-    return one;
-  });
-  return json;
+  return near_record().json(answer);
 }
 
 namespace {
@@ -328,6 +360,7 @@ Question contents_question(const char* name, const char* description, const std:
                      {.name = "count", .type = ParameterType::number, .help = "Whether there are as many"},
                      {.name = "except", .type = ParameterType::object, .help = "What the reply leaves out"}},
       .examples = {example, example + " --at 08:30"},
+      .answer = format::schema_by<contents_record>,
       .run = [](const Arguments& given) -> Answer {
         return ask(given.store(), ContentsQuestion{given.text("place"), given.as_of(), given.text("object")});
       },
@@ -363,6 +396,7 @@ std::vector<Question> contents_questions() {
                        .default_text = "all"},
                       only_object_parameter()},
        .examples = {"red --radius 0.4", "2.0,1.0,0.8 --radius 1 --json"},
+       .answer = format::schema_by<near_record>,
        .run = [](const Arguments& given) -> Answer {
          NearQuestion question{.subject = given.text("around"), .as_of = given.as_of()};
          question.radius_m = given.length("radius").value_or(question.radius_m);

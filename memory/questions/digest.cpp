@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "mapping/base/text.h"
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/events.h"
 #include "memory/questions/question.h"
@@ -94,20 +95,32 @@ std::string to_text(const DigestAnswer& answer, const TimeWriter& times) {
   return text;
 }
 
+namespace {
+
+const Record<MisplacedObject>& misplaced_record() {
+  static const auto record = Record<MisplacedObject>("MisplacedObject")
+                                 .with(&MisplacedObject::now, belief_record())
+                                 .value("usually", &MisplacedObject::usual)
+                                 .value("share", &MisplacedObject::share);
+  return record;
+}
+
+const Record<DigestAnswer>& digest_record() {
+  static const auto record = Record<DigestAnswer>("DigestAnswer")
+                                 .value("day", &DigestAnswer::day)
+                                 .time("from", &DigestAnswer::from)
+                                 .time("to", &DigestAnswer::to)
+                                 .value("scenes", &DigestAnswer::scenes)
+                                 .record("changes", &DigestAnswer::changes, change_record())
+                                 .record("out_of_place", &DigestAnswer::misplaced, misplaced_record())
+                                 .record("missing", &DigestAnswer::missing, belief_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const DigestAnswer& answer) {
-  return {{"day", answer.day},
-          {"from", format_time(answer.from)},
-          {"to", format_time(answer.to)},
-          {"scenes", answer.scenes},
-          {"changes", list_json(answer.changes, change_json)},
-          {"out_of_place", list_json(answer.misplaced,
-                                     [](const MisplacedObject& object) {
-                                       Json json = belief_json(object.now);
-                                       json["usually"] = object.usual.name;
-                                       json["share"] = object.share;
-                                       return json;
-                                     })},
-          {"missing", list_json(answer.missing, belief_json)}};
+  return digest_record().json(answer);
 }
 
 std::vector<Question> digest_questions() {
@@ -118,6 +131,7 @@ std::vector<Question> digest_questions() {
                            .help = "\"yesterday\", \"2026-05-01\", or any time of it",
                            .default_text = "the day of the last scene"}},
            .examples = {"", "--day 2026-05-01 --json"},
+           .answer = format::schema_by<digest_record>,
            .run = [](const Arguments& given) -> Answer {
              return ask(given.store(), DigestQuestion{given.text("day"), given.as_of()});
            },

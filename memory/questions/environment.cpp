@@ -14,6 +14,7 @@
 #include "mapping/world/kinematics.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/question.h"
 #include "memory/questions/snapshot.h"
@@ -262,33 +263,52 @@ std::string part_text(const EnvironmentPart& part, const TimeWriter& times) {
                                 : fmt::format("{} known {} it, never looked at", objects, preposition));
 }
 
-Json motion_json(const PartMotion& motion) {
-  Json json = {{"name", motion.joint},
-               {"type", joint_type_name(motion.type)},
-               {"lower", motion.lower},
-               {"upper", motion.upper}};
-  if (motion.map_joint != motion.joint) json["name_in_map"] = motion.map_joint;
-  if (motion.position) json["position"] = *motion.position;
-  if (motion.position) json["open"] = motion.open();
-  put(json, "seen", motion.seen, scene_json);
-  if (motion.opened) json["last_opened"] = format_time(motion.opened->time);
-  if (motion.closed) json["last_closed"] = format_time(motion.closed->time);
-  return json;
+std::optional<TimeNs> time_of_change(const std::optional<Change>& change) {
+  return change ? std::optional(change->time) : std::nullopt;
 }
 
-Json part_json(const EnvironmentPart& part) {
-  Json json = {{"name", part.name}, {"class", part.class_name}};
-  if (part.map_name != part.name) json["name_in_map"] = part.map_name;
-  if (!part.aliases.empty()) json["aliases"] = part.aliases;
-  put(json, "position", part.position, vector_json);
-  put(json, "joint", part.motion, motion_json);
-  if (part.place) {
-    json["place"] = part.place->name;
-    json["objects"] = part.objects;
-  }
-  if (part.height) json["height"] = *part.height;
-  put(json, "last_look", part.last_view, scene_json);
-  return json;
+const Record<PartMotion>& motion_record() {
+  static const auto record =
+      Record<PartMotion>("PartMotion")
+          .value("name", &PartMotion::joint)
+          .value("type", [](const PartMotion& motion) { return joint_type_name(motion.type); })
+          .value("lower", &PartMotion::lower)
+          .value("upper", &PartMotion::upper)
+          .value("name_in_map",
+                 [](const PartMotion& motion) {
+                   return motion.map_joint != motion.joint ? std::optional(motion.map_joint) : std::nullopt;
+                 })
+          .value("position", &PartMotion::position)
+          .value("open",
+                 [](const PartMotion& motion) {
+                   return motion.position ? std::optional(motion.open()) : std::nullopt;
+                 })
+          .record("seen", &PartMotion::seen, scene_record())
+          .time("last_opened", [](const PartMotion& motion) { return time_of_change(motion.opened); })
+          .time("last_closed", [](const PartMotion& motion) { return time_of_change(motion.closed); });
+  return record;
+}
+
+const Record<EnvironmentPart>& part_record() {
+  static const auto record =
+      Record<EnvironmentPart>("EnvironmentPart")
+          .value("name", &EnvironmentPart::name)
+          .value("class", &EnvironmentPart::class_name)
+          .value("name_in_map",
+                 [](const EnvironmentPart& part) {
+                   return part.map_name != part.name ? std::optional(part.map_name) : std::nullopt;
+                 })
+          .value("aliases", [](const EnvironmentPart& part) { return unless_empty(part.aliases); })
+          .value("position", &EnvironmentPart::position)
+          .record("joint", &EnvironmentPart::motion, motion_record())
+          .value("place", &EnvironmentPart::place)
+          .value("objects",
+                 [](const EnvironmentPart& part) {
+                   return part.place ? std::optional(part.objects) : std::nullopt;
+                 })
+          .value("height", &EnvironmentPart::height)
+          .record("last_look", &EnvironmentPart::last_view, scene_record());
+  return record;
 }
 
 }  // namespace
@@ -376,15 +396,37 @@ std::string to_text(const OpensAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
-Json to_json(const RoomAnswer& answer) {
-  Json json = {
-      {"asked", answer.asked}, {"classes", answer.classes}, {"parts", list_json(answer.parts, part_json)}};
-  if (!answer.map.empty()) json["map"] = answer.map;
-  return json;
+namespace {
+
+const Record<RoomAnswer>& room_record() {
+  static const auto record =
+      Record<RoomAnswer>("RoomAnswer")
+          .value("asked", &RoomAnswer::asked)
+          .value("classes", &RoomAnswer::classes)
+          .record("parts", &RoomAnswer::parts, part_record())
+          .value("map", [](const RoomAnswer& answer) { return unless_empty(answer.map); });
+  return record;
 }
 
+}  // namespace
+
+Json to_json(const RoomAnswer& answer) {
+  return room_record().json(answer);
+}
+
+namespace {
+
+const Record<OpensAnswer>& opens_record() {
+  static const auto record = Record<OpensAnswer>("OpensAnswer")
+                                 .value("asked", &OpensAnswer::asked)
+                                 .record("parts", &OpensAnswer::parts, part_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const OpensAnswer& answer) {
-  return {{"asked", answer.asked}, {"parts", list_json(answer.parts, part_json)}};
+  return opens_record().json(answer);
 }
 
 std::vector<Question> environment_questions() {
@@ -401,6 +443,7 @@ std::vector<Question> environment_questions() {
        .description = "The furniture: what opens, and what is where",
        .parameters = {part},
        .examples = {"", "drawers --at 17:45 --json"},
+       .answer = format::schema_by<room_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), RoomQuestion{given.text("part"), given.as_of()});
        },
@@ -420,6 +463,7 @@ std::vector<Question> environment_questions() {
                        .choices = {"open", "closed", "unopened"}}},
        .period = true,
        .examples = {"", "drawer_1 --at 17:45"},
+       .answer = format::schema_by<opens_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), OpensQuestion{given.text("part"), given.text("state"), given.as_of(),
                                                  given.from(), given.to()});

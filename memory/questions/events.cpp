@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/question.h"
@@ -83,15 +84,16 @@ std::string summary_text(const SceneSummary& summary, const TimeWriter& times) {
   return line;
 }
 
-Json summary_json(const SceneSummary& summary) {
-  Json json = scene_json(summary.scene);
-  json["observations"] = summary.observations;
-  json["has_pose"] = summary.has_pose;
-  if (summary.forgotten) json["forgotten"] = true;
-  json["looked_at"] = Json::object();
-  for (const auto& [place, fraction] : summary.seen_places) json["looked_at"][place] = fraction;
-  json["known_from"] = format_time(summary.known_from);
-  return json;
+const Record<SceneSummary>& summary_record() {
+  static const auto record =
+      Record<SceneSummary>("SceneSummary")
+          .with(&SceneSummary::scene, scene_record())
+          .value("observations", &SceneSummary::observations)
+          .value("has_pose", &SceneSummary::has_pose)
+          .value("forgotten", [](const SceneSummary& summary) { return if_true(summary.forgotten); })
+          .value("looked_at", &SceneSummary::seen_places)
+          .time("known_from", &SceneSummary::known_from);
+  return record;
 }
 
 }  // namespace
@@ -141,12 +143,20 @@ std::string to_text(const ChangesAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<ChangesAnswer>& changes_record() {
+  static const auto record = Record<ChangesAnswer>("ChangesAnswer")
+                                 .time("from", &ChangesAnswer::from)
+                                 .time("to", &ChangesAnswer::to)
+                                 .record("changes", &ChangesAnswer::changes, change_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const ChangesAnswer& answer) {
-  Json json = Json::object();
-  if (answer.from) json["from"] = format_time(*answer.from);
-  if (answer.to) json["to"] = format_time(*answer.to);
-  json["changes"] = list_json(answer.changes, change_json);
-  return json;
+  return changes_record().json(answer);
 }
 
 ScenesAnswer ask(const Store& store, const ScenesQuestion& question) {
@@ -164,8 +174,18 @@ std::string to_text(const ScenesAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<ScenesAnswer>& scenes_record() {
+  static const auto record =
+      Record<ScenesAnswer>("ScenesAnswer").record("scenes", &ScenesAnswer::scenes, summary_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const ScenesAnswer& answer) {
-  return {{"scenes", list_json(answer.scenes, summary_json)}};
+  return scenes_record().json(answer);
 }
 
 TimelineAnswer ask(const Store& store, const TimelineQuestion& question) {
@@ -195,13 +215,26 @@ std::string to_text(const TimelineAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<TimelineEntry>& entry_record() {
+  static const auto record = Record<TimelineEntry>("TimelineEntry")
+                                 .with(&TimelineEntry::scene, summary_record())
+                                 .record("seen", &TimelineEntry::seen, object_record())
+                                 .record("changes", &TimelineEntry::changes, change_record());
+  return record;
+}
+
+const Record<TimelineAnswer>& timeline_record() {
+  static const auto record =
+      Record<TimelineAnswer>("TimelineAnswer").record("timeline", &TimelineAnswer::entries, entry_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const TimelineAnswer& answer) {
-  return {{"timeline", list_json(answer.entries, [](const TimelineEntry& entry) {
-             Json json = summary_json(entry.scene);
-             json["seen"] = list_json(entry.seen, object_json);
-             json["changes"] = list_json(entry.changes, change_json);
-             return json;
-           })}};
+  return timeline_record().json(answer);
 }
 
 namespace {
@@ -363,6 +396,7 @@ std::vector<Question> event_questions() {
                        .help = "Only moves between --place and this place; with --kind came from there"}},
        .period = true,
        .examples = {"", "--between 08:00 10:00"},
+       .answer = format::schema_by<changes_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(),
                     ChangesQuestion{given.from(), given.to(), given.text("object"), given.text("place"),
@@ -374,6 +408,7 @@ std::vector<Question> event_questions() {
        .description = "Scenes and events in order",
        .period = true,
        .examples = {"", "--from 09:00 --json"},
+       .answer = format::schema_by<timeline_record>,
        .run = ask_period<TimelineQuestion>,
        .time = SentenceTime::period,
        .sentences = {{"what: see person [thing|everything]", Asks::summary,
@@ -385,6 +420,7 @@ std::vector<Question> event_questions() {
        .description = "The scenes",
        .period = true,
        .examples = {"", "--from 09:00 --json"},
+       .answer = format::schema_by<scenes_record>,
        .run = ask_period<ScenesQuestion>,
        .time = SentenceTime::period,
        .sentences = {{"when|where: look person [last]", Asks::summary, "When did you look?"}}},

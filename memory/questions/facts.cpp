@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "mapping/base/text.h"
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/map_names.h"
 #include "memory/questions/snapshot.h"
@@ -152,18 +153,27 @@ std::string to_text(const FactsAnswer& answer) {
   return text;
 }
 
+namespace format {
+
+const Record<Fact>& fact_record() {
+  static const auto record = Record<Fact>("Fact")
+                                 .value("about", &Fact::about)
+                                 .value("key", &Fact::key)
+                                 .value("value", &Fact::value)
+                                 .time("valid_from", &Fact::valid_from)
+                                 .time("known_from", &Fact::known_from)
+                                 .value("source", &Fact::source)
+                                 .value("probability", &Fact::probability);
+  return record;
+}
+
+}  // namespace format
+
 Json to_json(const FactsAnswer& answer) {
   const auto list = [](const std::vector<Fact>& facts) {
-    return format::list_json(facts, [](const Fact& fact) {
-      Json json = {{"about", fact.about},
-                   {"key", fact.key},
-                   {"value", fact.value},
-                   {"valid_from", format_time(fact.valid_from)},
-                   {"known_from", format_time(fact.known_from)},
-                   {"source", fact.source}};
-      if (fact.probability) json["probability"] = *fact.probability;
-      return json;
-    });
+    Json json = Json::array();
+    for (const Fact& fact : facts) json.push_back(format::fact_record().json(fact));
+    return json;
   };
   Json json = {{"facts", list(answer.facts)}};
   if (!answer.retracted.empty()) json["retracted"] = list(answer.retracted);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/question.h"
 #include "memory/questions/snapshot.h"
@@ -68,24 +69,30 @@ std::string stay_text(const Stay& stay, const TimeWriter& times) {
                      scenes_text(stay.scenes), lasted.empty() ? "" : ", for " + lasted + " at least");
 }
 
-Json stay_json(const Stay& stay) {
-  const TimeNs first = stay.scenes.front().time, last = stay.scenes.back().time;
-  Json json = {{"from", format_time(first)},
-               {"to", format_time(last)},
-               {"seconds", static_cast<double>(last - first) / kSecond}};
-  put(json, "place", stay.place, place_json);
-  put(json, "position", stay.position, vector_json);
-  json["probability"] = stay.probability;
-  json["scenes"] = list_json(stay.scenes, scene_json);
-  return json;
+const Record<Stay>& stay_record() {
+  static const auto record =
+      Record<Stay>("Stay")
+          .time("from", [](const Stay& stay) { return stay.scenes.front().time; })
+          .time("to", [](const Stay& stay) { return stay.scenes.back().time; })
+          .value("seconds",
+                 [](const Stay& stay) {
+                   return static_cast<double>(stay.scenes.back().time - stay.scenes.front().time) / kSecond;
+                 })
+          .value("place", &Stay::place)
+          .value("position", &Stay::position)
+          .value("probability", &Stay::probability)
+          .record("scenes", &Stay::scenes, scene_record());
+  return record;
 }
 
-Json alternative_json(const AlternativeLocation& alternative) {
-  Json json = {{"probability", alternative.probability}, {"scene", scene_json(alternative.scene)}};
-  put(json, "place", alternative.place, place_json);
-  put(json, "position", alternative.position, vector_json);
-  put(json, "taken_for", alternative.taken_for, object_json);
-  return json;
+const Record<AlternativeLocation>& alternative_record() {
+  static const auto record = Record<AlternativeLocation>("AlternativeLocation")
+                                 .value("probability", &AlternativeLocation::probability)
+                                 .record("scene", &AlternativeLocation::scene, scene_record())
+                                 .value("place", &AlternativeLocation::place)
+                                 .value("position", &AlternativeLocation::position)
+                                 .record("taken_for", &AlternativeLocation::taken_for, object_record());
+  return record;
 }
 
 }  // namespace
@@ -115,12 +122,26 @@ std::string to_text(const WhereAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<ObjectBelief>& located_record() {
+  static const auto record = Record<ObjectBelief>("LocatedObject")
+                                 .with(std::identity(), belief_record())
+                                 .record("alternatives", &ObjectBelief::alternatives, alternative_record());
+  return record;
+}
+
+const Record<WhereAnswer>& where_record() {
+  static const auto record = Record<WhereAnswer>("WhereAnswer")
+                                 .value("asked", &WhereAnswer::asked)
+                                 .record("objects", &WhereAnswer::objects, located_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const WhereAnswer& answer) {
-  return {{"asked", answer.asked}, {"objects", list_json(answer.objects, [](const ObjectBelief& object) {
-                                      Json json = belief_json(object);
-                                      json["alternatives"] = list_json(object.alternatives, alternative_json);
-                                      return json;
-                                    })}};
+  return where_record().json(answer);
 }
 
 namespace {
@@ -199,13 +220,27 @@ std::string to_text(const HistoryAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<ObjectHistory>& object_history_record() {
+  static const auto record = Record<ObjectHistory>("ObjectHistory")
+                                 .with(&ObjectHistory::now, belief_record())
+                                 .record("stays", &ObjectHistory::stays, stay_record())
+                                 .record("changes", &ObjectHistory::changes, change_record());
+  return record;
+}
+
+const Record<HistoryAnswer>& history_record() {
+  static const auto record = Record<HistoryAnswer>("HistoryAnswer")
+                                 .value("asked", &HistoryAnswer::asked)
+                                 .record("objects", &HistoryAnswer::objects, object_history_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const HistoryAnswer& answer) {
-  return {{"asked", answer.asked}, {"objects", list_json(answer.objects, [](const ObjectHistory& history) {
-                                      Json json = belief_json(history.now);
-                                      json["stays"] = list_json(history.stays, stay_json);
-                                      json["changes"] = list_json(history.changes, change_json);
-                                      return json;
-                                    })}};
+  return history_record().json(answer);
 }
 
 namespace {
@@ -290,6 +325,7 @@ std::vector<Question> location_questions() {
        .description = "Where an object is",
        .parameters = {object_parameter()},
        .examples = {"red", "object_1 --at 08:30 --json"},
+       .answer = format::schema_by<where_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), WhereQuestion{given.text("object"), given.as_of()});
        },
@@ -311,6 +347,7 @@ std::vector<Question> location_questions() {
              .help = "Only where it was after its last stay at this place"}},
        .period = true,
        .examples = {"object_1", "red --between \"this morning\" noon --json"},
+       .answer = format::schema_by<history_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(),
                     HistoryQuestion{given.text("object"), given.from(), given.to(), given.as_of(),

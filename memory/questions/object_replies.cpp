@@ -436,6 +436,10 @@ void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply
                : any_time ? fmt::format("None{}.", state.empty() ? " seen then" : " is known to be " + state)
                           : fmt::format("None now: {} gone.", counted(answer.objects.size(), "object"));
   const Asks asks = context.query.asks;
+  if (asks == Asks::summary && !there.empty() && there.size() < answer.objects.size())
+    reply.text = fmt::format("{} of {} {} likely where {} seen last: {}.", there.size(),
+                             answer.objects.size(), there.size() == 1 ? "is" : "are",
+                             there.size() == 1 ? "it was" : "they were", list_in_words(list));
   if (asks == Asks::verdict || asks == Asks::exists) {
     const bool is = there.size() >= std::max<size_t>(1, wanted_count(context.query));
     reply.verdict = is ? Verdict::yes : Verdict::no;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/events.h"
 #include "memory/questions/question.h"
@@ -82,8 +83,18 @@ std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times) {
                      once, answer.objects.size());
 }
 
+namespace {
+
+const Record<ObjectsAnswer>& objects_record() {
+  static const auto record =
+      Record<ObjectsAnswer>("ObjectsAnswer").record("objects", &ObjectsAnswer::objects, belief_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const ObjectsAnswer& answer) {
-  return {{"objects", list_json(answer.objects, belief_json)}};
+  return objects_record().json(answer);
 }
 
 AboutAnswer ask(const Store& store, const AboutQuestion& question) {
@@ -122,22 +133,40 @@ std::string to_text(const AboutAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<AnnotationSupport>& support_record() {
+  static const auto record = Record<AnnotationSupport>("AnnotationSupport")
+                                 .value("type", &AnnotationSupport::type)
+                                 .value("value", &AnnotationSupport::value)
+                                 .value("sightings", &AnnotationSupport::observations)
+                                 .value("agreement", &AnnotationSupport::agreement);
+  return record;
+}
+
+const Record<AboutObject>& about_object_record() {
+  static const auto record = Record<AboutObject>("AboutObject")
+                                 .with(&AboutObject::now, belief_record())
+                                 .record("facts", &AboutObject::facts, fact_record())
+                                 .record("evidence", &AboutObject::evidence, support_record());
+  return record;
+}
+
+const Record<AboutAnswer>& about_record() {
+  static const auto record = Record<AboutAnswer>("AboutAnswer")
+                                 .value("asked", &AboutAnswer::asked)
+                                 .record("objects", &AboutAnswer::objects, about_object_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const AnnotationSupport& evidence) {
-  return {{"type", evidence.type},
-          {"value", evidence.value},
-          {"sightings", evidence.observations},
-          {"agreement", evidence.agreement}};
+  return support_record().json(evidence);
 }
 
 Json to_json(const AboutAnswer& answer) {
-  return {{"asked", answer.asked},
-          {"objects", list_json(answer.objects, [](const AboutObject& object) {
-             Json json = belief_json(object.now);
-             json["facts"] = to_json(FactsAnswer{object.facts})["facts"];
-             json["evidence"] =
-                 list_json(object.evidence, [](const AnnotationSupport& one) { return to_json(one); });
-             return json;
-           })}};
+  return about_record().json(answer);
 }
 
 namespace {
@@ -237,6 +266,7 @@ std::vector<Question> object_questions() {
                        .help = "Only those that were not seen since this time"}},
        .period = true,
        .examples = {"", "red --json"},
+       .answer = format::schema_by<objects_record>,
        .run = [](const Arguments& given) -> Answer {
          const std::string state = given.text("state");
          return ask(given.store(), {.subject = given.text("object"),
@@ -258,6 +288,7 @@ std::vector<Question> object_questions() {
                        .default_text = "all",
                        .choices = {"colour", "size", "owner", "sightings"}}},
        .examples = {"red", "object_1 --json"},
+       .answer = format::schema_by<about_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), AboutQuestion{.subject = given.text("object"), .as_of = given.as_of()});
        },

@@ -14,6 +14,7 @@
 #include <set>
 #include <utility>
 
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/question.h"
 #include "memory/questions/snapshot.h"
@@ -567,6 +568,7 @@ std::vector<Question> presence_questions() {
        .asks = Asks::verdict,
        .examples = {"red on table_1 --between 08:00 09:00",
                     "object_1 in drawer_1 --between 08:00 18:00 --json"},
+       .answer = format::schema_by<format::was_record>,
        .run = ask_was,
        .time = SentenceTime::period,
        .sentences = was_sentences()},

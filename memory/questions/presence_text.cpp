@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/presence.h"
 
@@ -43,25 +44,35 @@ void add_evidence(const WasObject& object, const TimeWriter& times, std::vector<
   if (object.after) lines.push_back("  after that it was there at " + seen_at(*object.after));
 }
 
-Json was_json(const WasObject& object) {
-  Json json = object_json(object.object);
-  json["verdict"] = to_text(object.verdict);
-  if (!object.reason.empty()) json["reason"] = object.reason;
-  json["seen_there"] = list_json(object.seen_there, scene_json);
-  json["seen_elsewhere"] = list_json(object.seen_elsewhere, [](const auto& seen) {
-    Json entry = scene_json(seen.first);
-    if (!seen.second.empty()) entry["place"] = seen.second;
-    return entry;
-  });
-  json["looks"] = list_json(object.views, [](const PlaceView& view) {
-    Json entry = scene_json(view.scene);
-    entry["fraction"] = view.fraction;
-    entry["spot"] = to_text(view.spot);
-    return entry;
-  });
-  put(json, "before", object.before, scene_json);
-  put(json, "after", object.after, scene_json);
-  return json;
+using Elsewhere = std::pair<SceneRef, std::string>;
+const Record<Elsewhere>& elsewhere_record() {
+  static const auto record =
+      Record<Elsewhere>("SceneElsewhere")
+          .with(&Elsewhere::first, scene_record())
+          .value("place", [](const Elsewhere& seen) { return unless_empty(seen.second); });
+  return record;
+}
+
+const Record<PlaceView>& view_record() {
+  static const auto record = Record<PlaceView>("PlaceView")
+                                 .with(&PlaceView::scene, scene_record())
+                                 .value("fraction", &PlaceView::fraction)
+                                 .value("spot", &PlaceView::spot);
+  return record;
+}
+
+const Record<WasObject>& was_object_record() {
+  static const auto record =
+      Record<WasObject>("WasObject")
+          .with(&WasObject::object, object_record())
+          .value("verdict", &WasObject::verdict)
+          .value("reason", [](const WasObject& object) { return unless_empty(object.reason); })
+          .record("seen_there", &WasObject::seen_there, scene_record())
+          .record("seen_elsewhere", &WasObject::seen_elsewhere, elsewhere_record())
+          .record("looks", &WasObject::views, view_record())
+          .record("before", &WasObject::before, scene_record())
+          .record("after", &WasObject::after, scene_record());
+  return record;
 }
 
 }  // namespace
@@ -83,14 +94,24 @@ std::string to_text(const WasAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace format {
+
+const Record<WasAnswer>& was_record() {
+  static const auto record =
+      Record<WasAnswer>("WasAnswer")
+          .value("asked", &WasAnswer::asked)
+          .value("place", [](const WasAnswer& answer) { return unless_empty(answer.place); })
+          .time("from", &WasAnswer::from)
+          .time("to", &WasAnswer::to)
+          .value("verdict", &WasAnswer::verdict)
+          .record("objects", &WasAnswer::objects, was_object_record());
+  return record;
+}
+
+}  // namespace format
+
 Json to_json(const WasAnswer& answer) {
-  Json json = {{"asked", answer.asked}};
-  if (!answer.place.empty()) json["place"] = answer.place;
-  json["from"] = format_time(answer.from);
-  json["to"] = format_time(answer.to);
-  json["verdict"] = to_text(answer.verdict);
-  json["objects"] = list_json(answer.objects, was_json);
-  return json;
+  return was_record().json(answer);
 }
 
 }  // namespace loci::memory

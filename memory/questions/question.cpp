@@ -12,6 +12,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/co_occurrence.h"
 #include "memory/questions/comparison.h"
 #include "memory/questions/contents.h"
@@ -419,14 +420,16 @@ Json declaration_json(const std::string& name, const std::string& description,
 }
 
 Json questions_json() {
-  Json json = Json::array();
+  Json json = Json::array(), schemas = Json::object();
   for (const Question& question : questions()) {
     Json one = declaration_json(question.name, question.description, question.all_parameters());
     for (const SentenceForm& sentence : question.sentences)
       if (!sentence.example.empty()) one["sentences"].push_back(sentence.example);
+    one["answer"] = question.answer().name();
+    schemas.update(question.answer().definitions());
     json.push_back(std::move(one));
   }
-  return {{"questions", json}};
+  return {{"questions", json}, {"$defs", schemas}};
 }
 
 Parameter object_parameter() {

@@ -17,9 +17,9 @@ namespace loci::memory {
 // The command line, natural-language queries, the browser and docs/questions.md are derived from the
 // declarations.
 //
-// To add a question: write its struct, ask(), to_text() and to_json() in the files of its family, declare it
-// in the family's list (for example location_questions()), and regenerate docs/questions.md with `loci-memory
-// questions`.
+// To add a question: write its struct, ask(), to_text() and its record of fields in the files of its family,
+// declare it in the family's list (for example location_questions()), and regenerate docs/questions.md with
+// `loci-memory questions`.
 
 /// What a parameter means. Values are given as text and read against the memory that is asked.
 enum class ParameterType {
@@ -126,6 +126,9 @@ struct Mentions {
   std::vector<Id> scenes = {};
 };
 
+namespace format {
+class RecordSchema;  // answer_fields.h
+}
 struct Reply;         // reply.h
 struct ReplyContext;  // reply.h
 
@@ -235,6 +238,8 @@ struct Question {
   void (*read_words)(std::vector<std::string> words, Query& query) = nullptr;
   Asks asks = Asks::summary;          ///< of the command
   std::vector<std::string> examples;  ///< as typed after the name, without -m
+  /// How its answer is written as JSON; nullptr = in no declared form, outside of questions().
+  const format::RecordSchema& (*answer)();
   Answer (*run)(const Arguments& arguments);
   SentenceTime time = SentenceTime::at;
   std::string over_period = {};  ///< the question that a sentence with a period means
@@ -271,7 +276,7 @@ std::string questions_reference();
 /// A declaration for programs: name, description and parameters.
 Json declaration_json(const std::string& name, const std::string& description,
                       const std::vector<Parameter>& parameters);
-/// Names, parameters and examples of all questions.
+/// Names, parameters and examples of all questions, and what they answer: its JSON Schema, by name.
 Json questions_json();
 
 // Parameters that several questions take.

@@ -7,6 +7,7 @@
 
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/wordnet/wordnet.h"
 
@@ -106,17 +107,42 @@ std::string to_text(const Reply& reply) {
   return text;
 }
 
+namespace format {
+
+const Record<Reply>& reply_record() {
+  static const auto record =
+      Record<Reply>("Reply")
+          .value("text", &Reply::text)
+          .value("evidence", &Reply::evidence)
+          .value("verdict", &Reply::verdict)
+          .value("number", &Reply::number)
+          .value("probability", &Reply::probability)
+          .value("seconds",
+                 [](const Reply& reply) {
+                   return reply.duration ? std::optional(static_cast<double>(*reply.duration) / kSecond)
+                                         : std::nullopt;
+                 })
+          .value("time",
+                 [](const Reply& reply) {
+                   return reply.time
+                              ? std::optional(std::vector<TimeText>{{reply.time->first}, {reply.time->last}})
+                              : std::nullopt;
+                 })
+          .value("places", [](const Reply& reply) { return unless_empty(reply.places); })
+          .value("objects",
+                 [](const Reply& reply) {
+                   std::vector<std::string> names;
+                   for (const Id object : reply.objects) names.push_back(object_name(object));
+                   return unless_empty(names);
+                 })
+          .value("not_known", [](const Reply& reply) { return if_true(reply.not_known); });
+  return record;
+}
+
+}  // namespace format
+
 Json to_json(const Reply& reply) {
-  Json json = {{"text", reply.text}, {"evidence", reply.evidence}};
-  if (reply.verdict) json["verdict"] = to_text(*reply.verdict);
-  if (reply.number) json["number"] = *reply.number;
-  if (reply.probability) json["probability"] = *reply.probability;
-  if (reply.duration) json["seconds"] = static_cast<double>(*reply.duration) / kSecond;
-  if (reply.time) json["time"] = {format_time(reply.time->first), format_time(reply.time->last)};
-  if (!reply.places.empty()) json["places"] = reply.places;
-  for (const Id object : reply.objects) json["objects"].push_back(object_name(object));
-  if (reply.not_known) json["not_known"] = true;
-  return json;
+  return format::reply_record().json(reply);
 }
 
 }  // namespace loci::memory

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "mapping/base/math.h"
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/events.h"
 #include "memory/questions/question.h"
@@ -110,14 +111,26 @@ std::string days_text(const std::map<int, size_t>& by_weekday) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-Json usual_place_json(const UsualPlace& place) {
-  Json json = {{"place", place.place.name}, {"sightings", place.sightings},
-               {"share", place.share},      {"last", scene_json(place.last)},
-               {"by_hour", Json::object()}, {"by_weekday", Json::object()}};
-  for (const auto& [hour, count] : place.by_hour) json["by_hour"][std::to_string(hour)] = count;
-  for (const auto& [day, count] : place.by_weekday)
-    json["by_weekday"][kDays.at(static_cast<size_t>(day))] = count;
-  return json;
+const Record<UsualPlace>& usual_place_record() {
+  static const auto record = Record<UsualPlace>("UsualPlace")
+                                 .value("place", &UsualPlace::place)
+                                 .value("sightings", &UsualPlace::sightings)
+                                 .value("share", &UsualPlace::share)
+                                 .record("last", &UsualPlace::last, scene_record())
+                                 .value("by_hour",
+                                        [](const UsualPlace& place) {
+                                          std::vector<std::pair<std::string, size_t>> counts;
+                                          for (const auto& [hour, count] : place.by_hour)
+                                            counts.emplace_back(std::to_string(hour), count);
+                                          return counts;
+                                        })
+                                 .value("by_weekday", [](const UsualPlace& place) {
+                                   std::vector<std::pair<std::string, size_t>> counts;
+                                   for (const auto& [day, count] : place.by_weekday)
+                                     counts.emplace_back(kDays.at(static_cast<size_t>(day)), count);
+                                   return counts;
+                                 });
+  return record;
 }
 
 /// `meant`: the objects asked about; unset = all.
@@ -282,14 +295,28 @@ std::string to_text(const UsualAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<UsualObject>& usual_object_record() {
+  static const auto record = Record<UsualObject>("UsualObject")
+                                 .with(&UsualObject::now, belief_record())
+                                 .record("places", &UsualObject::places, usual_place_record());
+  return record;
+}
+
+const Record<UsualAnswer>& usual_record() {
+  static const auto record =
+      Record<UsualAnswer>("UsualAnswer")
+          .value("asked", &UsualAnswer::asked)
+          .record("objects", &UsualAnswer::objects, usual_object_record())
+          .value("during", [](const UsualAnswer& answer) { return unless_empty(answer.during); });
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const UsualAnswer& answer) {
-  Json json = {{"asked", answer.asked}, {"objects", list_json(answer.objects, [](const UsualObject& object) {
-                                           Json one = belief_json(object.now);
-                                           one["places"] = list_json(object.places, usual_place_json);
-                                           return one;
-                                         })}};
-  if (!answer.during.empty()) json["during"] = answer.during;
-  return json;
+  return usual_record().json(answer);
 }
 
 ContentsHistoryAnswer ask(const Store& store, const ContentsHistoryQuestion& question) {
@@ -341,24 +368,39 @@ std::string to_text(const ContentsHistoryAnswer& answer, const TimeWriter& times
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<PastContent>& past_content_record() {
+  static const auto record = Record<PastContent>("PastContent")
+                                 .with(&PastContent::now, belief_record())
+                                 .value("sightings_there", &PastContent::sightings)
+                                 .value("share", &PastContent::share)
+                                 .record("first_there", &PastContent::first, scene_record())
+                                 .record("last_there", &PastContent::last, scene_record())
+                                 .value("still_there", &PastContent::still_there);
+  return record;
+}
+
+const Record<PlaceContentsHistory>& place_history_record() {
+  static const auto record = Record<PlaceContentsHistory>("PlaceContentsHistory")
+                                 .value("place", &PlaceContentsHistory::place)
+                                 .value("views", &PlaceContentsHistory::views)
+                                 .record("objects", &PlaceContentsHistory::objects, past_content_record())
+                                 .record("last_view", &PlaceContentsHistory::last_view, scene_record());
+  return record;
+}
+
+const Record<ContentsHistoryAnswer>& contents_history_record() {
+  static const auto record = Record<ContentsHistoryAnswer>("ContentsHistoryAnswer")
+                                 .value("asked", &ContentsHistoryAnswer::asked)
+                                 .record("places", &ContentsHistoryAnswer::places, place_history_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const ContentsHistoryAnswer& answer) {
-  const auto object_entry = [](const PastContent& object) {
-    Json json = belief_json(object.now);
-    json["sightings_there"] = object.sightings;
-    json["share"] = object.share;
-    json["first_there"] = scene_json(object.first);
-    json["last_there"] = scene_json(object.last);
-    json["still_there"] = object.still_there;
-    return json;
-  };
-  return {{"asked", answer.asked},
-          {"places", list_json(answer.places, [&](const PlaceContentsHistory& history) {
-             Json json = {{"place", history.place.name},
-                          {"views", history.views},
-                          {"objects", list_json(history.objects, object_entry)}};
-             put(json, "last_view", history.last_view, scene_json);
-             return json;
-           })}};
+  return contents_history_record().json(answer);
 }
 
 LifeCycleAnswer ask(const Store& store, const LifeCycleQuestion& question) {
@@ -390,23 +432,39 @@ std::string to_text(const LifeCycleAnswer& answer, const TimeWriter&) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<LifeCyclePlace>& life_cycle_place_record() {
+  static const auto record = Record<LifeCyclePlace>("LifeCyclePlace")
+                                 .value("place", &LifeCyclePlace::place)
+                                 .value("stays", &LifeCyclePlace::stays)
+                                 .value("hours", &LifeCyclePlace::hours);
+  return record;
+}
+
+const Record<LifeCycleStep>& life_cycle_step_record() {
+  static const auto record = Record<LifeCycleStep>("LifeCycleStep")
+                                 .value("from", &LifeCycleStep::from)
+                                 .value("to", &LifeCycleStep::to)
+                                 .value("count", &LifeCycleStep::count)
+                                 .value("share", &LifeCycleStep::share);
+  return record;
+}
+
+const Record<LifeCycleAnswer>& life_cycle_record() {
+  static const auto record = Record<LifeCycleAnswer>("LifeCycleAnswer")
+                                 .value("asked", &LifeCycleAnswer::asked)
+                                 .record("objects", &LifeCycleAnswer::objects, object_record())
+                                 .record("places", &LifeCycleAnswer::places, life_cycle_place_record())
+                                 .record("steps", &LifeCycleAnswer::steps, life_cycle_step_record())
+                                 .value("usual", &LifeCycleAnswer::usual);
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const LifeCycleAnswer& answer) {
-  return {{"asked", answer.asked},
-          {"objects", list_json(answer.objects, object_json)},
-          {"places", list_json(answer.places,
-                               [](const LifeCyclePlace& place) {
-                                 Json json = {{"place", place.place.name}, {"stays", place.stays}};
-                                 if (place.hours) json["hours"] = *place.hours;
-                                 return json;
-                               })},
-          {"steps", list_json(answer.steps,
-                              [](const LifeCycleStep& step) {
-                                return Json{{"from", step.from.name},
-                                            {"to", step.to.name},
-                                            {"count", step.count},
-                                            {"share", step.share}};
-                              })},
-          {"usual", list_json(answer.usual, place_json)}};
+  return life_cycle_record().json(answer);
 }
 
 namespace {
@@ -471,6 +529,7 @@ std::vector<Question> routine_questions() {
             {.name = "during",
              .help = "Only what was seen then: \"noon\", \"9 to 11\", \"Mondays\", \"weekend morning\""}},
        .examples = {"red", "object_5 --during morning --json"},
+       .answer = format::schema_by<usual_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), UsualQuestion{given.text("object"), given.as_of(), given.text("during")});
        },
@@ -489,6 +548,7 @@ std::vector<Question> routine_questions() {
                        .choices = {"gone", "stayed", "unmoved", "new"}}},
        .period = true,
        .examples = {"drawer_1", "table_1 --between 08:00 10:00 --json"},
+       .answer = format::schema_by<contents_history_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(),
                     ContentsHistoryQuestion{given.text("place"), given.as_of(), given.from(), given.to(),
@@ -500,6 +560,7 @@ std::vector<Question> routine_questions() {
        .description = "From which place to which an object usually moves",
        .parameters = {object_parameter()},
        .examples = {"red", "green --json"},
+       .answer = format::schema_by<life_cycle_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), LifeCycleQuestion{given.text("object"), given.as_of()});
        },

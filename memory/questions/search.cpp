@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/image/image_io.h"
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/embeddings.h"
 #include "memory/questions/question.h"
@@ -186,20 +187,39 @@ std::string to_text(const SearchAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<SearchPlace>& search_place_record() {
+  static const auto record = Record<SearchPlace>("SearchPlace")
+                                 .value("place", &SearchPlace::place)
+                                 .value("probability", &SearchPlace::probability)
+                                 .value("visibility", &SearchPlace::visibility)
+                                 .value("seconds", &SearchPlace::seconds)
+                                 .value("reason", &SearchPlace::reason)
+                                 .value("chance_per_minute", &SearchPlace::chance_per_minute)
+                                 .value("distance", &SearchPlace::distance_m)
+                                 .record("last_view", &SearchPlace::last_view, scene_record());
+  return record;
+}
+
+const Record<ObjectSearch>& object_search_record() {
+  static const auto record = Record<ObjectSearch>("ObjectSearch")
+                                 .with(&ObjectSearch::now, belief_record())
+                                 .record("places", &ObjectSearch::places, search_place_record());
+  return record;
+}
+
+const Record<SearchAnswer>& search_record() {
+  static const auto record = Record<SearchAnswer>("SearchAnswer")
+                                 .value("asked", &SearchAnswer::asked)
+                                 .record("objects", &SearchAnswer::objects, object_search_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const SearchAnswer& answer) {
-  const auto entry = [](const SearchPlace& place) {
-    Json json = {{"place", place.place.name},      {"probability", place.probability},
-                 {"visibility", place.visibility}, {"seconds", place.seconds},
-                 {"reason", place.reason},         {"chance_per_minute", place.chance_per_minute}};
-    if (place.distance_m) json["distance"] = *place.distance_m;
-    put(json, "last_view", place.last_view, scene_json);
-    return json;
-  };
-  return {{"asked", answer.asked}, {"objects", list_json(answer.objects, [&](const ObjectSearch& search) {
-                                      Json json = belief_json(search.now);
-                                      json["places"] = list_json(search.places, entry);
-                                      return json;
-                                    })}};
+  return search_record().json(answer);
 }
 
 namespace {
@@ -292,13 +312,27 @@ std::string to_text(const SimilarAnswer& answer, const TimeWriter& times) {
   return lines_text(lines);
 }
 
+namespace {
+
+const Record<SimilarObject>& similar_object_record() {
+  static const auto record = Record<SimilarObject>("SimilarObject")
+                                 .with(&SimilarObject::object, belief_record())
+                                 .value("similarity", &SimilarObject::similarity)
+                                 .record("image", &SimilarObject::scene, scene_record());
+  return record;
+}
+
+const Record<SimilarAnswer>& similar_record() {
+  static const auto record = Record<SimilarAnswer>("SimilarAnswer")
+                                 .value("asked", &SimilarAnswer::asked)
+                                 .record("objects", &SimilarAnswer::objects, similar_object_record());
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const SimilarAnswer& answer) {
-  return {{"asked", answer.asked}, {"objects", list_json(answer.objects, [](const SimilarObject& similar) {
-                                      Json json = belief_json(similar.object);
-                                      json["similarity"] = similar.similarity;
-                                      put(json, "image", similar.scene, scene_json);
-                                      return json;
-                                    })}};
+  return similar_record().json(answer);
 }
 
 std::vector<Question> search_questions() {
@@ -313,6 +347,7 @@ std::vector<Question> search_questions() {
                        .help = "Where the search starts: x,y in the map",
                        .default_text = "the last camera"}},
        .examples = {"red", "red --start 1.0,0.5 --json"},
+       .answer = format::schema_by<search_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), SearchQuestion{given.text("object"), given.point("start"), given.as_of()});
        },
@@ -337,6 +372,7 @@ std::vector<Question> search_questions() {
                        .type = ParameterType::file,
                        .help = "Vectors of words: a word and its values on each line"}},
        .examples = {"red", "red --json"},
+       .answer = format::schema_by<similar_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), SimilarQuestion{given.text("object"), given.text("image"),
                                                    given.text("text"), given.text("vectors"), given.as_of()});

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/answer_format.h"
 #include "memory/questions/question.h"
 #include "memory/questions/routines.h"
@@ -220,14 +221,31 @@ std::string item_text(const TaskItem& item, const TimeWriter& times) {
                      : fmt::format(" To go {} ({}).", place_text(item.target->place), item.target->reason));
 }
 
-Json item_json(const TaskItem& item) {
-  Json json = belief_json(item.object);
-  if (item.target)
-    json["target"] = {{"place", item.target->place.name},
-                      {"probability", item.target->probability},
-                      {"reason", item.target->reason}};
-  json["done"] = item.done;
-  return json;
+const Record<TaskTarget>& target_record() {
+  static const auto record = Record<TaskTarget>("TaskTarget")
+                                 .value("place", &TaskTarget::place)
+                                 .value("probability", &TaskTarget::probability)
+                                 .value("reason", &TaskTarget::reason);
+  return record;
+}
+
+const Record<TaskItem>& item_record() {
+  static const auto record = Record<TaskItem>("TaskItem")
+                                 .with(&TaskItem::object, belief_record())
+                                 .record("target", &TaskItem::target, target_record())
+                                 .value("done", &TaskItem::done);
+  return record;
+}
+
+const Record<TaskAnswer>& task_record() {
+  static const auto record =
+      Record<TaskAnswer>("TaskAnswer")
+          .value("task", [](const TaskAnswer& answer) { return kTasks.at(static_cast<size_t>(answer.kind)); })
+          .value("asked", &TaskAnswer::asked)
+          .record("objects", &TaskAnswer::items, item_record())
+          .value("missing", &TaskAnswer::missing)
+          .value("notes", &TaskAnswer::notes);
+  return record;
 }
 
 }  // namespace
@@ -246,11 +264,7 @@ std::string to_text(const TaskAnswer& answer, const TimeWriter& times) {
 }
 
 Json to_json(const TaskAnswer& answer) {
-  return {{"task", kTasks.at(static_cast<size_t>(answer.kind))},
-          {"asked", answer.asked},
-          {"objects", list_json(answer.items, item_json)},
-          {"missing", answer.missing},
-          {"notes", answer.notes}};
+  return task_record().json(answer);
 }
 
 namespace {
@@ -331,6 +345,7 @@ std::vector<Question> task_questions() {
        .words_help = "bring|stow OBJECT, set PLACE, clean [PLACE]",
        .read_words = read_task,
        .examples = {"set table --occasion breakfast", "stow red --destination drawer_1 --json"},
+       .answer = format::schema_by<task_record>,
        .run = ask_task,
        .time = SentenceTime::none,
        .sentences = task_sentences()},

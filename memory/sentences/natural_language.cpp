@@ -8,6 +8,7 @@
 
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
+#include "memory/questions/answer_fields.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
 #include "memory/questions/map_names.h"
@@ -25,6 +26,9 @@
 #include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
+
+using namespace format;
+
 namespace {
 
 /// Whether the query has an answer without its time.
@@ -433,17 +437,47 @@ std::string to_text(const NaturalLanguageAnswer& answer, const TimeWriter& times
   return text + (details && answer.answer ? answer.answer->to_text(times) : "");
 }
 
+namespace {
+
+const Record<NoAnswer>& no_answer_record() {
+  static const auto record =
+      Record<NoAnswer>("NoAnswer")
+          .value("reason", &NoAnswer::reason)
+          .value("text", &NoAnswer::text)
+          .value("hint", [](const NoAnswer& answer) { return unless_empty(answer.hint); });
+  return record;
+}
+
+const Record<NaturalLanguageAnswer>& sentence_record() {
+  using Sentence = NaturalLanguageAnswer;
+  static const auto record =
+      Record<Sentence>("SentenceAnswer")
+          .value("sentence", &Sentence::sentence)
+          .value("understood", [](const Sentence& answer) { return answer.query.has_value(); })
+          .value("command",
+                 [](const Sentence& answer) {
+                   return answer.query ? std::optional(answer.query->text()) : std::nullopt;
+                 })
+          .value("understood_as", [](const Sentence& answer) { return unless_empty(answer.understood_as); })
+          .value("notes", [](const Sentence& answer) { return unless_empty(answer.notes); })
+          .record("reply", &Sentence::reply, reply_record())
+          .value("answer",
+                 [](const Sentence& answer) {
+                   return answer.answer ? std::optional(answer.answer->to_json()) : std::nullopt;
+                 })
+          .record("why_not", &Sentence::why_not, no_answer_record())
+          .value("nearest", [](const Sentence& answer) { return unless_empty(answer.nearest); });
+  return record;
+}
+
+}  // namespace
+
 Json to_json(const NaturalLanguageAnswer& answer) {
-  Json json = {{"sentence", answer.sentence}, {"understood", answer.query.has_value()}};
-  if (answer.query) json["command"] = answer.query->text();
-  if (!answer.understood_as.empty()) json["understood_as"] = answer.understood_as;
-  if (!answer.notes.empty()) json["notes"] = answer.notes;
-  if (answer.reply) json["reply"] = to_json(*answer.reply);
-  if (answer.answer) json["answer"] = answer.answer->to_json();
-  if (answer.why_not) json["why_not"] = {{"reason", answer.why_not->reason}, {"text", answer.why_not->text}};
-  if (answer.why_not && !answer.why_not->hint.empty()) json["why_not"]["hint"] = answer.why_not->hint;
-  if (!answer.nearest.empty()) json["nearest"] = answer.nearest;
-  return json;
+  return sentence_record().json(answer);
+}
+
+const RecordSchema& sentence_schema() {
+  return sentence_record();
 }
 
 std::vector<std::string> suggested_questions(const Store& store) {

@@ -39,6 +39,8 @@ std::vector<NaturalLanguageAnswer> ask(const Store& store, const NaturalLanguage
 /// The reply and its evidence; with `details` the command and the whole answer.
 std::string to_text(const NaturalLanguageAnswer& answer, const TimeWriter& times, bool details = false);
 Json to_json(const NaturalLanguageAnswer& answer);
+/// How it is written as JSON.
+const format::RecordSchema& sentence_schema();
 
 /// Questions to suggest for this memory: about its objects first, then an example of each form.
 std::vector<std::string> suggested_questions(const Store& store);

@@ -18,8 +18,10 @@
 namespace loci::memory {
 namespace {
 
-constexpr const char* kVersions[] = {"2025-06-18", "2025-03-26", "2024-11-05"};  ///< newest first
-constexpr size_t kPage = 100;                                                    ///< resources to a list
+constexpr const char* kVersions[] = {"2025-11-25", "2025-06-18", "2025-03-26",
+                                     "2024-11-05"};  ///< newest first
+constexpr size_t kPage = 100;                        ///< resources to a list
+constexpr size_t kMaxBatch = 50;                     ///< messages
 constexpr std::string_view kObjectUri = "loci://object/", kPlaceUri = "loci://place/",
                            kSceneUri = "loci://scene/", kImage = "/image";
 constexpr const char* kJsonType = "application/json";
@@ -27,8 +29,6 @@ constexpr std::string_view kEditPrefix = "edit-";
 
 /// Codes of JSON-RPC 2.0, and the protocol's own for a resource that is not there.
 enum Code {
-  parse_error = -32700,
-  invalid_request = -32600,
   unknown_method = -32601,
   invalid_params = -32602,
   internal_error = -32603,
@@ -166,16 +166,6 @@ const EditAction* called_edit(const Json& message, const Json& params) {
   return name.starts_with(kEditPrefix) ? find_edit_action(name.substr(kEditPrefix.size())) : nullptr;
 }
 
-Json call_edit(const std::filesystem::path& memory, const EditAction& action, const Json& params) {
-  const Json arguments = arguments_of(params);
-  return result_of([&] {
-    const Query query = query_of(action.name, action.parameters, arguments);
-    Store store = Store::open_write(memory);
-    const Edit edit = make_edit(store, query);
-    return tool_result(edit.text + (edit.note.empty() ? "" : "; " + edit.note), to_json(edit));
-  });
-}
-
 // ---- Resources
 
 Json resource(std::string_view prefix, const std::string& name, const std::string& description) {
@@ -266,14 +256,13 @@ Json read_resource(const Store& store, const Json& params) {
 
 Json initialize(const Store& store, const Json& params) {
   const std::string wanted = text_of(params, "protocolVersion");
-  const bool is_known = std::ranges::count(kVersions, wanted) > 0;
   std::string instructions =
       "What was seen of the objects of a home, by a robot or a camera. Answers hold probabilities, and the "
       "scenes that they follow from; 'not observed' means that nobody looked.";
   if (const auto last = store.last_scene())
     instructions += fmt::format(" The memory ends at {}; questions without a time refer to that moment.",
                                 format_time(last->time));
-  return {{"protocolVersion", is_known ? wanted : kVersions[0]},
+  return {{"protocolVersion", is_protocol_version(wanted) ? wanted : kVersions[0]},
           {"capabilities", {{"tools", Json::object()}, {"resources", Json::object()}}},
           {"instructions", instructions}};
 }
@@ -306,25 +295,64 @@ ToolServer::ToolServer(std::function<std::filesystem::path()> memory, std::strin
   Store::open_read(memory_());
 }
 
+Json error_reply(MessageError error, const std::string& text) {
+  return error_reply(nullptr, static_cast<Code>(error), text);
+}
+
+bool is_protocol_version(std::string_view version) {
+  return std::ranges::count(kVersions, version) > 0;
+}
+
+std::string message_text(const Json& message) {
+  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::filesystem::path ToolServer::memory() const {
+  const std::lock_guard lock(finding_);
+  return memory_();
+}
+
+Json ToolServer::call_edit(const EditAction& action, const Json& params) const {
+  const Json arguments = arguments_of(params);
+  return result_of([&] {
+    const Query query = query_of(action.name, action.parameters, arguments);
+    const std::lock_guard lock(editing_);
+    Store store = Store::open_write(memory());
+    const Edit edit = make_edit(store, query);
+    return tool_result(edit.text + (edit.note.empty() ? "" : "; " + edit.note), to_json(edit));
+  });
+}
+
 std::optional<std::string> ToolServer::reply(std::string_view message) const {
   std::optional<Json> json;
   try {
     json = answer(parse_json(message, ""));
   } catch (const Error& error) {
-    json = error_reply(nullptr, parse_error, error.what());
+    json = error_reply(MessageError::not_json, error.what());
   }
   if (!json) return std::nullopt;
-  return json->dump(-1, ' ', false, Json::error_handler_t::replace);
+  return message_text(*json);
 }
 
 std::optional<Json> ToolServer::answer(const Json& message) const {
+  if (!message.is_array()) return answer_one(message);
+  if (message.empty() || message.size() > kMaxBatch)
+    return error_reply(MessageError::not_a_message, fmt::format("a batch has 1 to {} messages", kMaxBatch));
+  Json replies = Json::array();
+  for (const Json& one : message)
+    if (auto reply = answer_one(one)) replies.push_back(std::move(*reply));
+  if (replies.empty()) return std::nullopt;
+  return replies;
+}
+
+std::optional<Json> ToolServer::answer_one(const Json& message) const {
   if (!message.is_object() || message.value("jsonrpc", Json()) != "2.0")
-    return error_reply(nullptr, invalid_request, "this is not a message of JSON-RPC 2.0");
+    return error_reply(MessageError::not_a_message, "this is not a message of JSON-RPC 2.0");
   if (!message.contains("method")) return std::nullopt;  // A reply; this server asks for nothing.
   if (!message.contains("id")) return std::nullopt;
   const Json& id = message["id"];
   if (!id.is_string() && !id.is_number_integer())
-    return error_reply(nullptr, invalid_request, "'id' is neither a string nor an integer");
+    return error_reply(MessageError::not_a_message, "'id' is neither a string nor an integer");
   const Json params = message.contains("params") ? message["params"] : Json::object();
   if (!params.is_object()) return error_reply(id, invalid_params, "'params' is not an object");
   const auto reply = [&](Json result) {
@@ -333,11 +361,11 @@ std::optional<Json> ToolServer::answer(const Json& message) const {
   try {
     if (message["method"] == "tools/list") return reply({{"tools", tools(allow_edits_)}});
     if (const EditAction* edit = called_edit(message, params); edit != nullptr && allow_edits_)
-      return reply(call_edit(memory_(), *edit, params));
+      return reply(call_edit(*edit, params));
     const auto method = message["method"].is_string() ? methods().find(message["method"].get<std::string>())
                                                       : methods().end();
     if (method == methods().end()) return error_reply(id, unknown_method, "this server has no such method");
-    const Store store = Store::open_read(memory_());
+    const Store store = Store::open_read(memory());
     Json result = method->second(store, params);
     if (method->first == "initialize")
       result["serverInfo"] = {{"name", "loci-memory"}, {"version", version_}};

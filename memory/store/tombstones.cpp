@@ -31,19 +31,11 @@ std::string signature(const std::string& salt, const std::string& identity) {
   return content_hash(salt + content_hash(salt + identity));
 }
 
-/// Whatever else is the same in two runs, this must not be: it hides what it names.
-std::string random_hex(int words) {
-  std::random_device random;
-  std::string hex;
-  for (int i = 0; i < words; ++i) hex += fmt::format("{:08x}", random());
-  return hex;
-}
-
 void add_tombstone(Store::Connection& db, const Targets& targets, const std::vector<std::string>& identities,
                    Id run) {
   std::random_device random;
   const Id id = static_cast<Id>((uint64_t{random()} << 31 ^ random()) & 0x3fffffffffffffff) + 1;
-  const std::string salt = random_hex(8);
+  const std::string salt = unguessable_hex(8);
   const auto time = [&](bool last) {
     return targets.interval ? sql(last ? targets.interval->second : targets.interval->first) : SqlValue();
   };

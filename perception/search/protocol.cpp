@@ -7,7 +7,6 @@
 #include <array>
 #include <vector>
 
-#include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
 #include "perception/search/goggles.pb.h"
@@ -359,17 +358,6 @@ SearchAnswer decode_response(std::string_view bytes) {
   for (const goggles::Info& info : message.alternatives().info()) answer.results.push_back(read_info(info));
   answer.unknown = structural_differences(message, bytes);
   return answer;
-}
-
-std::string read_token(const std::filesystem::path& file) {
-  constexpr size_t kMinToken = 16;
-  const std::string text = read_file(file);
-  const std::string token = trimmed(text.substr(0, text.find('\n')));
-  const bool printable = std::all_of(token.begin(), token.end(), [](char c) { return c > ' ' && c <= '~'; });
-  if (token.size() < kMinToken || !printable)
-    throw Error("the first line is not a token", {file.string(), 1, {}},
-                fmt::format("write at least {} letters and digits there", kMinToken));
-  return token;
 }
 
 }  // namespace loci::perception

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -23,8 +22,5 @@ std::string encode(const std::vector<SearchResult>& results, bool details = true
 /// Results of the response and of its alternatives. Text that is no UTF-8 is mended. Coordinates are as they
 /// came, but within ±2^20.
 SearchAnswer decode_response(std::string_view bytes);
-
-/// The secret in a file: its first line, of at least 16 printable characters. Error when there is none.
-std::string read_token(const std::filesystem::path& file);
 
 }  // namespace loci::perception

@@ -13,6 +13,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/hash.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/http/http_server.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/image_features.h"
 #include "perception/search/protocol.h"
@@ -194,7 +195,7 @@ void SearchCache::remember(const Look& look, const SearchAnswer& answer) {
 SearchClient::SearchClient(const SearchOptions& options)
     : options_(options),
       address_(HttpAddress::parse(options.server)),
-      token_(options.token_file.empty() ? "" : read_token(options.token_file)),
+      token_(options.token_file.empty() ? "" : mapping::read_token(options.token_file)),
       cache_(options.alike_bits, options.alike_color, static_cast<size_t>(options.remembered)) {}
 
 SearchClient::Outcome SearchClient::search(const cv::Mat& image) {

@@ -4,18 +4,20 @@
 #include <algorithm>
 #include <future>
 #include <mutex>
-#include <thread>
 
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/text.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/barcode_reader.h"
-#include "perception/search/http_server.h"
 #include "perception/search/protocol.h"
 
 namespace loci::perception {
 namespace {
+
+using mapping::HttpReply;
+using mapping::HttpRequest;
+using mapping::HttpServer;
 
 constexpr size_t kCandidates = 10;
 
@@ -121,11 +123,6 @@ bool lies_below(const std::filesystem::path& path, const std::filesystem::path& 
   if (code) return false;
   const auto relative = whole.lexically_relative(parent);
   return !relative.empty() && *relative.begin() != "..";
-}
-
-std::string url_of(const std::string& address, int port) {
-  return address.find(':') == std::string::npos ? fmt::format("http://{}:{}", address, port)
-                                                : fmt::format("http://[{}]:{}", address, port);
 }
 
 }  // namespace
@@ -275,13 +272,8 @@ std::optional<SearchResult> SearchService::read_text(const cv::Mat& image) const
 void ServerOptions::declare(OptionTable& table) {
   table.text("address", address, "Of this machine; 127.0.0.1 is reached from this machine alone.");
   table.integer("port", port, "", "0 = any that is free.", 0, 65535);
-  table.number("max_mb", max_mb, "MB", "Larger requests are refused.", 0.001, 1000);
+  limits.declare(table);
   table.number("max_megapixels", max_megapixels, "MP", "Larger images are refused.", 0.01, 134);
-  table.number("request_s", request_s, "s", "Time limit of sending a request, and of its answer.", 0.1, 3600);
-  table.integer("connections", connections, "", "Most at the same time; slow ones are closed for new ones.",
-                1, 1000);
-  table.text("token_file", token_file,
-             "File with the secret that clients have to give; needed at addresses other machines can reach.");
   table.text("images", images, "Folder of the catalogue's images; those outside are not served.");
 }
 
@@ -295,13 +287,7 @@ struct SearchServer::Running {
 
   Running(const SearchService& its_service, const ServerOptions& its_options, int its_threads, Log its_log)
       : service(its_service), options(its_options), threads(its_threads), log(std::move(its_log)) {
-    HttpLimits limits;
-    limits.max_body = static_cast<size_t>(options.max_mb * 1e6);
-    limits.seconds = options.request_s;
-    limits.connections = options.connections;
-    limits.workers = static_cast<int>(std::max(2U, std::thread::hardware_concurrency()));
-    if (!options.token_file.empty()) limits.token = read_token(options.token_file);
-    server.emplace(options.address, options.port, limits,
+    server.emplace(options.address, options.port, options.limits,
                    [this](const HttpRequest& request) { return answer(request); });
   }
 
@@ -325,8 +311,7 @@ struct SearchServer::Running {
   HttpReply search(const HttpRequest& request) {
     const Stopwatch watch;
     try {
-      const std::string url =
-          request.host.empty() ? url_of(options.address, server->port()) : "http://" + request.host;
+      const std::string url = request.host.empty() ? server->url() : "http://" + request.host;
       SearchRequest asked;
       try {
         asked = decode_request(request.body);
@@ -369,7 +354,7 @@ int SearchServer::port() const {
 }
 
 std::string SearchServer::url() const {
-  return url_of(running_->options.address, port());
+  return running_->server->url();
 }
 
 }  // namespace loci::perception

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "mapping/http/http_server.h"
 #include "perception/recognition/product_index.h"
 #include "perception/recognition/text_reader.h"
 #include "perception/search/search_result.h"
@@ -63,11 +64,8 @@ class SearchService {
 struct ServerOptions {
   std::string address = "127.0.0.1";
   int port = 8600;
-  double max_mb = 16;
+  mapping::HttpLimits limits = {};
   double max_megapixels = 50;
-  double request_s = 30;
-  int connections = 64;
-  std::string token_file = {};
   std::string images = {};
 
   void declare(OptionTable& table);

@@ -28,8 +28,9 @@ from ._loci import (
     Visual,
 )
 from ._mapping import open_recording
-from ._memory import Answer, Edits, NotUnderstood, Record, ingest, open
+from ._memory import Edits, NotUnderstood, ingest, open
 from ._perception import Annotator, default_pipeline, describe_annotators, run
+from .answers import Answer, Fields, Record
 
 __all__ = [
     "Annotator",
@@ -38,6 +39,7 @@ __all__ = [
     "Cluster",
     "Edits",
     "Error",
+    "Fields",
     "Frame",
     "Joint",
     "Link",

@@ -6,7 +6,7 @@ from typing import Any, Union
 
 from . import _loci
 from ._loci import Map, Recording
-from ._memory import Record, _read
+from .answers import Record, read
 
 
 def _read_map(path: Union[str, os.PathLike]) -> Map:
@@ -15,7 +15,7 @@ def _read_map(path: Union[str, os.PathLike]) -> Map:
     `map.semantics` is what the sidecar says: a dictionary, None without one. Change it and write() the map.
     """
     map = Map._read(path)
-    map.semantics = _read(map._sidecar) if map._sidecar else None
+    map.semantics = read(map._sidecar) if map._sidecar else None
     return map
 
 
@@ -41,7 +41,7 @@ def open_recording(path: Union[str, os.PathLike], **options: Any) -> Recording:
 
 def _info(self: Recording) -> Record:
     """What the recording is, and what was guessed about it."""
-    return _read(self._info())
+    return read(self._info())
 
 
 Recording.info = _info

@@ -4,40 +4,13 @@ import datetime
 import inspect
 import io
 import json
-import keyword
 import os
 import tempfile
 from typing import Any, Callable, Iterable, Iterator, List, Optional, Sequence, Union
 
-from . import _loci
+from . import _loci, answers
 from ._loci import Error, Memory, Scene
-
-
-class Record(dict):
-    """Named values, also as attributes: `answer.objects[0].place` is `answer["objects"][0]["place"]`."""
-
-    def __getattr__(self, name: str) -> Any:
-        try:
-            return self[name]
-        except KeyError:
-            raise AttributeError(f"there is no '{name}'; there are: {', '.join(self)}") from None
-
-    def __dir__(self):
-        return [*super().__dir__(), *self]
-
-
-class Answer(Record):
-    """The answer to a question: its values, and as str() the same in words."""
-
-    def __init__(self, values: dict, text: str):
-        super().__init__(values)
-        super().__setattr__("_text", text)
-
-    def __str__(self) -> str:
-        return self._text
-
-    def _repr_pretty_(self, printer, cycle):
-        printer.text(self._text.rstrip())
+from .answers import Record, python_name, read
 
 
 class NotUnderstood(Error):
@@ -48,15 +21,6 @@ class NotUnderstood(Error):
     def __init__(self, text: str, nearest: List[str]):
         super().__init__(text)
         self.nearest = nearest
-
-
-def _read(text):
-    return json.loads(text, object_hook=Record)
-
-
-def _answer(text, data):
-    values = _read(data)
-    return Answer(values if isinstance(values, dict) else {"answer": values}, text)
 
 
 def _argument(value):
@@ -74,11 +38,6 @@ def _argument(value):
     return str(value)
 
 
-def _python_name(name):
-    name = name.replace("-", "_")
-    return name + "_" if keyword.iskeyword(name) else name
-
-
 _Time = Union[datetime.datetime, str]
 _TYPES = {
     "file": Union[str, os.PathLike],
@@ -94,7 +53,7 @@ def _signature(parameters, result, optional):
     """Required parameters by position or name, the others of the kind `optional`."""
     kinds = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_OR_KEYWORD)]
     for each in sorted(parameters, key=lambda each: not each.required):
-        name, annotation = _python_name(each.name), _TYPES.get(each.type, str)
+        name, annotation = python_name(each.name), _TYPES.get(each.type, str)
         if each.required:
             kinds.append(inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=annotation))
         else:
@@ -107,21 +66,21 @@ def _documentation(declared):
     for parameter in declared.parameters:
         default = f"; default: {parameter.default}" if "default" in parameter else ""
         choices = f"; one of {', '.join(parameter.choices)}" if "choices" in parameter else ""
-        lines.append(f"{_python_name(parameter.name)}: {parameter.help} ({parameter.type}{default}{choices})")
+        lines.append(f"{python_name(parameter.name)}: {parameter.help} ({parameter.type}{default}{choices})")
     return "\n".join(lines)
 
 
 def _add_method(owner, declared, result, call, optional=inspect.Parameter.KEYWORD_ONLY):
     """Makes a declaration a method; `call(self, arguments)` gets its arguments as text by name."""
     signature = _signature(declared.parameters, result, optional)
-    names = {_python_name(parameter.name): parameter.name for parameter in declared.parameters}
+    names = {python_name(parameter.name): parameter.name for parameter in declared.parameters}
 
     def method(*args, **keywords):
         bound = signature.bind(*args, **keywords).arguments
         given = {names[name]: _argument(value) for name, value in bound.items() if name != "self" and value is not None}
         return call(bound["self"], given)
 
-    method.__name__ = _python_name(declared.name)
+    method.__name__ = python_name(declared.name)
     method.__qualname__ = f"{owner.__name__}.{method.__name__}"
     method.__module__ = "loci"
     method.__doc__ = _documentation(declared)
@@ -141,11 +100,16 @@ class Edits:
 
     def list(self) -> Record:
         """The edits that hold (`done`, in order) and those that were undone."""
-        return _read(self._memory._edits())
+        return read(self._memory._edits())
 
 
 def _add_question(declared):
-    _add_method(Memory, declared, Answer, lambda memory, given: _answer(*memory._answer(declared.name, given)))
+    _add_method(
+        Memory,
+        declared,
+        answers.class_of(declared.answer),
+        lambda memory, given: answers.answer(declared.answer, *memory._answer(declared.name, given)),
+    )
 
 
 def _add_edit(declared):
@@ -153,14 +117,14 @@ def _add_edit(declared):
         Edits,
         declared,
         Record,
-        lambda edits, given: _read(edits._memory._edit(declared.name, given)),
+        lambda edits, given: read(edits._memory._edit(declared.name, given)),
         inspect.Parameter.POSITIONAL_OR_KEYWORD,
     )
 
 
-for _question in _read(_loci._questions()).questions:
+for _question in answers.declared.questions:
     _add_question(_question)
-for _edit in _read(_loci._edits()):
+for _edit in read(_loci._edits()):
     _add_edit(_edit)
 
 
@@ -171,7 +135,7 @@ def _edits(self: Memory) -> Edits:
 
 def _ask(
     self: Memory, sentence: str, *, before: Sequence[str] = (), at: _Time = "", known_at: _Time = ""
-) -> Answer:
+) -> answers.SentenceAnswer:
     """Answers a question in English: `memory.ask("Where is the red cup?")`.
 
     before: sentences that were asked before it, for what "it" means
@@ -180,7 +144,7 @@ def _ask(
     NotUnderstood when the sentence is no known question.
     """
     text, data = self._answer_sentences([*before, sentence], _argument(at), _argument(known_at))[-1]
-    answer = _answer(text, data)
+    answer = answers.answer(answers.declared.sentence, text, data)
     if not answer.understood:
         raise NotUnderstood(f"'{sentence}' is not understood; ask for example: {answer.nearest[0]}", answer.nearest)
     return answer
@@ -191,7 +155,7 @@ def _teach(self: Memory, object: str, class_name: str) -> Record:
 
     Returns what it led to: the objects that were named, with probabilities.
     """
-    return _read(self._teach(object, class_name))
+    return read(self._teach(object, class_name))
 
 
 def _iterate(self: Memory) -> Iterator[Scene]:
@@ -243,7 +207,7 @@ def ingest(
     Returns the report.
     """
     if isinstance(detections, (str, os.PathLike)):
-        return _read(_loci._ingest(detections, memory, map, recording, progress, now, **options))
+        return read(_loci._ingest(detections, memory, map, recording, progress, now, **options))
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "detections.jsonl")
         with io.open(file, "w", encoding="utf-8") as lines:

@@ -7,7 +7,8 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Type, Union
 
 from . import _loci
 from ._loci import Cluster, PerceivedScene
-from ._memory import Record, _read, _Time
+from ._memory import _Time
+from .answers import Record, read
 
 
 class Annotator:
@@ -84,7 +85,7 @@ def run(
     Returns how many frames were processed, skipped and left out, and the seconds of each annotator.
     """
     text = pipeline if isinstance(pipeline, str) else json.dumps(pipeline) if pipeline else ""
-    return _read(
+    return read(
         _loci._run(
             recording, text, list(annotators), list(types), map, memory, resume, fixed_camera, threads, done, progress,
             now, **options
@@ -99,7 +100,7 @@ def default_pipeline() -> str:
 
 def describe_annotators() -> List[Record]:
     """All annotators that there are: inputs, outputs and options."""
-    return _read(_loci._annotators())
+    return read(_loci._annotators())
 
 
 def _annotate(self: Union[Cluster, PerceivedScene], type: str, **features: Any) -> None:
@@ -109,12 +110,12 @@ def _annotate(self: Union[Cluster, PerceivedScene], type: str, **features: Any) 
 
 def _annotations(self: Cluster) -> List[Record]:
     """What annotators said of it so far, in words and numbers; `type` is the short name."""
-    return _read(self._annotations())
+    return read(self._annotations())
 
 
 def _data(self: PerceivedScene) -> Record:
     """Supports, clusters and annotations as values: as `loci-perceive run --json` has them."""
-    return _read(self._data())
+    return read(self._data())
 
 
 Cluster.annotate = _annotate

@@ -70,11 +70,12 @@ TEST_F(FleetCli, EveryProgramReadsItByItsUrl) {
       HasSubstr("object_1"));
   const std::string python = std::string(LOCI_BIN_DIR) + "/../python";
   if (run("ls '" + python + "'/loci/_loci*.so").exit_code == 0) {
-    EXPECT_EQ(expect_works("PYTHONPATH='" + python +
-                           "' /usr/bin/python3 -c 'import loci, sys; "
-                           "print(loci.open(sys.argv[1]).objects(), end=\"\")' " +
-                           memory_),
-              expect_works("loci-memory objects -m '" + file_ + "'"));
+    const std::string printed = expect_works("PYTHONPATH='" + python +
+                                             "' /usr/bin/python3 -c 'import loci, sys; "
+                                             "print(loci.open(sys.argv[1]).objects(), end=\"\")' " +
+                                             memory_);
+    EXPECT_THAT(printed, HasSubstr("object_4"));
+    EXPECT_THAT(expect_works("loci-memory objects --details -m '" + file_ + "'"), testing::EndsWith(printed));
   }
 }
 

@@ -63,6 +63,26 @@ TEST_F(MemoryCli, AnswersFirstInOneSentenceWithAtMostThreeLinesOfEvidence) {
   }
 }
 
+TEST_F(MemoryCli, QuestionsThatInspectAnswerInOneSentenceAndListTenLinesUnlessAllAreAskedFor) {
+  const std::string memory = folder_ + "/many.loci";
+  ASSERT_EQ(run("loci-memory ingest apps/samples/detections.jsonl -m " + memory).exit_code, 0);
+  const auto text = [&](const std::string& question) {
+    const Outcome outcome = run("loci-memory " + question + " -m " + memory);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    return outcome.out;
+  };
+  const std::string brief = text("scenes"), all = text("scenes --details");
+  EXPECT_THAT(brief, testing::EndsWith("... 2 more lines with --details\n")) << brief;
+  EXPECT_EQ(lines_of(all), lines_of(brief) + 1) << all;
+  EXPECT_THAT(all, HasSubstr("scene 12"));
+  EXPECT_EQ(text("scenes --json"), text("scenes --details --json"));
+  const std::string objects = text("objects");
+  EXPECT_THAT(objects, StartsWith("2 of 4 are likely where they were seen last: mug and milk.\n"))
+      << "the answer first";
+  EXPECT_THAT(objects, HasSubstr("object_4"));
+  EXPECT_EQ(objects, text("objects --details")) << "short enough";
+}
+
 TEST_F(MemoryCli, UnknownThingsAndTimesAreOneLine) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"where purple", "nothing is known as 'purple'"},

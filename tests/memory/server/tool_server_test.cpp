@@ -39,7 +39,7 @@ TEST_F(ToolServerTest, AgreesOnAVersionAndSaysWhatItIs) {
   EXPECT_EQ(old["serverInfo"]["version"], "1.2.3");
   EXPECT_THAT(old["instructions"].get<std::string>(), HasSubstr("The memory ends at"));
   EXPECT_EQ(reply("initialize", {{"protocolVersion", "2999-01-01"}})["result"]["protocolVersion"],
-            "2025-06-18");
+            "2025-11-25");
   EXPECT_EQ(raw(R"({"jsonrpc": "2.0", "method": "notifications/initialized"})"), "") << "no reply is wanted";
 }
 

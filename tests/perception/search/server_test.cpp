@@ -3,11 +3,6 @@
 #include <gmock/gmock.h>
 #include <httplib.h>
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <filesystem>
 #include <list>
 #include <opencv2/imgproc.hpp>
@@ -19,11 +14,13 @@
 #include "perception/search/protocol.h"
 #include "perception/search/search_client.h"
 #include "tests/perception/search/wire.h"
+#include "tests/support/raw_connection.h"
 
 namespace loci::perception {
 namespace {
 
 namespace fs = std::filesystem;
+using loci::testing_support::RawConnection;
 using testing::Contains;
 using testing::HasSubstr;
 
@@ -49,9 +46,9 @@ class SearchServing : public testing::Test {
     service_ = std::make_unique<SearchService>(index_of(), ServiceOptions());
     ServerOptions options;
     options.port = 0;
-    options.max_mb = 0.5;
+    options.limits.max_mb = 0.5;
     options.max_megapixels = 2;
-    options.request_s = 60;
+    options.limits.request_s = 60;
     options.images = (kData / "products").string();
     server_ = std::make_unique<SearchServer>(*service_, options, 2);
   }
@@ -171,38 +168,8 @@ TEST_F(SearchServing, APortThatIsTakenIsRefused) {
   EXPECT_THROW(SearchServer(*service_, options, 1), Error);
 }
 
-/// A connection by hand.
-class Wire {
- public:
-  explicit Wire(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  }
-  ~Wire() { ::close(socket_); }
-  Wire(const Wire&) = delete;
-  Wire& operator=(const Wire&) = delete;
-
-  bool send(std::string_view text) const {
-    return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
-  }
-  /// What comes until the other side closes.
-  std::string rest() const {
-    std::string text;
-    char buffer[4096];
-    for (ssize_t count = 0; (count = ::recv(socket_, buffer, sizeof buffer, 0)) > 0;)
-      text.append(buffer, static_cast<size_t>(count));
-    return text;
-  }
-
- private:
-  int socket_;
-};
-
 TEST_F(SearchServing, BodiesInPiecesAreLimited) {
-  const Wire wire(server_->port());
+  const RawConnection wire(server_->port());
   wire.send("POST / HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n");
   const std::string chunk = "10000\r\n" + std::string(0x10000, 'x') + "\r\n";
   for (int i = 0; i < 20 && wire.send(chunk); ++i) {
@@ -226,10 +193,10 @@ TEST_F(SearchServing, WebPagesAndForeignNamesAreRefused) {
 }
 
 TEST_F(SearchServing, WhatIsNoHttpIsRefused) {
-  const Wire wire(server_->port());
+  const RawConnection wire(server_->port());
   wire.send("\x16\x03\x01 nonsense\r\n\r\n");
   EXPECT_THAT(wire.rest(), HasSubstr("400 Bad Request"));
-  const Wire header(server_->port());
+  const RawConnection header(server_->port());
   header.send("GET / HTTP/1.1\r\nHost: " + std::string(100000, 'x') + "\r\n\r\n");
   EXPECT_THAT(header.rest(), HasSubstr("431 "));
 }
@@ -265,10 +232,10 @@ TEST_F(SearchServing, ImagesOutsideTheirFolderAreNotShown) {
 TEST_F(SearchServing, SlowClientsDelayNobody) {
   ServerOptions options;
   options.port = 0;
-  options.connections = 8;
-  options.request_s = 30;
+  options.limits.connections = 8;
+  options.limits.request_s = 30;
   const SearchServer server(*service_, options, 1);
-  std::list<Wire> slow;
+  std::list<RawConnection> slow;
   for (int i = 0; i < 40; ++i) slow.emplace_back(server.port()).send("POST / HTTP/1.1\r\nContent-Le");
   const Stopwatch watch;
   httplib::Client client(server.url());
@@ -279,9 +246,9 @@ TEST_F(SearchServing, SlowClientsDelayNobody) {
 TEST_F(SearchServing, ARequestHasALimitedTime) {
   ServerOptions options;
   options.port = 0;
-  options.request_s = 0.3;
+  options.limits.request_s = 0.3;
   const SearchServer server(*service_, options, 1);
-  const Wire wire(server.port());
+  const RawConnection wire(server.port());
   wire.send("POST / HTTP/1.1\r\n");
   EXPECT_EQ(wire.rest(), "") << "closed, although nothing was wrong yet";
 }
@@ -298,9 +265,9 @@ TEST_F(SearchServing, OtherMachinesNeedAToken) {
     EXPECT_THAT(error.what(), HasSubstr("--token-file"));
   }
   write_file_atomically(file, "short\n");
-  EXPECT_THROW(read_token(file), Error);
+  EXPECT_THROW(mapping::read_token(file), Error);
   write_file_atomically(file, "0123456789abcdef\n");
-  options.token_file = file.string();
+  options.limits.token_file = file.string();
   const SearchServer server(*service_, options, 1);
   const std::string url = "http://127.0.0.1:" + std::to_string(server.port());
   httplib::Client web(url);

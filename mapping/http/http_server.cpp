@@ -1,7 +1,8 @@
-#include "perception/search/http_server.h"
+#include "mapping/http/http_server.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
@@ -11,15 +12,17 @@
 #include <boost/asio/thread_pool.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+#include <charconv>
 #include <chrono>
 #include <list>
 #include <optional>
 #include <thread>
 
 #include "mapping/base/error.h"
+#include "mapping/base/files.h"
 #include "mapping/base/text.h"
 
-namespace loci::perception {
+namespace loci::mapping {
 namespace {
 
 namespace asio = boost::asio;
@@ -72,7 +75,10 @@ tcp::endpoint endpoint_of(asio::io_context& context, const std::string& address,
 class HttpServer::Loop {
  public:
   Loop(const std::string& address, int port, const HttpLimits& limits, Handler handler)
-      : limits_(limits), handler_(std::move(handler)), workers_(static_cast<size_t>(limits.workers)) {
+      : limits_(limits),
+        token_(limits.token_file.empty() ? "" : read_token(limits.token_file)),
+        handler_(std::move(handler)),
+        workers_(std::max(2U, std::thread::hardware_concurrency())) {
     listen(address, port);
     accept();
     thread_ = std::thread([this] { context_.run(); });
@@ -95,7 +101,7 @@ class HttpServer::Loop {
 
   void listen(const std::string& address, int port) {
     const tcp::endpoint endpoint = endpoint_of(context_, address, port);
-    if (!endpoint.address().is_loopback() && limits_.token.empty())
+    if (!endpoint.address().is_loopback() && token_.empty())
       throw Error(fmt::format("{} can be reached from other machines", address), {},
                   "give a secret with --token-file, or listen at 127.0.0.1");
     Code code;
@@ -114,7 +120,10 @@ class HttpServer::Loop {
   bool make_room();
   void stop();
 
+  size_t max_body() const { return static_cast<size_t>(limits_.max_mb * 1e6); }
+
   HttpLimits limits_;
+  std::string token_;  ///< empty = none is asked for
   Handler handler_;
   asio::io_context context_;
   tcp::acceptor acceptor_{context_};
@@ -145,8 +154,8 @@ class HttpServer::Loop::Connection : public std::enable_shared_from_this<Connect
 
   void read_header() {
     parser_.header_limit(kMaxHeader);
-    parser_.body_limit(loop_.limits_.max_body);
-    stream_.expires_after(milliseconds(loop_.limits_.seconds));  // of header and body together
+    parser_.body_limit(loop_.max_body());
+    stream_.expires_after(milliseconds(loop_.limits_.request_s));  // of header and body together
     http::async_read_header(stream_, buffer_, parser_, [self = shared_from_this()](Code code, size_t) {
       if (code) return self->read_failed(code);
       if (const auto refusal = self->refusal()) return self->reply(*refusal);
@@ -164,18 +173,19 @@ class HttpServer::Loop::Connection : public std::enable_shared_from_this<Connect
  private:
   std::optional<HttpReply> refusal() const {
     const auto& header = parser_.get();
-    const HttpLimits& limits = loop_.limits_;
+    const std::string& token = loop_.token_;
     const std::string given = text_of(header[http::field::authorization]);
-    if (!limits.token.empty() && !same_secret(given, "Bearer " + limits.token))
+    if (!token.empty() && !same_secret(given, "Bearer " + token))
       return HttpReply{401, "this server asks for a token (--token-file)\n"};
-    if (limits.token.empty() &&
-        (header.count(http::field::origin) > 0 || !is_local(text_of(header[http::field::host]))))
+    if (header.count(http::field::origin) > 0)
+      return HttpReply{403, "this server is for programs, not for web pages\n"};
+    if (token.empty() && !is_local(text_of(header[http::field::host])))
       return HttpReply{403, "this server is for programs of its own machine\n"};
     const auto coding = header[http::field::content_encoding];
     if (!coding.empty() && !beast::iequals(coding, "identity"))
       return HttpReply{415, "compressed requests are not read\n"};
     const auto length = parser_.content_length();
-    if (length && *length > limits.max_body) return HttpReply{413, "the request is too large\n"};
+    if (length && *length > loop_.max_body()) return HttpReply{413, "the request is too large\n"};
     return std::nullopt;
   }
 
@@ -208,7 +218,7 @@ class HttpServer::Loop::Connection : public std::enable_shared_from_this<Connect
     state_ = State::working;
     stream_.expires_never();
     take_request();
-    deadline_.expires_after(milliseconds(loop_.limits_.seconds));
+    deadline_.expires_after(milliseconds(loop_.limits_.request_s));
     deadline_.async_wait([self = shared_from_this()](Code code) {
       if (!code && self->state_ == State::working)
         self->reply({503, "the answer takes too long, ask again later\n"});
@@ -234,6 +244,8 @@ class HttpServer::Loop::Connection : public std::enable_shared_from_this<Connect
     Code code;
     const auto peer = stream_.socket().remote_endpoint(code);
     if (!code) request_.client = peer.address().to_string();
+    for (const auto& field : message)
+      request_.headers.emplace_back(text_of(field.name_string()), text_of(field.value()));
     request_.body = std::move(message.body());
   }
 
@@ -252,7 +264,8 @@ class HttpServer::Loop::Connection : public std::enable_shared_from_this<Connect
     response_ = {};
     response_.version(11);
     response_.result(static_cast<unsigned>(reply.status));
-    response_.set(http::field::content_type, reply.content_type);
+    if (!reply.body.empty()) response_.set(http::field::content_type, reply.content_type);
+    for (const auto& [name, value] : reply.headers) response_.set(name, value);
     response_.set("X-Content-Type-Options", "nosniff");
     if (reply.status == 401) response_.set(http::field::www_authenticate, "Bearer");
     response_.keep_alive(false);
@@ -261,7 +274,7 @@ class HttpServer::Loop::Connection : public std::enable_shared_from_this<Connect
     if (loop_.stopping_)
       stream_.expires_after(kGoodbye);
     else
-      stream_.expires_after(milliseconds(loop_.limits_.seconds));
+      stream_.expires_after(milliseconds(loop_.limits_.request_s));
     http::async_write(stream_, response_, [self = shared_from_this()](Code code, size_t) {
       Code ignored;
       self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
@@ -319,7 +332,7 @@ void HttpServer::Loop::stop() {
 }
 
 HttpServer::HttpServer(const std::string& address, int port, const HttpLimits& limits, Handler handler)
-    : loop_(std::make_unique<Loop>(address, port, limits, std::move(handler))) {}
+    : address_(address), loop_(std::make_unique<Loop>(address, port, limits, std::move(handler))) {}
 
 HttpServer::~HttpServer() = default;
 
@@ -327,4 +340,50 @@ int HttpServer::port() const {
   return loop_->port();
 }
 
-}  // namespace loci::perception
+std::string HttpServer::url() const {
+  const bool is_v6 = address_.find(':') != std::string::npos;
+  return fmt::format("http://{}:{}", is_v6 ? "[" + address_ + "]" : address_, port());
+}
+
+std::string HttpRequest::header(const std::string& name) const {
+  const auto found = std::ranges::find_if(
+      headers, [&](const auto& header) { return lower_case(header.first) == lower_case(name); });
+  return found == headers.end() ? "" : found->second;
+}
+
+void HttpLimits::declare(OptionTable& table) {
+  table.number("max_mb", max_mb, "MB", "Larger requests are refused.", 0.001, 1000);
+  table.number("request_s", request_s, "s", "Time limit of sending a request, and of its answer.", 0.1, 3600);
+  table.integer("connections", connections, "", "Most at the same time; slow ones are closed for new ones.",
+                1, 1000);
+  table.text("token_file", token_file,
+             "File with the secret that clients have to give; needed at addresses other machines can reach.");
+}
+
+HttpAddress read_http_address(const std::string& text) {
+  const size_t colon = text.rfind(':');
+  const std::string digits = text.substr(colon == std::string::npos ? 0 : colon + 1);
+  HttpAddress read;
+  if (colon != std::string::npos) read.address = text.substr(0, colon);
+  const bool is_v6 = read.address.starts_with('[') && read.address.ends_with(']');
+  if (is_v6) read.address = read.address.substr(1, read.address.size() - 2);
+  const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), read.port);
+  if (failure != std::errc() || end != digits.data() + digits.size() || read.port < 0 || read.port > 65535 ||
+      read.address.empty() || (!is_v6 && read.address.find(':') != std::string::npos))
+    throw Error(fmt::format("'{}' is no address to listen at", text), {},
+                "write ADDRESS:PORT, e.g. 127.0.0.1:8642, or the port alone");
+  return read;
+}
+
+std::string read_token(const std::filesystem::path& file) {
+  constexpr size_t kMinToken = 16;
+  const std::string text = read_file(file);
+  const std::string token = trimmed(text.substr(0, text.find('\n')));
+  const bool printable = std::ranges::all_of(token, [](char c) { return c > ' ' && c <= '~'; });
+  if (token.size() < kMinToken || !printable)
+    throw Error("the first line is not a token", {file.string(), 1, {}},
+                fmt::format("write at least {} letters and digits there", kMinToken));
+  return token;
+}
+
+}  // namespace loci::mapping
