@@ -20,6 +20,8 @@ Command normals_command();
 Command occupancy_command();
 Command questions_command();
 Command memory_command();
+Command mesh_command();
+Command placement_command();
 Command system_command();
 Command tracking_command();
 Command update_command();

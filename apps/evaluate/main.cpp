@@ -17,6 +17,8 @@ int main(int argc, char** argv) {
   program.add(loci::apps::normals_command());
   program.add(loci::apps::occupancy_command());
   program.add(loci::apps::memory_command());
+  program.add(loci::apps::mesh_command());
+  program.add(loci::apps::placement_command());
   program.add(loci::apps::questions_command());
   program.add(loci::apps::system_command());
   program.add(loci::apps::tracking_command());

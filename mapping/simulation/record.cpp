@@ -60,16 +60,6 @@ void shrink_row(const RenderedView& fine, const Shader& shader, int v, cv::Mat& 
   }
 }
 
-TriangleMesh floor_mesh(double height) {
-  constexpr float reach = 20;
-  const auto z = static_cast<float>(height);
-  TriangleMesh mesh;
-  mesh.vertices = {{-reach, -reach, z}, {reach, -reach, z}, {reach, reach, z}, {-reach, reach, z}};
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  mesh.colors.assign(2, Rgba(0.55F, 0.5F, 0.45F, 1));
-  return mesh;
-}
-
 std::string appearance_key(const std::string& name, const PlacedObject& object) {
   const Rgba accent = object.accent.value_or(Rgba(-1, -1, -1, -1));
   return fmt::format("{} {} {} {} {} {} {}", name, object.color.x(), object.color.y(), object.color.z(),
@@ -251,6 +241,16 @@ Json configuration_of(const Scenario& scenario, const RecordOptions& options) {
 }
 
 }  // namespace
+
+TriangleMesh floor_mesh(double height) {
+  constexpr float reach = 20;
+  const auto z = static_cast<float>(height);
+  TriangleMesh mesh;
+  mesh.vertices = {{-reach, -reach, z}, {reach, -reach, z}, {reach, reach, z}, {-reach, reach, z}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.colors.assign(2, Rgba(0.55F, 0.5F, 0.45F, 1));
+  return mesh;
+}
 
 void RecordOptions::declare(OptionTable& table) {
   table.integer("seed", seed, "", "Seed of the noise; the same seed gives the same bytes.", 0, 1 << 30);

@@ -8,6 +8,7 @@
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 #include "mapping/simulation/scenario.h"
+#include "mapping/world/mesh.h"
 
 namespace loci::mapping {
 
@@ -29,6 +30,9 @@ struct RecordResult {
   std::string summary() const;
   Json report() const;
 };
+
+/// The floor that a world without one gets, 40 m wide around the origin of the map.
+TriangleMesh floor_mesh(double height);
 
 /// Plays a scenario, renders every frame as the sensor would measure it, and writes a recording with
 /// joints.csv, truth.jsonl and simulation.json (the options that made it). Same seed, same bytes on any

@@ -9,6 +9,7 @@
 #include "mapping/base/math.h"
 #include "mapping/render/ray_scene.h"
 #include "mapping/simulation/scenario.h"
+#include "mapping/world/urdf.h"
 
 namespace loci::mapping {
 namespace {
@@ -92,7 +93,7 @@ void order(std::vector<Vector2d>& places) {
 
 }  // namespace
 
-std::vector<Isometry3d> walk_through(const World& world, const MeshSearch& search, Warnings& warnings) {
+std::vector<Vector2d> standing_places(const World& world, const MeshSearch& search, Warnings& warnings) {
   RayScene scene;
   scene.add(world, search, Isometry3d::Identity(), warnings);
   const Eigen::AlignedBox3d box = scene.bounds();
@@ -103,6 +104,10 @@ std::vector<Isometry3d> walk_through(const World& world, const MeshSearch& searc
   if (places.empty()) throw Error("no place inside the world is open enough to stand in", {});
   places = spread(connected(places), kSpacing);
   order(places);
+  return places;
+}
+
+std::vector<Isometry3d> views_from(const std::vector<Vector2d>& places) {
   std::vector<Isometry3d> views;
   for (const Vector2d& place : places)
     for (const Gesture& gesture : kGestures)
@@ -112,6 +117,48 @@ std::vector<Isometry3d> walk_through(const World& world, const MeshSearch& searc
             looking_at(from, from + direction_of(2 * kPi * i / kYaws, gesture.pitch_deg * kDegree)));
       }
   return views;
+}
+
+std::vector<Isometry3d> stroll(const std::vector<Vector2d>& places, Random& random) {
+  constexpr double kTurn = 3.5 * kDegree, kGo = 0.02;  // Per frame: 105 degrees and 0.6 m per second.
+  constexpr double kBeside = 0.5 * kBody;
+  std::vector<Isometry3d> views;
+  double yaw = random.uniform(-kPi, kPi);
+  const auto look = [&](const Vector2d& place) {
+    const double phase = static_cast<double>(views.size()) / 12;
+    const Vector3d from(place.x(), place.y(), 1.45 + 0.03 * std::sin(phase));
+    const double pitch = (-20 + 14 * std::sin(0.31 * phase)) * kDegree;
+    views.push_back(looking_at(from, from + direction_of(yaw, pitch)));
+  };
+  Vector2d at = places.front();
+  for (const Vector2d& place : places) {
+    const Vector2d to =
+        place + Vector2d(random.uniform(-kBeside, kBeside), random.uniform(-kBeside, kBeside));
+    const auto steps = static_cast<int>((to - at).norm() / kGo);
+    for (int i = 1; i <= steps; ++i) look(at + (to - at) * i / steps);
+    at = to;
+    const double turn = random.uniform() < 0.5 ? kTurn : -kTurn;
+    for (int i = 0; i < static_cast<int>(2 * kPi / kTurn); ++i) {
+      yaw += turn;
+      look(at);
+    }
+  }
+  return views;
+}
+
+RecordResult record_views(const std::filesystem::path& world, std::vector<Isometry3d> map_from_camera,
+                          TimeNs frame_interval, const std::filesystem::path& folder,
+                          const RecordOptions& options, Progress& progress, Warnings& warnings) {
+  Scenario scenario;
+  scenario.file = scenario.world = world;
+  scenario.camera = kinect_camera();
+  scenario.frame_interval = frame_interval;
+  if (read_urdf(world).find_link("floor") == nullptr) scenario.floor = 0;
+  SceneSpec scene;
+  scene.time_ns = parse_time("2026-05-01T06:00:00Z");
+  scene.map_from_camera = std::move(map_from_camera);
+  scenario.scenes = {scene};
+  return record(scenario, folder, options, progress, warnings);
 }
 
 }  // namespace loci::mapping

@@ -13,9 +13,12 @@ namespace {
 
 /// The offset is interpolated bilinearly between nodes over the image.
 constexpr int kColumns = 13, kRows = 10, kNodes = kColumns * kRows;
-constexpr size_t kLevel = 1;       // Residuals are taken here: the field is smooth.
-constexpr size_t kNeighbours = 4;  // Views that are compared with each other …
-constexpr size_t kMinPairs = 20;   // … of which so many must fit.
+constexpr size_t kLevel = 1;         // Residuals are taken here: the field is smooth.
+constexpr size_t kMaxViews = 60;     // That are compared …
+constexpr size_t kEnoughViews = 10;  // … and so many where the camera moves little: then they are nearer.
+constexpr size_t kMaxPairs = 180;    // Of few views all are compared with each other, of many neighbours …
+constexpr size_t kMinPairs = 20;     // … of which so many must fit.
+constexpr size_t kGroup = 4;         // Views whose pairs are held out together.
 constexpr double kMinImprovement = 0.25;
 constexpr double kMaxOffset = 0.004;  // 1/m, RMS; more is another error: of lenses, of stamps, of motion.
 
@@ -171,27 +174,39 @@ cv::Mat image_of(const Eigen::VectorXd& offsets, const PinholeCamera& camera) {
 }
 
 /// Views that are some way from the one before.
-std::vector<CalibrationView> spread(const std::vector<CalibrationView>& views) {
-  constexpr double kTurn = 5 * kDegree, kShift = 0.08;
-  constexpr size_t kMax = 60;
+std::vector<CalibrationView> spread(const std::vector<CalibrationView>& views, double shift, double turn) {
   std::vector<CalibrationView> chosen;
   for (const CalibrationView& view : views) {
     if (!chosen.empty()) {
       const Isometry3d motion = chosen.back().map_from_camera.inverse() * view.map_from_camera;
-      if (motion.translation().norm() < kShift && Eigen::AngleAxisd(motion.linear()).angle() < kTurn)
-        continue;
+      if (motion.translation().norm() < shift && Eigen::AngleAxisd(motion.linear()).angle() < turn) continue;
     }
     chosen.push_back(view);
-    if (chosen.size() == kMax) break;
+    if (chosen.size() == kMaxViews) break;
   }
   return chosen;
+}
+
+/// As far apart as leaves enough of them, down to a quarter of the largest distance.
+std::vector<CalibrationView> spread(const std::vector<CalibrationView>& views) {
+  constexpr double kTurn = 5 * kDegree, kShift = 0.08;
+  std::vector<CalibrationView> chosen = spread(views, kShift, kTurn);
+  for (int part = 2; chosen.size() < kEnoughViews && part <= 4; part *= 2)
+    chosen = spread(views, kShift / part, kTurn / part);
+  return chosen;
+}
+
+/// How many of the views behind it each is compared with.
+size_t neighbours_of(size_t views) {
+  return std::max<size_t>(3, kMaxPairs / std::max<size_t>(1, views));
 }
 
 /// Neighbouring views, by number.
 std::vector<std::pair<size_t, size_t>> neighbours(size_t views) {
   std::vector<std::pair<size_t, size_t>> pairs;
   for (size_t from = 0; from < views; ++from)
-    for (size_t to = from + 1; to < std::min(views, from + kNeighbours); ++to) pairs.emplace_back(from, to);
+    for (size_t to = from + 1; to < std::min(views, from + 1 + neighbours_of(views)); ++to)
+      pairs.emplace_back(from, to);
   return pairs;
 }
 
@@ -233,7 +248,7 @@ Experiment experiment(const std::vector<View>& prepared, const std::vector<Calib
   for (size_t i = 0; i < pairs.size(); ++i) {
     if (!found[i]) continue;
     ++result.pairs;
-    const bool holds = (pairs[i].first / kNeighbours) % 2 == 1;
+    const bool holds = (pairs[i].first / kGroup) % 2 == 1;
     (holds ? result.held_out : result.fitted).add(found[i]->equations);
     if (holds) result.held_out_squares += found[i]->squares;
   }

@@ -22,7 +22,8 @@ struct DepthCalibration {
   double rms = 0;          ///< of the offsets, 1/m
 };
 
-/// Calibrates over pairs of views that are some degrees or centimetres apart. No offsets where pairs are too
+/// Calibrates over pairs of views that are some degrees or centimetres apart: neighbours in a long walk, all
+/// pairs in a short one. No offsets where pairs are too
 /// few, or where pairs that were held out do not fit clearly better with them. Same result on any number of
 /// threads.
 DepthCalibration calibrate_depth(const Recording& recording, const std::vector<CalibrationView>& views,

@@ -139,6 +139,15 @@ Placement place_scans(const ScanSet& map_scans, const ScanSet& scans, int thread
   return result;
 }
 
+ScanSet scans_to_place(const Recording& recording, int threads, Progress& progress) {
+  constexpr size_t kFrames = 120;
+  FusionOptions fusion;
+  fusion.every = static_cast<int>(std::max<size_t>(1, recording.size() / kFrames));
+  fusion.voxel_m = 0.02;
+  fusion.threads = threads;
+  return fuse(recording, fusion, progress).scans;
+}
+
 void require_trusted(const Placement& placement, const std::string& path) {
   if (!placement.trusted)
     throw Error("the recording cannot be placed in the map: " + placement.reason, {path, 0, {}},
@@ -147,7 +156,6 @@ void require_trusted(const Placement& placement, const std::string& path) {
 
 std::unique_ptr<Recording> placed_in_map(std::unique_ptr<Recording> tracked, const std::filesystem::path& map,
                                          int threads, Progress& progress, Warnings& warnings) {
-  constexpr size_t kFrames = 120;  // are enough to know a room again
   const FileLocation location{tracked->info().path, 0, {}};
   const std::filesystem::path folder = map.parent_path() / "scans";
   if (!std::filesystem::exists(folder / "scans.yaml")) {
@@ -156,11 +164,7 @@ std::unique_ptr<Recording> placed_in_map(std::unique_ptr<Recording> tracked, con
         {folder.string(), 0, {}});
     return tracked;
   }
-  FusionOptions fusion;
-  fusion.every = static_cast<int>(std::max<size_t>(1, tracked->size() / kFrames));
-  fusion.voxel_m = 0.02;
-  fusion.threads = threads;
-  const ScanSet scans = fuse(*tracked, fusion, progress).scans;
+  const ScanSet scans = scans_to_place(*tracked, threads, progress);
   const Placement placement = place_scans(read_registered_scans(folder, warnings), scans, threads, progress);
   require_trusted(placement, location.file);
   const Vector3d at = placement.map_from_scans.translation();

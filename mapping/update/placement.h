@@ -27,6 +27,9 @@ struct Placement {
 /// well.
 Placement place_scans(const ScanSet& map_scans, const ScanSet& scans, int threads, Progress& progress);
 
+/// What a recording with poses shows, as place_scans takes it: enough of its frames to know a room again.
+ScanSet scans_to_place(const Recording& recording, int threads, Progress& progress);
+
 /// Error with the reason when scans of `path` are not placed.
 void require_trusted(const Placement& placement, const std::string& path);
 

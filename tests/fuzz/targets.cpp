@@ -16,6 +16,7 @@
 #include "mapping/base/terminal.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
+#include "mapping/recording/ros/rvl.h"
 #include "mapping/sensor/pcd.h"
 #include "mapping/sensor/scan.h"
 #include "mapping/simulation/scenario.h"
@@ -200,6 +201,11 @@ void image(std::string_view bytes) {
   mapping::decode_color(bytes, "input.png", kMaxPixels);
 }
 
+void rvl(std::string_view bytes) {
+  constexpr uint64_t kMaxPixels = 1 << 20;
+  mapping::decode_rvl(bytes, {"input.rvl", 0, {}}, kMaxPixels);
+}
+
 void search_request(std::string_view bytes) {
   perception::decode_request(bytes);
 }
@@ -354,6 +360,7 @@ const std::vector<Target>& targets() {
                                           {"products", products},
                                           {"question", question},
                                           {"recording", recording},
+                                          {"rvl", rvl},
                                           {"scans", scans},
                                           {"scenario", scenario},
                                           {"search_request", search_request},

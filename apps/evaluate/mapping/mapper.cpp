@@ -5,12 +5,10 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/base/time.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/image/image_io.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/orthophoto/photo_interpretation.h"
-#include "mapping/simulation/record.h"
 #include "mapping/simulation/walk.h"
 #include "mapping/world/contacts.h"
 #include "mapping/world/semantic_map.h"
@@ -75,22 +73,15 @@ nbv::SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings
 
 /// Records a walk through the world; the folder of the recording.
 std::filesystem::path recorded_walk(const Run& run, Progress& progress, Warnings& warnings) {
-  const mapping::World world = mapping::read_urdf(run.world);
-  mapping::Scenario scenario;
-  scenario.file = scenario.world = run.world;
-  scenario.camera = mapping::kinect_camera();
-  if (world.find_link("floor") == nullptr) scenario.floor = 0;
-  mapping::SceneSpec scene;
-  scene.time_ns = parse_time("2026-05-01T06:00:00Z");
-  scene.map_from_camera = walk_through(world, search_of(run, run.world), warnings);
-  scenario.scenes = {scene};
+  const auto places =
+      mapping::standing_places(mapping::read_urdf(run.world), search_of(run, run.world), warnings);
   mapping::RecordOptions options;
   options.seed = static_cast<int>(run.seed);
   options.threads = run.threads;
   options.package_paths = run.package_paths;
   const std::filesystem::path folder = run.folder / "recording";
   make_folder(run.folder);
-  record(scenario, folder, options, progress, warnings);
+  record_views(run.world, mapping::views_from(places), kSecond, folder, options, progress, warnings);
   return folder;
 }
 

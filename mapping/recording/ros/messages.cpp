@@ -12,6 +12,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/image/image_io.h"
+#include "mapping/recording/ros/rvl.h"
 
 namespace loci::mapping {
 namespace {
@@ -144,8 +145,9 @@ struct CompressedImage {
     format = bytes.text();
     data = bytes.data();
   }
-  cv::Mat decode(size_t skipped, const std::string& where) const {
-    const std::string_view image = data.substr(std::min(skipped, data.size()));
+  std::string_view without_head(size_t size) const { return data.substr(std::min(size, data.size())); }
+  cv::Mat decode(size_t head, const std::string& where) const {
+    const std::string_view image = without_head(head);
     return decode_image({image.begin(), image.end()}, where);
   }
 };
@@ -181,7 +183,7 @@ cv::Mat picked(const cv::Mat& pixels, std::array<int, 3> order) {
   return color;
 }
 
-/// The head of compressedDepth before its PNG: how 32FC1 was quantised.
+/// The head of compressedDepth before its image: how 32FC1 was quantised.
 struct DepthQuantisation {
   float a = 0, b = 0;
   static constexpr size_t kSize = 12;
@@ -236,9 +238,9 @@ cv::Mat read_ros_depth(const RosMessage& message, bool compressed, double unit_m
   const Fields bytes(message);
   if (compressed) {
     const CompressedImage image(bytes);
-    if (image.format.find("rvl") != std::string::npos)
-      throw Error("compressedDepth in RVL is not read", bytes.location(), "record it as PNG, or raw");
-    const cv::Mat raw = image.decode(DepthQuantisation::kSize, bytes.where());
+    const bool is_rvl = image.format.find("rvl") != std::string::npos;
+    const cv::Mat raw = is_rvl ? decode_rvl(image.without_head(DepthQuantisation::kSize), bytes.location())
+                               : image.decode(DepthQuantisation::kSize, bytes.where());
     if (image.format.starts_with("32FC1")) return DepthQuantisation(image.data).metres(raw, bytes.location());
     return metres_from(raw, unit_m, bytes.location());
   }

@@ -37,7 +37,7 @@ std::string read_ros_encoding(const RosMessage& message, bool compressed);
 bool is_depth_encoding(const std::string& encoding);
 
 /// Depth in metres (CV_32F, NaN = none) of 16UC1, mono16 (`unit_m` metres; 0 and 65535 are none), 32FC1 (m),
-/// or of compressedDepth PNGs of either.
+/// or of compressedDepth (PNG or RVL) of either.
 cv::Mat read_ros_depth(const RosMessage& message, bool compressed, double unit_m = 0.001);
 /// Colour (CV_8UC3, BGR) of rgb8, bgr8, rgba8, bgra8, mono8, YUV 4:2:2, Bayer patterns, or of compressed PNG
 /// and JPEG.

@@ -225,6 +225,39 @@ fs::path two_cameras(const fs::path& folder) {
   return folder / "two.mcap";
 }
 
+/// sensor_msgs/Imu.
+std::string acceleration_message(TimeNs time, const std::string& frame, const Vector3d& acceleration) {
+  CdrWriter cdr;
+  cdr.header(time, frame);
+  for (int i = 0; i < 4 + 9 + 3 + 9; ++i) cdr.add(0.0);  // Orientation and turn rate, with covariances.
+  for (const double value : acceleration) cdr.add(value);
+  for (int i = 0; i < 9; ++i) cdr.add(0.0);
+  return cdr.bytes();
+}
+
+TEST(Mcap, AnImuAtRestMeasuresWhatIsUp) {
+  const TemporaryFolder folder("imu");
+  const auto up_of = [&](const Vector3d& acceleration) {
+    const fs::path file = folder.path() / "imu.mcap";
+    McapWriter writer(file, {});
+    const uint16_t depth =
+        writer.add_channel("/depth/image_rect", image_type().name, image_type().definition);
+    const uint16_t camera =
+        writer.add_channel("/depth/camera_info", camera_info_type().name, camera_info_type().definition);
+    const uint16_t imu = writer.add_channel("/imu", "sensor_msgs/msg/Imu", "");
+    writer.add(camera, kSecond, camera_info_message(small_camera().depth, kSecond, "camera"));
+    writer.add(depth, kSecond, image_message(small_frame(kSecond).depth, "32FC1", kSecond, "camera"));
+    for (int i = 0; i < 5; ++i)
+      writer.add(imu, kSecond + i, acceleration_message(kSecond + i, "camera", acceleration));
+    writer.finish();
+    return open_recording(file)->info().up_in_camera;
+  };
+  const auto up = up_of({2, -9.6, 0});
+  ASSERT_TRUE(up);
+  EXPECT_LT((*up - Vector3d(2, -9.6, 0).normalized()).norm(), 1e-9);
+  EXPECT_FALSE(up_of({0, -14, 0})) << "it is shaken";
+}
+
 TEST(Mcap, OfSeveralCamerasOneIsReadAndTheOthersAreNamed) {
   const TemporaryFolder folder("cameras");
   const fs::path file = two_cameras(folder.path());

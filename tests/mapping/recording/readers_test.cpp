@@ -84,6 +84,14 @@ TEST_F(Tum, FramesTakeTheNearestColourAndThePoseBetweenItsNeighbours) {
   EXPECT_FALSE(recording->frame(1).map_from_camera);
 }
 
+TEST_F(Tum, ADelayOfTheColourCameraIsTakenOff) {
+  RecordingOptions options;
+  options.color_delay_s = 0.04;
+  const auto recording = open_recording(root_, options);
+  EXPECT_TRUE(recording->frame(0).color.empty()) << "its colour would have been taken 25 ms before";
+  EXPECT_FALSE(recording->frame(1).color.empty());
+}
+
 TEST_F(Tum, BadListsAreNamedWithTheirLine) {
   write_file_atomically(root_ / "groundtruth.txt", "1305031102.1 0 0 1 0 0 0\n");
   EXPECT_THAT(refusal(root_), HasSubstr("groundtruth.txt:1"));

@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 
+#include "mapping/base/math.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::mapping {
@@ -16,7 +17,7 @@ const std::filesystem::path kSamples = std::filesystem::path(LOCI_SOURCE_DIR) / 
 TEST(Walk, StaysInsideAndTurnsRound) {
   Warnings warnings;
   const std::vector<Isometry3d> views =
-      walk_through(read_urdf(kSamples / "kitchen.urdf"), {{}, kSamples}, warnings);
+      views_from(standing_places(read_urdf(kSamples / "kitchen.urdf"), {{}, kSamples}, warnings));
   ASSERT_GE(views.size(), 72U);
   std::array<int, 4> quarters{};
   for (const Isometry3d& view : views) {
@@ -29,12 +30,24 @@ TEST(Walk, StaysInsideAndTurnsRound) {
   for (const int quarter : quarters) EXPECT_GE(quarter, static_cast<int>(views.size()) / 6);
 }
 
+TEST(Walk, AStrollIsAVideo) {
+  Random random(1);
+  const std::vector<Isometry3d> views = stroll({{1, 1}, {1.8, 1}}, random);
+  ASSERT_GT(views.size(), 200U);
+  for (size_t i = 1; i < views.size(); ++i) {
+    const Isometry3d motion = views[i - 1].inverse() * views[i];
+    EXPECT_LT(motion.translation().norm(), 0.025) << i;
+    EXPECT_LT(Eigen::AngleAxisd(motion.linear()).angle(), 4 * kDegree) << i;
+  }
+  EXPECT_GT((views.front().translation() - views.back().translation()).norm(), 0.5);
+}
+
 TEST(Walk, NeedsAPlaceToStand) {
   World world;
   world.name = world.root = "map";
   world.links.push_back({.name = "map", .visuals = {}, .collisions = {}, .inertial = {}});
   Warnings warnings;
-  EXPECT_THROW(walk_through(world, {}, warnings), Error);
+  EXPECT_THROW(standing_places(world, {}, warnings), Error);
 }
 
 }  // namespace

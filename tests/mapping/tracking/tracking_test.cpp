@@ -245,6 +245,14 @@ TEST(Tracking, TheFixedErrorOfTheDepthCameraIsFoundAndUndone) {
   EXPECT_EQ(tracked(Room(walk(20))).depth_offset, 0);
 }
 
+TEST(Tracking, AFewCentimetresAreEnoughToFindTheFixedError) {
+  Room room(walk(30));
+  room.distortion_ = 0.004;
+  const TrackingResult result = tracked(room);
+  EXPECT_NEAR(result.depth_offset, 0.003, 0.001);
+  EXPECT_LT(max_error(room, result), 0.02);
+}
+
 TEST(Tracking, SameResultOnAnyNumberOfThreads) {
   const Room room(walk(20));
   TrackingOptions one, three;
