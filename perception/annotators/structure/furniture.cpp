@@ -173,22 +173,32 @@ double level_of(const std::vector<SurfaceSample>& samples) {
   return static_cast<double>(best->first) / 100;
 }
 
+/// Reordered so that any prefix covers the piece.
+std::vector<SurfaceSample> interleaved(const std::vector<SurfaceSample>& samples) {
+  std::vector<SurfaceSample> mixed;
+  for (size_t first = 0; first < kFurnitureInterleave; ++first)
+    for (size_t i = first; i < samples.size(); i += kFurnitureInterleave) mixed.push_back(samples[i]);
+  return mixed;
+}
+
 /// The piece that some branches are; no samples where it does not stand free.
 Furniture piece_of(const std::vector<const Branch*>& parts,
                    const std::vector<mapping::WallRectangle>& walls) {
   Furniture piece;
   std::vector<Eigen::Vector3f> points;
-  std::vector<SurfaceSample> rigid;
+  std::vector<SurfaceSample> rigid, all;
   Eigen::AlignedBox3d box;
   for (const Branch* part : parts) {
     piece.branches.push_back(part->link);
     piece.links.insert(piece.links.end(), part->links.begin(), part->links.end());
     for (size_t i = 0; i < part->samples.size(); ++i) {
-      points.push_back(part->samples[i].point.cast<float>());
-      // Nobody looks up at a table from below.
-      if (part->rigid[i] == 0 || part->samples[i].normal.z() < -0.5) continue;
-      rigid.push_back(part->samples[i]);
-      box.extend(part->samples[i].point);
+      const SurfaceSample& sample = part->samples[i];
+      points.push_back(sample.point.cast<float>());
+      if (sample.normal.z() < -0.5) continue;  // Nobody looks up at a table from below.
+      all.push_back(sample);
+      if (part->rigid[i] == 0) continue;
+      rigid.push_back(sample);
+      box.extend(sample.point);
     }
   }
   piece.name = parts.front()->link;
@@ -196,8 +206,8 @@ Furniture piece_of(const std::vector<const Branch*>& parts,
   piece.middle = box.center();
   piece.radius = box.diagonal().norm() / 2;
   piece.top = level_of(rigid);
-  for (size_t first = 0; first < kFurnitureInterleave; ++first)
-    for (size_t i = first; i < rigid.size(); i += kFurnitureInterleave) piece.samples.push_back(rigid[i]);
+  piece.samples = interleaved(rigid);
+  piece.closed = interleaved(all);
   return piece;
 }
 

@@ -10,10 +10,12 @@ namespace loci::perception {
 
 /// A piece of the map's furniture that people can move: what stands free, with all that is part of it.
 struct Furniture {
-  std::string name;                    ///< of its support, else of its largest link
-  std::vector<std::string> branches;   ///< its topmost links
-  std::vector<std::string> links;      ///< all of them
-  std::vector<SurfaceSample> samples;  ///< of what no joint moves, map frame; any prefix covers the piece
+  std::string name;                   ///< of its support, else of its largest link
+  std::vector<std::string> branches;  ///< its topmost links
+  std::vector<std::string> links;     ///< all of them
+  // Map frame; any prefix covers the piece.
+  std::vector<SurfaceSample> samples;  ///< of what no joint moves
+  std::vector<SurfaceSample> closed;   ///< of all of it, with its drawers and doors shut
   Vector3d middle = Vector3d::Zero();  ///< of its box, where the map has it
   double radius = 0;                   ///< of a ball around the middle
   double top = 0;                      ///< height of what most of its upward surface lies at

@@ -149,12 +149,14 @@ void MovedFurniture::place(std::optional<size_t> hidden, const JointState& joint
 MovedFurniture::Fit MovedFurniture::fit(const Furniture& piece, const Pose& pose, const FurnitureFrame& frame,
                                         const View* view, size_t samples) const {
   const Isometry3d camera_from_piece = frame.map_from_camera.inverse() * motion_of(piece, pose);
+  // Drawers and doors may be open where the piece stands; that they are shut says which way round it does.
+  const std::vector<SurfaceSample>& surface = view == nullptr ? piece.samples : piece.closed;
   Fit fit;
   const auto* point = frame.points.ptr<cv::Vec3f>();
   const auto* direction = frame.normals.ptr<cv::Vec3f>();
-  for (size_t i = 0; i < std::min(samples, piece.samples.size()); ++i) {
-    const Vector3d p = camera_from_piece * piece.samples[i].point;
-    const Vector3d normal = camera_from_piece.linear() * piece.samples[i].normal;
+  for (size_t i = 0; i < std::min(samples, surface.size()); ++i) {
+    const Vector3d p = camera_from_piece * surface[i].point;
+    const Vector3d normal = camera_from_piece.linear() * surface[i].normal;
     const double before = -normal.dot(p);
     if (before < kFacing * p.norm()) continue;
     ++fit.facing;
