@@ -141,6 +141,10 @@ void RenderScene::set_joints(size_t part, const JointState& state) {
   impl_->parts.set_joints(part, state);
 }
 
+void RenderScene::set_world(size_t part, const World& world) {
+  impl_->parts.set_world(part, world);
+}
+
 void RenderScene::set_pose(size_t part, const Isometry3d& map_from_part) {
   impl_->parts.part(part).map_from_part = map_from_part;
 }

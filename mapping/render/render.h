@@ -56,6 +56,8 @@ class RenderScene {
   /// Moves the joints of a world (all joints, those not named to 0), or all of a part to another pose.
   void set_joints(size_t part, const JointState& state);
   void set_pose(size_t part, const Isometry3d& map_from_part);
+  /// Gives a part the joints of a world of the same links, whose furniture stands elsewhere; all at 0.
+  void set_world(size_t part, const World& world);
   void set_visible(size_t part, bool visible);
 
   /// Names by link id, over all parts in the order in which they were added; "WORLD/LINK" only where names

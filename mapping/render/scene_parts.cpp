@@ -54,6 +54,15 @@ void SceneParts::set_joints(size_t number, const JointState& state) {
   changed.part_from_links = root_from_links(*changed.world, state);
 }
 
+void SceneParts::set_world(size_t number, World world) {
+  ScenePart& changed = part(number);
+  if (world.links.size() != changed.world->links.size())
+    throw Error("a part of a scene keeps its links: it has " + std::to_string(changed.world->links.size()) +
+                ", not " + std::to_string(world.links.size()));
+  changed.world = std::make_shared<const World>(std::move(world));
+  changed.part_from_links = root_from_links(*changed.world, {});
+}
+
 Isometry3d SceneParts::map_from_link(size_t link) const {
   if (link >= part_of_link_.size()) throw Error("the scene has no link " + std::to_string(link));
   const ScenePart& owner = part_of_link(link);

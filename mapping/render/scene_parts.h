@@ -39,6 +39,8 @@ class SceneParts {
   ScenePart& part(size_t number);
   const ScenePart& part_of_link(size_t link) const { return parts_[part_of_link_[link]]; }
   void set_joints(size_t number, const JointState& state);
+  /// A world of the same links. Error when their number differs.
+  void set_world(size_t number, World world);
 
   /// Names by link id, see RenderScene::link_names().
   const std::vector<std::string>& names() const { return names_; }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "mapping/base/math.h"
+#include "mapping/world/free_standing.h"
 
 namespace loci::mapping {
 
@@ -22,53 +23,27 @@ struct EpochParameters {
 inline constexpr EpochParameters kEpochs;
 
 /// Free-standing pieces of furniture.
-struct PieceParameters {
+struct PieceParameters : FreeStandingParameters {
   double floor_m = 0.04;           ///< lower surfels are floor
   double top_m = 2.0;              ///< higher ones are lamps and ceilings
   double wall_m = 0.06;            ///< nearer to a wall's plane is the wall
-  double link_m = 0.05;            ///< cells that touch are one component
   double outline_margin_m = 0.02;  ///< around a support's outline
   double slab_m = 0.05;            ///< below a support's height is its slab
-  double on_top_m = 0.5;           ///< what stands on a support belongs to it up to this height
-  double below_margin_m = 0.05;    ///< sides that were hidden are missing from an outline …
-  double below_share = 0.75;       ///< … of a component that carries the support
   double inside_share = 0.85;      ///< of a component that stands within the outline of another
-  double stands_m = 0.3;           ///< a piece that begins higher …
-  double hanging_wall_m = 0.2;     ///< … and so near to a wall is fixed to it
-  double max_extent_m = 2.6;       ///< wider is a row of cabinets
-  double min_extent_m = 0.15;      ///< smaller is an object on the floor
-  double min_top_m = 0.18;         ///< lower is a rug or a threshold
   size_t min_surfels = 40;         ///< about 0.025 m²
-  double beside_wall_m = 0.12;     ///< furniture so near to a wall …
-  double fixed_width_m = 0.9;      ///< … along so much of it …
-  double fixed_height_m = 1.5;     ///< … or so high does not move
 };
 inline constexpr PieceParameters kPieces;
 
 /// The search for the pose of a piece.
-struct MotionParameters {
-  double step_m = 0.05;              ///< of the grid of starting poses
-  double turn_step = 6 * kDegree;    ///< radians
-  double near_m = 0.4;               ///< of a search around the old place …
-  double near_turn = 48 * kDegree;   ///< … radians
-  double around_m = 0.25;            ///< of a search around another component
-  size_t samples = 160;              ///< surfels of a piece per starting pose
-  size_t interleave = 13;            ///< any prefix of the samples covers the piece
-  size_t first_samples = 24;         ///< after which …
-  double min_first_score = 3;        ///< … a worse start is dropped
-  size_t starts = 16;                ///< that are refined per search
-  double apart_m = 0.1;              ///< starts that are nearer descend to the same pose …
-  double apart_turn = 12 * kDegree;  ///< … and less turned
-  double min_share = 0.2;            ///< of a piece's surfels that must be found again
-  double min_agreement = 0.7;        ///< found over found and contradicted
-  double min_kept = 0.9;             ///< of a piece's found surfels that another piece may leave it
-  double min_gain = 0.06;            ///< of a piece's surfels: found more than at its old place
-  size_t min_gain_surfels = 15;
-  double cost_per_m = 0.12;     ///< of a piece's surfels: of two poses the nearer one, up to 1 m …
-  double cost_per_turn = 0.05;  ///< … and per half turn: shapes that look the same rotated
-  double left_share = 0.5;      ///< of what can be seen that must be contradicted: the place is empty
-  double correlated = 6;        ///< surfels that see the same error
-  double prior_log_odds = -2;   ///< that a piece moved between two visits
+struct MotionParameters : FurnitureMotionParameters {
+  double step_m = 0.05;             ///< of the grid of starting poses
+  double turn_step = 6 * kDegree;   ///< radians
+  double near_m = 0.4;              ///< of a search around the old place …
+  double near_turn = 48 * kDegree;  ///< … radians
+  double around_m = 0.25;           ///< of a search around another component
+  size_t samples = 160;             ///< surfels of a piece per starting pose
+  size_t interleave = 13;           ///< any prefix of the samples covers the piece
+  double min_kept = 0.9;            ///< of a piece's found surfels that another piece may leave it
 };
 inline constexpr MotionParameters kMotion;
 

@@ -216,40 +216,9 @@ class Segmentation {
   bool stands_free(const Piece& piece, const MapOutlines::Support* support) const {
     if (piece.surfels.size() < kPieces.min_surfels) return false;
     if (support != nullptr && support->at_wall) return false;
-    const Eigen::Vector3d size = piece.box.sizes().cast<double>();
-    const double top = static_cast<double>(piece.box.max().z());
-    if (size.head<2>().maxCoeff() > kPieces.max_extent_m || size.head<2>().maxCoeff() < kPieces.min_extent_m)
-      return false;
-    if (top < kPieces.min_top_m) return false;
-    if (support == nullptr && hangs(piece)) return false;
-    return !built_in(piece, top);
-  }
-
-  /// Whether it is fixed to a wall above the floor. Legs of chrome are not seen: seats seem to float.
-  bool hangs(const Piece& piece) const {
-    if (static_cast<double>(piece.box.min().z()) <= kPieces.stands_m) return false;
-    return std::ranges::any_of(piece.surfels, [&](uint32_t i) {
-      return std::ranges::any_of(map_.walls, [&](const auto& wall) {
-        return wall.near(surface_.position[i], kPieces.hanging_wall_m);
-      });
-    });
-  }
-
-  /// Whether it stands along a wall as cabinets do.
-  bool built_in(const Piece& piece, double top) const {
-    for (const MapOutlines::Wall& wall : map_.walls) {
-      double low = 1e9, high = -1e9;
-      for (const uint32_t i : piece.surfels) {
-        if (!wall.near(surface_.position[i], kPieces.beside_wall_m)) continue;
-        const Vector2d p = plan_of(surface_.position[i]);
-        const double along = p.dot(Vector2d(-wall.normal.y(), wall.normal.x()));
-        low = std::min(low, along);
-        high = std::max(high, along);
-      }
-      if (high - low > kPieces.fixed_width_m) return true;
-      if (high > low && top > kPieces.fixed_height_m) return true;
-    }
-    return false;
+    std::vector<Eigen::Vector3f> points;
+    for (const uint32_t i : piece.surfels) points.push_back(surface_.position[i]);
+    return mapping::stands_free(points, map_.walls, support == nullptr);
   }
 
   const Surfels& surface_;
@@ -265,21 +234,13 @@ Vector2d plan_of(const Json& json) {
 
 }  // namespace
 
-bool MapOutlines::Wall::near(const Eigen::Vector3f& point, double margin) const {
-  const Vector2d p = plan_of(point);
-  if (std::abs(normal.dot(p) - offset) > margin) return false;
-  const double along = p.dot(Vector2d(-normal.y(), normal.x()));
-  const double z = static_cast<double>(point.z());
-  return along > along_min - margin && along < along_max + margin && z > bottom - margin && z < top + margin;
-}
-
 MapOutlines outlines_of(const SemanticMap& semantics) {
   MapOutlines map;
   for (const auto& [name, link] : semantics.links) {
     const Json& geometry = link.geometry;
     if (!geometry.is_object() || !geometry.contains("outline")) continue;
     if (link.class_name == "wall") {
-      MapOutlines::Wall wall;
+      WallRectangle wall;
       wall.normal = plan_of(geometry.at("normal"));
       wall.offset = geometry.at("offset").get<double>();
       wall.along_min = wall.bottom = 1e9;

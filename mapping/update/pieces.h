@@ -6,25 +6,20 @@
 
 #include "mapping/base/pose.h"
 #include "mapping/registration/surfels.h"
+#include "mapping/world/free_standing.h"
 #include "mapping/world/semantic_map.h"
 
 namespace loci::mapping {
 
 /// What a map says of its room: walls, and the supports that bound furniture. Map frame.
 struct MapOutlines {
-  struct Wall {
-    Vector2d normal = Vector2d::UnitX();
-    double offset = 0, along_min = 0, along_max = 0, bottom = 0, top = 0;
-    /// Whether a point is within `margin` of the wall's plane and beside its rectangle.
-    bool near(const Eigen::Vector3f& point, double margin) const;
-  };
   struct Support {
     std::string name, class_name;
     std::vector<Vector2d> outline;
     double height = 0;
     bool at_wall = false;
   };
-  std::vector<Wall> walls;
+  std::vector<WallRectangle> walls;
   std::vector<Support> supports;
 };
 MapOutlines outlines_of(const SemanticMap& semantics);

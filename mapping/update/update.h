@@ -9,16 +9,17 @@
 #include "mapping/base/progress.h"
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/sensor/scan.h"
+#include "mapping/world/free_standing.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/world.h"
 
 namespace loci::mapping {
 
 struct UpdateOptions {
-  double position_error_m = 0.3;  ///< expected (σ) of the new scans in the map frame
-  double yaw_error_deg = 10;      ///< expected (σ)
-  double min_move_m = 0.04;       ///< furniture that moved and turned less has not moved
-  double min_move_deg = 2.5;
+  double position_error_m = 0.3;                    ///< expected (σ) of the new scans in the map frame
+  double yaw_error_deg = 10;                        ///< expected (σ)
+  double min_move_m = kFurnitureMotion.min_move_m;  ///< furniture that moved and turned less has not moved
+  double min_move_deg = kFurnitureMotion.min_move_deg;
   double min_probability = 0.5;  ///< of a change that is reported
   int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
 

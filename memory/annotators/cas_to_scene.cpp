@@ -42,15 +42,41 @@ void describe_place(const perception::types::PlanarSupport& support, const mappi
       break;
     }
   }
+  // A place of the map is stored as the map has it.
+  for (const belief::PlacePose& moved : record.moved_places)
+    if (moved.name == row.name && !row.joint) {
+      const Isometry3d before_from_now = moved.map_from_place.inverse();
+      for (Vector2d& corner : row.outline)
+        corner = (before_from_now * Vector3d(corner.x(), corner.y(), 0)).head<2>();
+      if (row.map_from_place) row.map_from_place = before_from_now * *row.map_from_place;
+    }
   record.places.push_back(std::move(row));
+}
+
+/// Furniture that is not where the map has it.
+void add_moved_places(const perception::types::Scene& scene, SceneRecord& record) {
+  for (const auto& piece : scene.annotations.filter<perception::types::FurnitureAnnotation>()) {
+    if (!piece.moved.get()) continue;
+    const Isometry3d motion = perception::types::from<Isometry3d>(piece.motion.get());
+    for (const std::string& link : piece.links.to_vector())
+      record.moved_places.push_back({link, motion, piece.found.get()});
+  }
 }
 
 /// Poses of movable links: objects on them move along.
 void add_place_poses(const mapping::World& world, SceneRecord& record) {
   const std::vector<Isometry3d> poses = root_from_links(world, record.row.joints);
   const std::vector<bool> moving = mapping::moving_links(world);
-  for (size_t i = 0; i < world.links.size(); ++i)
-    if (moving[i]) record.place_poses.push_back({world.links[i].name, poses[i]});
+  for (size_t i = 0; i < world.links.size(); ++i) {
+    if (!moving[i]) continue;
+    belief::PlacePose pose{world.links[i].name, poses[i]};
+    for (const belief::PlacePose& moved : record.moved_places)
+      if (moved.name == pose.name) {
+        pose.map_from_place = moved.map_from_place * pose.map_from_place;
+        pose.known = moved.known;
+      }
+    record.place_poses.push_back(std::move(pose));
+  }
 }
 
 /// JPEG of a colour image whose top left corner is `offset` in that of the scene.
@@ -246,6 +272,7 @@ SceneRecord scene_record(const perception::types::SceneCas& cas, const mapping::
     record.structures.push_back(joints);
   }
   read_camera(cas, scene, heads, record);
+  add_moved_places(scene, record);
   if (world != nullptr) add_place_poses(*world, record);
   for (const perception::types::PlanarSupport& support : cas.supports()) {
     describe_place(support, world, record);

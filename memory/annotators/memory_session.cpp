@@ -7,6 +7,8 @@
 #include "mapping/base/json.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/recorder/map_entry.h"
+#include "memory/store/feature_structures.h"
+#include "perception/types/scene_cas.h"
 
 namespace loci::memory {
 namespace {
@@ -21,6 +23,23 @@ KnownPlanes load_planes(const Store& store) {
         throw store.error("the known planes in table annotation are damaged", "perceive into a new memory");
       }
   return {};
+}
+
+/// Of furniture that the last scene had elsewhere than the map with which the next one is perceived.
+perception::FurnitureStates load_furniture(const Store& store, std::optional<Id> map) {
+  perception::FurnitureStates furniture;
+  const std::optional<SceneRow> last = store.last_scene();
+  if (!last || !map || last->map != map) return furniture;
+  const std::string type(perception::types::FurnitureAnnotation::kTypeName);
+  for (const FeatureStructureRow& row : store.feature_structures(last->id, type)) {
+    perception::cas::Cas cas(perception::types::type_system());
+    const auto piece = perception::types::as<perception::types::FurnitureAnnotation>(
+        read_feature_structure(store, row.id, cas));
+    furniture.pieces.push_back({piece.name.get(), piece.moved.get(), piece.found.get(),
+                                Vector2d(piece.shift_x.get(), piece.shift_y.get()), piece.turn.get(),
+                                piece.log_odds.get()});
+  }
+  return furniture;
 }
 
 /// What was recorded knows where its clocks were.
@@ -67,6 +86,7 @@ MemorySession::MemorySession(const MemorySessionOptions& options, const mapping:
   if (!options.map.empty()) map_ = add_map(store_, options.map);
   run_ = store_.begin_run(options.program, options.configuration.dump());
   planes_ = load_planes(store_);
+  furniture_ = load_furniture(store_, map_);
   recorder_ = std::make_unique<Recorder>(store_, run_, options.belief);
   for (const SceneRow& scene : store_.scenes())
     if (scene.recording == recording_) {
@@ -98,6 +118,8 @@ MemoryRunResult run_with_memory(perception::Pipeline& pipeline, perception::Cont
   MemorySession& session =
       context.resources.get<MemorySession>("memory to write to", "name one with -m FILE.loci");
   MemoryRunResult result;
+  if (!session.furniture_.pieces.empty())
+    context.resources.put(std::make_shared<perception::FurnitureStates>(session.furniture_));
   pipeline.start(context);
   perception::Reader& reader = pipeline.reader();
   session.reader_ = &reader;

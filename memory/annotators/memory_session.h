@@ -10,6 +10,7 @@
 #include "memory/annotators/cas_to_scene.h"
 #include "memory/annotators/known_planes.h"
 #include "memory/recorder/recorder.h"
+#include "perception/conversions/furniture_state.h"
 #include "perception/pipeline/pipeline.h"
 
 namespace loci::memory {
@@ -45,6 +46,8 @@ class MemorySession {
   std::optional<Id> map() const { return map_; }
   KnownPlanes& planes() { return planes_; }
   People people() const { return people_; }
+  /// Furniture that the last scene had elsewhere than this map.
+  const perception::FurnitureStates& furniture() const { return furniture_; }
 
   /// Seconds until the frame that will be read next; unset at the end, or when nobody said who reads.
   std::optional<double> seconds_after(TimeNs time) const;
@@ -72,6 +75,7 @@ class MemorySession {
   using Moment = std::pair<TimeNs, int64_t>;
   std::optional<Moment> last_present_;  ///< the last frame of the recording that was in the memory
   KnownPlanes planes_;
+  perception::FurnitureStates furniture_;
   std::unique_ptr<Recorder> recorder_;
 };
 

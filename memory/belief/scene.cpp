@@ -1,5 +1,7 @@
 #include "memory/belief/scene.h"
 
+#include <algorithm>
+
 namespace loci::memory::belief {
 
 double shared_volume(const AxisBox& a, const AxisBox& b) {
@@ -18,6 +20,11 @@ const Isometry3d& place_pose(const std::string& place, const std::vector<PlacePo
   for (const PlacePose& pose : places)
     if (pose.name == place) return pose.map_from_place;
   return identity;
+}
+
+bool is_place_known(const std::string& place, const std::vector<PlacePose>& places) {
+  return std::ranges::none_of(places,
+                              [&](const PlacePose& pose) { return pose.name == place && !pose.known; });
 }
 
 }  // namespace loci::memory::belief

@@ -72,14 +72,17 @@ struct SceneView {
   double far_m = 5.0;
 };
 
-/// Current pose of a place. Objects in a drawer move with its joint.
+/// Current pose of a place. Objects in a drawer move with its joint, those on furniture with it.
 struct PlacePose {
   std::string name;
   Isometry3d map_from_place = Isometry3d::Identity();
+  bool known = true;  ///< false: it has been moved away from there, and nothing on it is observed
 };
 
 /// Identity for places that are not listed.
 const Isometry3d& place_pose(const std::string& place, const std::vector<PlacePose>& places);
+/// True for places that are not listed.
+bool is_place_known(const std::string& place, const std::vector<PlacePose>& places);
 
 /// Input of the belief: one moment.
 struct Scene {

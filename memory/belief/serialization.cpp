@@ -307,10 +307,11 @@ struct Codec {
   static void write(const PlacePose& pose, stored::PlacePose& message) {
     message.set_name(pose.name);
     write(pose.map_from_place, *message.mutable_map_from_place());
+    message.set_unknown(!pose.known);
   }
 
   static PlacePose read(const stored::PlacePose& message) {
-    return {message.name(), read(message.map_from_place())};
+    return {message.name(), read(message.map_from_place()), !message.unknown()};
   }
 
   static void write(const Scene& scene, stored::Evidence& message) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mapping/base/hash.h"
+#include "memory/recorder/scene_reasoning.h"
 
 namespace loci::memory {
 
@@ -25,20 +26,30 @@ void Recorder::load() {
   next_observation_ = store_.max_observation_id() + 1;
   last_joints_.clear();
   last_map_.reset();
+  last_places_.clear();
   if (const std::optional<SceneRow> last = store_.last_scene()) {
     last_joints_ = last->joints;
     last_map_ = last->map;
+    if (std::optional<SceneReasoning> reasoning = load_reasoning(store_, last->id))
+      last_places_ = std::move(reasoning->evidence.places);
   }
 }
 
-/// Objects ride on furniture that stands elsewhere in the map of the scene than in that of its place.
+/// Objects ride on furniture that stands elsewhere in the map of the scene than in that of its place, or that
+/// the scene shows elsewhere than its map has it.
 belief::Scene Recorder::evidence(const SceneRecord& record) const {
   belief::Scene scene = evidence_of(record, next_observation_);
-  for (const auto& [name, place] : places_) {
-    const Isometry3d motion = motions_.motion(place, map_of(record.row));
+  const auto add = [&](const std::string& name, const Isometry3d& by_map) {
     const auto is_it = [&](const belief::PlacePose& pose) { return pose.name == name; };
-    if (is_moved(motion) && std::ranges::none_of(scene.places, is_it)) scene.places.push_back({name, motion});
-  }
+    if (std::ranges::any_of(scene.places, is_it)) return;
+    const auto moved = std::ranges::find_if(record.moved_places, is_it);
+    if (moved != record.moved_places.end())
+      scene.places.push_back({name, moved->map_from_place * by_map, moved->known});
+    else if (is_moved(by_map))
+      scene.places.push_back({name, by_map});
+  };
+  for (const auto& [name, place] : places_) add(name, motions_.motion(place, map_of(record.row)));
+  for (const PlaceRow& place : record.places) add(place.name, Isometry3d::Identity());
   return scene;
 }
 

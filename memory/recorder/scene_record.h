@@ -41,6 +41,8 @@ struct SceneRecord {
   belief::SceneView view;
   std::optional<double> seconds_to_next;
   std::vector<belief::PlacePose> place_poses;  ///< current poses of moving places
+  /// Furniture that is not where the scene's map has it, with its motion from there.
+  std::vector<belief::PlacePose> moved_places = {};
   BlobRecord image;
   std::vector<PlaceRow> places;  ///< in view or in the map
   std::vector<ObservationRecord> observations;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <set>
 
+#include "mapping/world/free_standing.h"
 #include "memory/recorder/belief_rows.h"
 #include "memory/recorder/recorder.h"
 #include "memory/recorder/scene_reasoning.h"
@@ -82,6 +83,7 @@ class Recorder::SceneWriter {
     add_belief_rows();
     belief::Decisions decisions = belief::decisions_of(result_.update);
     belief::SceneMatrices matrices = belief::matrices_of(result_.update, decisions);
+    std::vector<belief::PlacePose> places = evidence_.places;
     save_reasoning(transaction_, result_.scene,
                    {std::move(evidence_), std::move(decisions), std::move(matrices)});
     recorder_.checkpoint_.save(transaction_, result_.scene, state_);
@@ -91,6 +93,7 @@ class Recorder::SceneWriter {
     recorder_.state_ = std::move(state_);
     recorder_.last_joints_ = record_.row.joints;
     recorder_.last_map_ = recorder_.map_of(record_.row);
+    recorder_.last_places_ = std::move(places);
     recorder_.places_.merge(new_places_);
     recorder_.next_observation_ += static_cast<Id>(result_.observations.size());
     return std::move(result_);
@@ -227,18 +230,22 @@ class Recorder::SceneWriter {
     }
   }
 
-  /// Furniture that the map of this scene has elsewhere than that of the scene before.
+  /// Furniture that stands elsewhere than in the scene before: so the maps of both say, or what is seen.
   void add_place_events() {
     const std::optional<Id> before = recorder_.last_map_, now = recorder_.map_of(record_.row);
-    if (!before || !now || before == now) return;
+    if (!before || !now || !recorder_.state_.last_scene) return;
     for (const auto& [name, place_row] : recorder_.places_) {
-      if (!is_moved(recorder_.motions_.motion(place_row, before, now))) continue;
+      if (place_row.joint || !place_row.map) continue;
+      const std::optional<Vector3d> origin = recorder_.motions_.position(place_row, *place_row.map);
+      const Isometry3d& from = belief::place_pose(name, recorder_.last_places_);
+      const Isometry3d& to = belief::place_pose(name, evidence_.places);
+      if (!origin || !mapping::is_furniture_motion(to * from.inverse(), from * *origin)) continue;
       EventRow row;
       row.scene = result_.scene;
       row.kind = EventKind::place_moved;
       row.place = row.from_place = place_row.id;
-      row.position = recorder_.motions_.position(place_row, *now);
-      row.from_position = recorder_.motions_.position(place_row, *before);
+      row.position = to * *origin;
+      row.from_position = from * *origin;
       row.since = recorder_.state_.last_scene;
       row.clock = clock();
       transaction_.add_event(row);
@@ -262,6 +269,8 @@ class Recorder::SceneWriter {
 
   /// Motion of a place from where its row has it to where it is in this scene.
   Isometry3d now_from(const PlaceRow& place_row) const {
+    for (const belief::PlacePose& moved : record_.moved_places)
+      if (moved.name == place_row.name && !place_row.joint) return moved.map_from_place;
     for (const belief::PlacePose& pose : evidence_.places) {
       if (pose.name != place_row.name) continue;
       if (!place_row.joint && place_row.map)

@@ -1,18 +1,11 @@
 #include "memory/store/place_motion.h"
 
 #include "mapping/base/math.h"
+#include "mapping/world/free_standing.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::memory {
-namespace {
-
-// The least motion of furniture that mapping::update reports.
-constexpr double kMinMove_m = 0.04;
-constexpr double kMinTurn = 2.5 * kDegree;
-
-}  // namespace
-
 const PlaceMotions::Poses& PlaceMotions::poses(Id map) {
   const auto [slot, is_new] = poses_.try_emplace(map);
   if (!is_new) return slot->second;
@@ -45,7 +38,7 @@ std::optional<Vector3d> PlaceMotions::position(const PlaceRow& place, Id map) {
 }
 
 bool is_moved(const Isometry3d& motion) {
-  return motion.translation().norm() >= kMinMove_m || Eigen::AngleAxisd(motion.linear()).angle() >= kMinTurn;
+  return mapping::is_furniture_motion(motion, Vector3d::Zero());
 }
 
 }  // namespace loci::memory

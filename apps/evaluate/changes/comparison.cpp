@@ -34,7 +34,8 @@ std::optional<double> gap(const TrueObject& true_object, const Sight& sight) {
   return distance <= reach ? std::optional(1 + distance) : std::nullopt;
 }
 
-/// Pairs true objects with observations, nearest first; index of the object by that of the observation.
+}  // namespace
+
 std::map<size_t, size_t> find_true_objects(const std::vector<TrueObject>& true_objects,
                                            const Moment& moment) {
   std::vector<std::tuple<double, size_t, size_t>> candidates;
@@ -49,6 +50,8 @@ std::map<size_t, size_t> find_true_objects(const std::vector<TrueObject>& true_o
     if (!true_object_of.contains(k) && taken.insert(i).second) true_object_of[k] = i;
   return true_object_of;
 }
+
+namespace {
 
 std::vector<TrueObject> true_objects_in(const std::map<int64_t, std::vector<TrueObject>>& true_objects,
                                         int64_t frame) {

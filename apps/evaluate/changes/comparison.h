@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,10 @@ struct Comparison {
   /// F1 over the sightings of objects: 2 agreed / (visible + attributed), [Ristani 2016].
   double identity_f1() const;
 };
+
+/// Pairs true objects with what was observed in a frame, nearest first; index of the object by that of the
+/// sight.
+std::map<size_t, size_t> find_true_objects(const std::vector<TrueObject>& true_objects, const Moment& moment);
 
 Comparison compare(const std::string& method, const Truth& truth, const Moments& moments, const Story& story);
 

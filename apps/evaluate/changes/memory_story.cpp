@@ -3,10 +3,10 @@
 
 namespace loci::apps::changes {
 
-Moments read_moments(const memory::Store& store) {
+Moments read_moments(const memory::Store& store, std::optional<memory::Id> recording) {
   Moments moments;
   for (const memory::SceneRow& scene : store.scenes()) {
-    if (!scene.frame_index) continue;
+    if (!scene.frame_index || (recording && scene.recording != recording)) continue;
     Moment& moment = moments[*scene.frame_index];
     moment.scene = scene.id;
     moment.camera = scene.camera;

@@ -37,8 +37,8 @@ struct Told {
 using Moments = std::map<int64_t, Moment>;  ///< by frame index of the recording
 using Story = std::map<int64_t, Told>;
 
-/// Error when the memory has no frame of a recording.
-Moments read_moments(const memory::Store& store);
+/// Of all recordings, or of one. Error when the memory has no frame of a recording.
+Moments read_moments(const memory::Store& store, std::optional<memory::Id> recording = {});
 
 /// What the memory itself says.
 Story memory_story(const memory::Store& store, const Moments& moments);

@@ -21,6 +21,7 @@ struct Settings {
   bool part = false;             ///< two views (laser) or places (Kinect) only
   int seed = 1;
   int threads = 0;
+  bool keep = false;  ///< recordings and memories of perceived rooms
 };
 
 /// What the update said of one piece that was moved.

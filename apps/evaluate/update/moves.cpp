@@ -14,8 +14,6 @@
 namespace loci::apps::update_claim {
 namespace {
 
-constexpr double kMinMove = 0.1, kMaxMove = 3;  // m
-constexpr double kMaxTurn = 45 * kDegree;
 constexpr int kDraws = 200;
 constexpr float kAboveFurniture = 2.3F;  // m
 
@@ -151,7 +149,15 @@ bool MovableWorld::in_room(const Vector3d& from, const Vector3d& to) const {
   return walled > kDirections / 2;
 }
 
-std::vector<Move> MovableWorld::draw(size_t count, Random& random) const {
+bool MovableWorld::sees(const Vector3d& camera, const Vector3d& target) const {
+  constexpr double kAbove = 0.3;  // of what stands there
+  if (!in_room(target, camera)) return false;
+  const Eigen::Vector3f from = camera.cast<float>(), to = (target + Vector3d(0, 0, kAbove)).cast<float>();
+  const float distance = (to - from).norm();
+  return scene_.cast(from, (to - from) / distance, distance).link < 0;
+}
+
+std::vector<Move> MovableWorld::draw(size_t count, Random& random, const MoveLimits& limits) const {
   std::vector<Isometry3d> motions(groups_.size(), Isometry3d::Identity());
   std::vector<size_t> order;
   for (size_t g = 0; g < groups_.size(); ++g) order.push_back(g);
@@ -160,11 +166,12 @@ std::vector<Move> MovableWorld::draw(size_t count, Random& random) const {
   for (const size_t g : order) {
     if (moves.size() == count) break;
     for (int draw = 0; draw < kDraws; ++draw) {
-      const double distance = kMinMove * std::pow(kMaxMove / kMinMove, random.uniform());
+      const double distance = limits.min_m * std::pow(limits.max_m / limits.min_m, random.uniform());
       const double direction = random.uniform(0, 2 * kPi);
       Isometry3d motion = Isometry3d::Identity();
       motion.linear() =
-          Eigen::AngleAxisd(random.uniform(-kMaxTurn, kMaxTurn), Vector3d::UnitZ()).toRotationMatrix();
+          Eigen::AngleAxisd(random.uniform(-limits.max_turn, limits.max_turn), Vector3d::UnitZ())
+              .toRotationMatrix();
       const Vector3d target =
           groups_[g].centre + distance * Vector3d(std::cos(direction), std::sin(direction), 0);
       motion.translation() = target - motion.linear() * groups_[g].centre;

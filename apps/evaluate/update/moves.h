@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mapping/base/convex.h"
+#include "mapping/base/math.h"
 #include "mapping/base/random.h"
 #include "mapping/render/ray_scene.h"
 #include "mapping/world/mesh.h"
@@ -29,6 +30,12 @@ struct Move {
   Isometry3d now_from_before = Isometry3d::Identity();
 };
 
+/// How far furniture is moved.
+struct MoveLimits {
+  double min_m = 0.1, max_m = 3;
+  double max_turn = 45 * kDegree;  ///< radians
+};
+
 /// Finds groups and draws motions that leave all furniture free of collision and inside the room.
 class MovableWorld {
  public:
@@ -37,9 +44,10 @@ class MovableWorld {
                const std::vector<std::string>& families, Warnings& warnings);
 
   const std::vector<Group>& groups() const { return groups_; }
-  /// Up to `count` moves of 0.1 to 3 m (log-uniform) with turns of up to 45 degrees; fewer where the room is
-  /// too full.
-  std::vector<Move> draw(size_t count, Random& random) const;
+  /// Up to `count` moves (log-uniform) with turns; fewer where the room is too full.
+  std::vector<Move> draw(size_t count, Random& random, const MoveLimits& limits = {}) const;
+  /// Whether a camera of the room has a free line of sight to just above a point.
+  bool sees(const Vector3d& camera, const Vector3d& target) const;
   mapping::World moved(const std::vector<Move>& moves) const;
   /// How many points lie on a group at its pose after a motion (within 2 cm of its boxes).
   size_t points_on(size_t group, const Isometry3d& now_from_before,

@@ -22,6 +22,7 @@ namespace {
 /// Share of a place that a scene shows, by the lines of sight to where objects were found on it.
 double shown_share(const PlaceView& view, const PlaceHistory& place, const Scene& scene,
                    const BeliefOptions& options) {
+  if (!is_place_known(view.name, scene.places)) return 0;
   AxisBox box = place.extent;
   constexpr double kMin = kParameters.min_place_extent_m;
   box.size = box.size.cwiseMax(Vector3d(kMin, kMin, 0.1));
@@ -147,6 +148,10 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
                                                 scene.observations, options.visibility)
                  : box_visibility(scene.view, p.box, std::sqrt(p.variance), scene.observations.size(),
                                   options.visibility);
+    if (!is_place_known(object.place, scene.places)) {
+      p.seen.visibility = {.out_of_view = 1};
+      std::ranges::fill(p.seen.occupied_by, 0.0);
+    }
     // Without a size the sampled box is the uncertainty of the position. Nothing is certainly out of view.
     constexpr double kMinInView = 1e-3;
     p.undetectable = object.has_size ? undetectable(p.seen.visibility)

@@ -19,18 +19,8 @@ constexpr double kMaxThrough = 0.1;   ///< of those seen, that may lie in free s
 constexpr double kMinCostGain = 0.1;  ///< of cost, for the given position to be given up
 constexpr double kMinMotion = 0.03;   ///< metres of its farthest point; less may be the map's or pose's error
 constexpr int kFewPoints = 25;
-constexpr int kPositions = 60;   ///< of a joint, tried first
-constexpr double kReach = 0.5;   ///< metres before a front: what is further away is in nobody's way
-constexpr double kFacing = 0.2;  ///< cosine
-
-/// The pixel that a point falls into; -1 outside.
-int pixel_of(const Vector3d& point, const mapping::PinholeCamera& camera) {
-  if (!(point.z() > 0.1)) return -1;
-  const Vector2d at = camera.project(point);
-  if (!(at.x() > -0.5 && at.y() > -0.5 && at.x() < camera.width - 0.5 && at.y() < camera.height - 0.5))
-    return -1;
-  return static_cast<int>(at.y() + 0.5) * camera.width + static_cast<int>(at.x() + 0.5);
-}
+constexpr int kPositions = 60;  ///< of a joint, tried first
+constexpr double kReach = 0.5;  ///< metres before a front: what is further away is in nobody's way
 
 }  // namespace
 
@@ -44,7 +34,6 @@ struct ArticulatedFronts::Match {
 
 ArticulatedFronts::ArticulatedFronts(const mapping::World& world, const mapping::MeshSearch& meshes)
     : world_(world) {
-  Warnings ignored;  // Missing meshes were warned about when the map was loaded.
   for (const mapping::Joint& joint : world.joints) {
     const bool slides = joint.type == mapping::JointType::prismatic,
                turns = joint.type == mapping::JointType::revolute;
@@ -53,27 +42,11 @@ ArticulatedFronts::ArticulatedFronts(const mapping::World& world, const mapping:
     Front front;
     front.joint = joint;
     front.link = world.link_index(joint.child);
-    for (const mapping::Visual& visual : world.links[front.link].visuals) {
-      const mapping::TriangleMesh mesh = triangulate(visual.geometry, meshes, ignored);
-      for (const auto& [a, b, c] : mesh.triangles) {
-        const Vector3d origin = visual.link_from_visual * mesh.vertices[a].cast<double>();
-        const Vector3d ab = visual.link_from_visual * mesh.vertices[b].cast<double>() - origin;
-        const Vector3d ac = visual.link_from_visual * mesh.vertices[c].cast<double>() - origin;
-        const Vector3d normal = ab.cross(ac);
-        // A grid in the triangle's own coordinates: as dense as the area asks for.
-        const int n = static_cast<int>(std::ceil(ab.norm() / kSpacing));
-        const int m = static_cast<int>(std::ceil(ac.norm() / kSpacing));
-        if (!(normal.norm() > 1e-8) || n > 1000 || m > 1000) continue;
-        for (int i = 0; i < n; ++i)
-          for (int j = 0; j < m; ++j) {
-            const double s = (i + 0.5) / n, t = (j + 0.5) / m;
-            if (s + t < 1) front.samples.push_back({origin + s * ab + t * ac, normal.normalized()});
-          }
-      }
-    }
+    for (const mapping::Visual& visual : world.links[front.link].visuals)
+      add_surface_samples(visual, meshes, kSpacing, front.samples);
     if (front.samples.size() < static_cast<size_t>(kFewPoints)) continue;
     Eigen::AlignedBox3d box;
-    for (const Sample& sample : front.samples) {
+    for (const SurfaceSample& sample : front.samples) {
       box.extend(sample.point);
       front.reach = std::max(front.reach, sample.point.cross(joint.axis.normalized()).norm());
     }
@@ -90,7 +63,7 @@ ArticulatedFronts::Match ArticulatedFronts::match(const Front& front, const Isom
   if (out_of_view(camera_from_link * front.middle, front.radius, camera)) return match;
   const auto* measured = points.ptr<cv::Vec3f>();
   auto left = static_cast<int>(front.samples.size());
-  for (const Sample& sample : front.samples) {
+  for (const SurfaceSample& sample : front.samples) {
     // What stands open in the image's free space is soon found out.
     if (only_if_sure && match.through > kMaxThrough * (match.on + left)) return {};
     --left;
@@ -171,7 +144,7 @@ std::vector<Obstacle> ArticulatedFronts::obstacles(const cv::Mat& points, const 
     if (out_of_view(camera_from_link * front.middle, front.radius, camera)) continue;
     int in_view = 0, hidden = 0;
     Obstacle obstacle{front.joint.name, std::numeric_limits<double>::infinity(), 0};
-    for (const Sample& sample : front.samples) {
+    for (const SurfaceSample& sample : front.samples) {
       const Vector3d point = camera_from_link * sample.point;
       const Vector3d normal = camera_from_link.linear() * sample.normal;
       const int pixel = pixel_of(point, camera);

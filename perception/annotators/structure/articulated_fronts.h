@@ -9,6 +9,7 @@
 #include "mapping/sensor/camera.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/mesh.h"
+#include "perception/annotators/structure/surface_samples.h"
 
 namespace loci::perception {
 
@@ -62,13 +63,10 @@ class ArticulatedFronts {
                                   const JointState& joints) const;
 
  private:
-  struct Sample {
-    Vector3d point, normal;  ///< frame of the link
-  };
   struct Front {
     mapping::Joint joint;
-    size_t link = 0;  ///< index into the world's links
-    std::vector<Sample> samples;
+    size_t link = 0;                     ///< index into the world's links
+    std::vector<SurfaceSample> samples;  ///< frame of the link
     Vector3d middle = Vector3d::Zero();  ///< of a ball around the samples, in the link's frame
     double radius = 0;
     double reach = 0;  ///< of the farthest sample, metres from the joint's axis

@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "mapping/base/parallel.h"
+#include "mapping/world/free_standing.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/annotators/structure/articulated_fronts.h"
 #include "perception/annotators/structure/supports.h"
@@ -198,6 +199,27 @@ void annotate_obstacle(const types::SceneCas& scene, const Obstacle& obstacle) {
   scene.scene().annotations.push_back(annotation);
 }
 
+/// Nothing is said of a piece that stands where the map has it as far as anything tells.
+void annotate_furniture(const types::SceneCas& scene, const MovedFurniture& furniture) {
+  for (size_t k = 0; k < furniture.pieces().size(); ++k) {
+    const FurnitureState& state = furniture.states()[k];
+    if (!state.moved && state.log_odds <= mapping::kFurnitureMotion.prior_log_odds) continue;
+    const auto annotation = types::FurnitureAnnotation::create(scene.cas());
+    annotation.source.set("KnownStructureFilter");
+    annotation.name.set(state.name);
+    annotation.links.set(furniture.pieces()[k].links);
+    annotation.moved.set(state.moved);
+    annotation.found.set(state.found);
+    annotation.shift_x.set(state.shift.x());
+    annotation.shift_y.set(state.shift.y());
+    annotation.turn.set(state.turn);
+    annotation.motion.set(types::to(scene.cas(), furniture.motion(k)));
+    annotation.log_odds.set(state.log_odds);
+    annotation.confidence.set(1 / (1 + std::exp(-state.log_odds)));
+    scene.scene().annotations.push_back(annotation);
+  }
+}
+
 }  // namespace
 
 void KnownStructureOptions::declare(OptionTable& table) {
@@ -287,7 +309,7 @@ AnnotatorDescriptor KnownStructureFilter::descriptor() const {
           "above supports.",
           {"Scene", "view:cloud", "view:normals", "CameraInfo"},
           {"RegionOfInterest", "SegmentationLocationAnnotation", "JointAnnotation", "ObstacleAnnotation",
-           "view:regions", "view:structure", "view:map_depth"},
+           "FurnitureAnnotation", "view:regions", "view:structure", "view:map_depth"},
           {"JointState"},
           {"Scene", "JointState", "PlanarSupport"}};
 }
@@ -297,6 +319,8 @@ void KnownStructureFilter::declare(OptionTable& table) {
   refinement_.declare(table);
   table.flag("fit_joints", fit_joints_,
              "Estimates joints of drawers and doors that the recording does not report, from their fronts.");
+  table.flag("find_furniture", find_furniture_,
+             "Finds furniture that is not where the map has it, and goes on with it where it stands.");
   table.text("camera_link", camera_link_,
              "Link of the robot that is the depth camera (optical frame); it places the robot in the map.");
 }
@@ -308,7 +332,38 @@ void KnownStructureFilter::start(Context& context) {
   if (surfaces_.empty())
     throw Error(fmt::format("no link of the map matches the regions {}", fmt::join(options_.regions, ", ")),
                 {}, "name the links that objects stand on: KnownStructureFilter: {regions: [...]}");
+  if (find_furniture_) {
+    furniture_ = std::make_unique<MovedFurniture>(*map_, refinement_);
+    if (const auto* known = context.resources.find<FurnitureStates>()) furniture_->restore(known->pieces);
+  }
   fronts_ = std::make_unique<ArticulatedFronts>(map_->world, map_->meshes);
+}
+
+void KnownStructureFilter::finish(Context& context) {
+  if (!furniture_) return;
+  for (const std::string& text : furniture_->texts()) context.warnings.add(text);
+  furniture_->reset();
+}
+
+void KnownStructureFilter::find_furniture(const types::SceneCas& scene, const FurnitureFrame& frame,
+                                          int threads) {
+  if (!furniture_) return;
+  if (has_measured_pose(scene.scene()) && furniture_->update(frame, threads)) {
+    fronts_ = std::make_unique<ArticulatedFronts>(map_->world, map_->meshes);
+    for (const std::string& text : furniture_->texts()) scene.log("KnownStructureFilter", "info", text);
+  }
+  annotate_furniture(scene, *furniture_);
+}
+
+std::vector<SupportSurface> KnownStructureFilter::standing_surfaces() const {
+  std::vector<SupportSurface> standing = surfaces_;
+  for (size_t k = 0; furniture_ && k < furniture_->pieces().size(); ++k)
+    if (!furniture_->states()[k].found)
+      std::erase_if(standing, [&](const SupportSurface& surface) {
+        return std::ranges::find(furniture_->pieces()[k].links, surface.link) !=
+               furniture_->pieces()[k].links.end();
+      });
+  return standing;
 }
 
 /// The pose of the camera, fitted to the map; the scene is told when it moves.
@@ -419,10 +474,13 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
   map_->hide_robots();
   const cv::Mat points = cloud_points(facade);
   const Isometry3d pose = refined_pose(facade, points, camera, context);
+  const cv::Mat normals = cloud_normals(facade);
+  find_furniture(facade, {points, normals, camera, pose, joints}, context.threads);
   fit_joints(facade, points, camera, pose, context.threads, joints);
   map_->place_robots(scene.timestamp.get(), all_joints, camera_link_, pose);
-  KnownStructure known = find_known_structure(points, cloud_normals(facade), camera, pose, *map_, surfaces_,
-                                              joints, options_, context.threads);
+  const std::vector<SupportSurface> surfaces = standing_surfaces();
+  KnownStructure known =
+      find_known_structure(points, normals, camera, pose, *map_, surfaces, joints, options_, context.threads);
   annotate_obstacles(facade, points, camera, pose, joints, known.map_depth);
   // Regions out of view are left out, the others numbered from 1 in the order of the scene's supports.
   std::vector<uint16_t> number(known.regions.size() + 1, 0);

@@ -9,6 +9,7 @@
 #include "mapping/sensor/pixel_kind.h"
 #include "perception/annotators/structure/articulated_fronts.h"
 #include "perception/annotators/structure/known_map.h"
+#include "perception/annotators/structure/moved_furniture.h"
 #include "perception/annotators/structure/pose_refinement.h"
 #include "perception/pipeline/annotator.h"
 #include "perception/types/scene_cas.h"
@@ -61,18 +62,23 @@ KnownStructure find_known_structure(const cv::Mat& points, const cv::Mat& normal
 
 /// Takes what the map and the robots explain out of the cloud and names the regions of interest
 /// (URDFRegionFilter, §4.2.2): fits the pose of the camera to the map, then the fronts of drawers and doors
-/// whose joints nobody reports, then compares. Uses the KnownMap among the resources; without one it removes
-/// nothing.
+/// whose joints nobody reports, then compares. Furniture that is not where the map has it is looked for, and
+/// the map is used with it where it stands until finish(). Uses the KnownMap among the resources; without one
+/// it removes nothing.
 class KnownStructureFilter : public Annotator {
  public:
   AnnotatorDescriptor descriptor() const override;
   void declare(OptionTable& table) override;
   void start(Context& context) override;
   void process(cas::Cas& cas, Context& context) override;
+  void finish(Context& context) override;
 
  private:
   Isometry3d refined_pose(const types::SceneCas& scene, const cv::Mat& points,
                           const mapping::PinholeCamera& camera, Context& context);
+  void find_furniture(const types::SceneCas& scene, const FurnitureFrame& frame, int threads);
+  /// Regions of furniture that is known to be somewhere.
+  std::vector<SupportSurface> standing_surfaces() const;
   void fit_joints(const types::SceneCas& scene, const cv::Mat& points, const mapping::PinholeCamera& camera,
                   const Isometry3d& pose, int threads, JointState& joints);
   void remove_robots(const types::SceneCas& scene, const mapping::PinholeCamera& camera, Context& context);
@@ -83,10 +89,12 @@ class KnownStructureFilter : public Annotator {
   KnownStructureOptions options_;
   PoseRefinementOptions refinement_;
   bool fit_joints_ = true;
+  bool find_furniture_ = true;
   std::string camera_link_;
   KnownMap* map_ = nullptr;
   std::vector<SupportSurface> surfaces_;
   std::unique_ptr<ArticulatedFronts> fronts_;
+  std::unique_ptr<MovedFurniture> furniture_;
 };
 
 }  // namespace loci::perception

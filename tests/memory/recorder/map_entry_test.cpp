@@ -142,6 +142,50 @@ TEST_F(MapEntry, WithoutTheNewMapTheSameMugHasMoved) {
   EXPECT_THAT(events_after(50 * kSecond), ElementsAre(EventKind::moved));
 }
 
+TEST_F(MapEntry, WhatStandsOnATableThatAFrameShowsElsewhereHasNotMoved) {
+  const Id map = store_->maps().front().id;
+  kitchen_.object("mug").centre.x() += 0.3;
+  std::optional<Recorder> recorder(std::in_place, *store_, store_->begin_run("test", "{}"));
+  for (const int second : {100, 101, 102}) {
+    SceneRecord seen = record(second, map);
+    seen.moved_places = {{"table_1", Isometry3d(Eigen::Translation3d(0.3, 0, 0))}};
+    if (second == 102) recorder.emplace(*store_, store_->begin_run("test", "{}"));  // A later run.
+    recorder->record(seen);
+  }
+  EXPECT_THAT(events_after(50 * kSecond), ElementsAre(EventKind::place_moved));
+  const EventRow event = store_->events().back();
+  EXPECT_NEAR(event.from_position->x(), 0, 1e-9);
+  EXPECT_NEAR(event.position->x(), 0.3, 1e-9);
+  EXPECT_EQ(store_->observations_of(1).size(), 13U);
+  EXPECT_NEAR(store_->belief(1)->position->x(), 0.35, 0.02);
+  for (const VisibilityRow& row : store_->visibility(store_->last_scene()->id)) {
+    if (row.place) {
+      EXPECT_GT(row.fraction.value_or(0), 0.6);
+    }
+  }
+  // The new map says the same: nothing more has happened.
+  enter_map(*store_, room(0.3), 200 * kSecond, "test");
+  EXPECT_THAT(events_after(50 * kSecond), ElementsAre(EventKind::place_moved));
+  EXPECT_NEAR(store_->belief(1)->position->x(), 0.35, 0.02);
+}
+
+TEST_F(MapEntry, WhatStoodOnATableThatIsNotFoundIsNotObserved) {
+  const Id map = store_->maps().front().id;
+  kitchen_.objects.clear();
+  Recorder recorder(*store_, store_->begin_run("test", "{}"));
+  for (int second = 100; second < 110; ++second) {
+    SceneRecord seen = record(second, map);
+    seen.places.clear();
+    seen.moved_places = {{"table_1", Isometry3d::Identity(), false}};
+    recorder.record(seen);
+  }
+  EXPECT_THAT(events_after(50 * kSecond), ElementsAre());
+  EXPECT_GT(store_->belief(1)->probability, 0.9);
+  // As soon as it is known to stand there, the mug is gone.
+  for (int second = 110; second < 120; ++second) recorder.record(record(second, map));
+  EXPECT_THAT(events_after(50 * kSecond), ElementsAre(EventKind::gone));
+}
+
 TEST_F(MapEntry, ARoomThatReturnsToAnEarlierMapIsAsItWas) {
   enter_map(*store_, room(0.3), kEvening, "test");
   enter_map(*store_, room(0), 2 * kEvening, "test");
