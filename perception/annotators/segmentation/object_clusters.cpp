@@ -61,11 +61,8 @@ struct Standing {
   }
   void reserve(size_t count) {
     pixels.reserve(count);
-    points.reserve(count);
-    normals.reserve(count);
-    in_plane.reserve(count);
-    normals_in_plane.reserve(count);
     areas.reserve(count);
+    for (auto* each : {&points, &normals, &in_plane, &normals_in_plane}) each->reserve(count);
   }
 };
 
@@ -166,6 +163,27 @@ Standing subset(const Standing& all, const std::vector<size_t>& members) {
   return part;
 }
 
+/// Gives back to a support the single pixels that the noise of the depth lifts off it (one in fifteen): on
+/// what stands as low, half of them and more are lifted.
+void drop_specks(Standing& standing, const SupportPlane& support, const ClusterOptions& options,
+                 cv::Mat& shows) {
+  constexpr double kSigmas = 4, kMinShare = 0.3;
+  cv::Mat share;
+  cv::boxFilter(shows == static_cast<uint8_t>(Shows::candidate), share, CV_32F, {5, 5});
+  std::vector<size_t> kept;
+  for (size_t i = 0; i < standing.pixels.size(); ++i) {
+    const double reach = options.floor_m + support.uncertainty +
+                         kSigmas * depth_noise(static_cast<double>(standing.points[i].z()));
+    const int pixel = standing.pixels[i];
+    if (static_cast<double>(standing.in_plane[i].z()) > reach ||
+        static_cast<double>(share.ptr<float>()[pixel]) > kMinShare * 255)
+      kept.push_back(i);
+    else
+      shows.ptr<uint8_t>()[pixel] = static_cast<uint8_t>(Shows::support);
+  }
+  if (kept.size() < standing.pixels.size()) standing = subset(standing, kept);
+}
+
 class ClusterMaker {
  public:
   ClusterMaker(const ClusterImages& images, const mapping::PinholeCamera& camera, const SupportGround& ground,
@@ -200,7 +218,12 @@ class ClusterMaker {
     for (const Vector3f& p : object.points) depth += static_cast<double>(p.z());
     depth /= static_cast<double>(object.points.size());
     const double extent = static_cast<double>(std::max(high[0] - low[0], high[1] - low[1]));
-    const double least = std::max(options_.min_height_m, 3 * depth_noise(depth)) + support_.uncertainty;
+    constexpr float kWide = 0.05f;  // many values measure the height of what is wide
+    std::vector<cv::Point2f> footprint;
+    for (const Vector3f& p : object.in_plane) footprint.emplace_back(p.x(), p.y());
+    const cv::Size2f sides = cv::minAreaRect(footprint).size;
+    const double height = (std::min(sides.width, sides.height) > kWide ? 0.5 : 1) * options_.min_height_m;
+    const double least = std::max(height, 3 * depth_noise(depth)) + support_.uncertainty;
     if (cluster.top < least) return std::nullopt;
     if (std::max(extent, cluster.top) < options_.min_extent_m || extent > options_.max_extent_m)
       return std::nullopt;
@@ -209,52 +232,59 @@ class ClusterMaker {
     return cluster;
   }
 
-  /// Adds what is enclosed by the object in the image and lies within its footprint, though it is as low as
-  /// the support: the bottom of a pot. `taken` marks the pixels of all objects.
-  void fill_holes(ObjectCluster& cluster, const cv::Mat& taken) const {
-    cv::Mat outside(cluster.box.height + 2, cluster.box.width + 2, CV_8U, cv::Scalar(255));
+  /// Adds what is enclosed by the object in the image, or a gap in it, and lies within its footprint, though
+  /// as low as the support: the bottom of a pot, a plate in noise. `taken` marks the pixels of all objects.
+  void fill_holes(ObjectCluster& cluster, cv::Mat& taken) const {
+    constexpr int kGap = 3;  // pixels: rims are measured with gaps
+    cv::Mat outside(cluster.box.height + 2 * kGap, cluster.box.width + 2 * kGap, CV_8U, cv::Scalar(255));
     for (const int pixel : cluster.pixels)
-      outside.at<unsigned char>(pixel / points_.cols - cluster.box.y + 1,
-                                pixel % points_.cols - cluster.box.x + 1) = 0;
-    cv::floodFill(outside, {0, 0}, cv::Scalar(0));
+      outside.at<unsigned char>(pixel / points_.cols - cluster.box.y + kGap,
+                                pixel % points_.cols - cluster.box.x + kGap) = 0;
+    cv::morphologyEx(outside, outside, cv::MORPH_OPEN,
+                     cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kGap - 1, 2 * kGap - 1}));
+    constexpr unsigned char kBeside = 1;
+    cv::floodFill(outside, {0, 0}, cv::Scalar(kBeside));
     const size_t before = cluster.pixels.size();
-    for (int v = 1; v <= cluster.box.height; ++v)
-      for (int u = 1; u <= cluster.box.width; ++u) {
-        if (!outside.at<unsigned char>(v, u)) continue;
-        const int pixel = (v - 1 + cluster.box.y) * points_.cols + u - 1 + cluster.box.x;
+    for (int v = kGap; v < cluster.box.height + kGap; ++v)
+      for (int u = kGap; u < cluster.box.width + kGap; ++u) {
+        if (outside.at<unsigned char>(v, u) == kBeside) continue;
+        const int pixel = (v - kGap + cluster.box.y) * points_.cols + u - kGap + cluster.box.x;
         const cv::Vec3f& p = points_.ptr<cv::Vec3f>()[pixel];
         if (std::isnan(p[2]) || taken.ptr<unsigned char>()[pixel]) continue;
-        const Vector3d at = support_.in_plane(to_vector(p));
-        if ((at.head<2>().array() > cluster.low.array()).all() &&
-            (at.head<2>().array() < cluster.high.array()).all())
-          cluster.pixels.push_back(pixel);
+        const Eigen::Array2d at = support_.in_plane(to_vector(p)).head<2>();
+        if ((at <= cluster.low.array()).any() || (at >= cluster.high.array()).any()) continue;
+        cluster.pixels.push_back(pixel);
+        taken.ptr<unsigned char>()[pixel] = 255;
       }
     if (cluster.pixels.size() > before) std::sort(cluster.pixels.begin(), cluster.pixels.end());
   }
 
   /// Whether nothing speaks against the object's reaching down to the support: where one looks through below
-  /// it, or sees the surroundings there, it hangs. `shows` as of look_around().
+  /// its middle, or sees the surroundings there, it hangs. What is round below narrows towards its foot, so
+  /// that one looks through below its outline. `shows` as of look_around().
   bool may_reach_support(const ObjectCluster& cluster, const cv::Mat& shows) const {
     const double low = cluster.bottom + 0.2 * (cluster.top - cluster.bottom);
+    const Vector2d middle = 0.5 * (cluster.low + cluster.high);
     const size_t stride = std::max<size_t>(1, cluster.pixels.size() / 1000);
     int judged = 0;
     int free = 0;
     for (size_t k = 0; k < cluster.pixels.size(); k += stride) {
-      const Vector3d p = to_vector(points_.ptr<cv::Vec3f>()[cluster.pixels[k]]);
-      const double height = support_.in_plane(p).z();
-      if (height > low) continue;
+      const Vector3d at = support_.in_plane(to_vector(points_.ptr<cv::Vec3f>()[cluster.pixels[k]]));
+      if (at.z() > low) continue;
+      const Vector2d inner = 0.5 * (at.head<2>() + middle);
       for (const double part : {0.35, 0.65}) {
-        const Vector3d below = p - support_.normal * part * height;
+        const Vector3d below =
+            support_.camera_from_plane * Vector3d(inner.x(), inner.y(), (1 - part) * at.z());
         if (!(below.z() > 0.1)) continue;
         const Vector2d pixel = camera_.project(below);
         if (!camera_.contains(pixel)) continue;
-        const cv::Point at(static_cast<int>(std::lround(pixel.x())),
-                           static_cast<int>(std::lround(pixel.y())));
-        const auto behind = static_cast<double>(points_.at<cv::Vec3f>(at)[2]) - below.z();
+        const cv::Point seen(static_cast<int>(std::lround(pixel.x())),
+                             static_cast<int>(std::lround(pixel.y())));
+        const auto behind = static_cast<double>(points_.at<cv::Vec3f>(seen)[2]) - below.z();
         const double reach = 0.01 + 3 * depth_noise(below.z());
         if (std::isnan(behind)) continue;
         ++judged;
-        const bool surroundings = static_cast<Shows>(shows.at<uint8_t>(at)) == Shows::surroundings;
+        const bool surroundings = static_cast<Shows>(shows.at<uint8_t>(seen)) == Shows::surroundings;
         free += behind > reach || (surroundings && behind > -reach) ? 1 : 0;
       }
     }
@@ -500,7 +530,8 @@ void ClusterOptions::declare(OptionTable& table) {
   table.number("tolerance_m", tolerance_m, "m", "Maximum gap inside one object.", 0.001, 1);
   table.number("floor_m", floor_m, "m",
                "Points closer than this to the plane belong to it (plus 1.5 times the depth noise).", 0, 0.1);
-  table.number("min_height_m", min_height_m, "m", "Minimum height of an object.", 0, 1);
+  table.number("min_height_m", min_height_m, "m",
+               "Minimum height of an object; half of it where it is wider than 5 cm.", 0, 1);
   table.number("max_height_m", max_height_m, "m", "Maximum height of points above a support.", 0.05, 3);
   table.number("min_extent_m", min_extent_m, "m",
                "Minimum extent of an object in its largest dimension; smaller clusters are noise.", 0, 1);
@@ -523,8 +554,9 @@ std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const m
   std::vector<ObjectCluster> clusters;
   const std::vector<SupportGround> grounds(supports.begin(), supports.end());
   cv::Mat shows;
-  const std::vector<Standing> standing = stand_on_supports(images, camera, grounds, options, threads, shows);
+  std::vector<Standing> standing = stand_on_supports(images, camera, grounds, options, threads, shows);
   for (size_t s = 0; s < supports.size(); ++s) {
+    drop_specks(standing[s], supports[s], options, shows);
     const Standing& all = standing[s];
     const ClusterMaker maker(images, camera, grounds[s], static_cast<int>(s), options);
     const Vector2f viewpoint = supports[s].in_plane(Vector3d::Zero()).head<2>().cast<float>();
@@ -555,8 +587,8 @@ std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const m
     cv::Mat taken = cv::Mat::zeros(points.size(), CV_8U);
     for (const ObjectCluster& cluster : own)
       for (const int pixel : cluster.pixels) taken.ptr<unsigned char>()[pixel] = 255;
-    for (ObjectCluster& cluster : own) maker.fill_holes(cluster, taken);
     for (ObjectCluster& cluster : own) {
+      maker.fill_holes(cluster, taken);
       if (cluster.stands_on >= 0) cluster.stands_on += static_cast<int>(clusters.size());
     }
     clusters.insert(clusters.end(), own.begin(), own.end());

@@ -256,18 +256,69 @@ bool is_top_of_object(const SupportPlane& upper, const SupportPlane& lower) {
   return within >= 0.7 * static_cast<double>(upper.outline.size());
 }
 
+/// What is seen across the ends of a plane in the rows and columns of the image.
+struct PlaneEnds {
+  int falling = 0;  ///< what is farther, or nothing
+  int other = 0;    ///< what rises, or the edge of the image
+};
+
+/// Looks from an end of a plane, at the pixel `at`, outwards.
+void look_beyond(const cv::Mat& points, const SupportPlane& plane, const cv::Point& at, const cv::Point& step,
+                 PlaneEnds& ends) {
+  constexpr int kNear = 3, kFar = 10;   // pixels: edges are ragged
+  constexpr double kSurelyInRange = 4;  // metres; farther nothing is measured, and a floor ends, too
+  const cv::Rect image({}, points.size());
+  bool falls = to_vector(points.at<cv::Vec3f>(at)).z() < kSurelyInRange;
+  for (int far = kNear; far <= kFar; ++far) {
+    const cv::Point beyond = at + far * step;
+    if (!image.contains(beyond)) falls = false;
+    if (!falls) break;
+    const Vector3d p = to_vector(points.at<cv::Vec3f>(beyond));
+    if (std::isnan(p.z())) continue;
+    falls = plane.normal.dot(p) - plane.offset < -0.03 - depth_noise(p.z());
+    break;
+  }
+  ++(falls ? ends.falling : ends.other);
+}
+
+/// Whether a plane ends in view, where nothing rises from it: that of a table does, and that of a floor goes
+/// on to walls, furniture and the edges of the image.
+bool ends_in_view(const cv::Mat& points, const SupportPlane& plane) {
+  const ConvexOutline outline(plane.outline);
+  const auto shows_plane = [&](int u, int v) {
+    const Vector3d p = to_vector(points.at<cv::Vec3f>(v, u));
+    if (!(p.z() > 0)) return false;
+    const Vector3d at = plane.in_plane(p);
+    return std::abs(at.z()) < 0.006 + depth_noise(p.z()) && outline.inside(at.head<2>()) > -kGridCell;
+  };
+  PlaneEnds ends;
+  constexpr int kEvery = 4;
+  const auto look = [&](const cv::Point& start, const cv::Point& step, int length) {
+    int first = 0, last = length - 1;
+    while (first < length && !shows_plane(start.x + first * step.x, start.y + first * step.y)) ++first;
+    if (first == length) return;
+    while (!shows_plane(start.x + last * step.x, start.y + last * step.y)) --last;
+    look_beyond(points, plane, start + first * step, -step, ends);
+    look_beyond(points, plane, start + last * step, step, ends);
+  };
+  for (int v = 0; v < points.rows; v += kEvery) look({0, v}, {1, 0}, points.cols);
+  for (int u = 0; u < points.cols; u += kEvery) look({u, 0}, {0, 1}, points.rows);
+  return ends.falling > ends.other;
+}
+
 std::vector<SupportPlane> horizontal_supports(const cv::Mat& points, const cv::Mat& normals,
                                               const Vector3d& up, const SupportOptions& options) {
   const double cosine = std::cos(options.normal_deg * kPi / 180);
+  // A table under a high camera may lie as deep as this.
+  const double deepest = 2 * options.max_below_camera_m;
   std::vector<PlaneSample> all =
-      samples_near(points, normals, all_pixels(points), up, -options.max_below_camera_m / 2,
-                   options.max_below_camera_m / 2 + 0.5, cosine);
+      samples_near(points, normals, all_pixels(points), up, -deepest / 2, deepest / 2 + 0.5, cosine);
   constexpr double kBin = 0.01;
-  const auto bins = static_cast<size_t>((options.max_below_camera_m + 1.0) / kBin) + 1;
+  const auto bins = static_cast<size_t>((deepest + 1.0) / kBin) + 1;
   std::vector<int> bin_of(all.size(), -1);
   std::vector<double> area(bins, 0);
   for (size_t i = 0; i < all.size(); ++i) {
-    const double bin = (up.dot(all[i].point) + options.max_below_camera_m) / kBin;
+    const double bin = (up.dot(all[i].point) + deepest) / kBin;
     if (bin < 0 || bin >= static_cast<double>(bins)) continue;
     bin_of[i] = static_cast<int>(bin);
     // The area behind a pixel, but for the focal length, which is the same for all.
@@ -290,7 +341,7 @@ std::vector<SupportPlane> horizontal_supports(const cv::Mat& points, const cv::M
     const int reach = static_cast<int>(options.inlier_m / kBin) + 1;
     for (size_t i = 0; i < all.size(); ++i)
       if (bin_of[i] >= 0 && std::abs(bin_of[i] - static_cast<int>(peak)) <= reach) layer.push_back(all[i]);
-    const double height = (static_cast<double>(peak) + 0.5) * kBin - options.max_below_camera_m;
+    const double height = (static_cast<double>(peak) + 0.5) * kBin - deepest;
     const Isometry3d plane_from_camera = plane_frame(up, up * height).inverse();
     for (const std::vector<int>& pixels : separate(layer, plane_from_camera, options))
       if (auto plane = refine_support(points, normals, pixels, up, height, options)) found.push_back(*plane);
@@ -301,6 +352,10 @@ std::vector<SupportPlane> horizontal_supports(const cv::Mat& points, const cv::M
     for (size_t i = 0; i < all.size(); ++i)
       if (std::abs(bin_of[i] - static_cast<int>(peak)) <= reach) bin_of[i] = -1;
   }
+  std::erase_if(found, [&](const SupportPlane& plane) {
+    const double below = -up.dot(plane.camera_from_plane.translation());
+    return below > options.max_below_camera_m && !ends_in_view(points, plane);
+  });
   std::vector<SupportPlane> result;
   for (size_t i = 0; i < found.size(); ++i) {
     bool own = true;
@@ -360,9 +415,11 @@ void SupportOptions::declare(OptionTable& table) {
   table.number("normal_deg", normal_deg, "deg",
                "Maximum angle between the normals of an inlier and of the plane.", 1, 80);
   table.number("min_area_m2", min_area_m2, "m2", "Minimum visible area of a support.", 0.001, 10);
-  table.number("max_below_camera_m", max_below_camera_m, "m",
-               "Maximum depth of a support below the camera; lower planes are floor (without a map).", 0.1,
-               10);
+  table.number(
+      "max_below_camera_m", max_below_camera_m, "m",
+      "Maximum depth of a support below the camera; lower planes are floor (without a map), unless they "
+      "end in view less than twice as low.",
+      0.1, 10);
   table.number("bridge_m", bridge_m, "m", "Parts of a plane closer than this belong to one support.", 0, 2);
 }
 

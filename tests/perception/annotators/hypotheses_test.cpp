@@ -6,6 +6,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/math.h"
 #include "mapping/image/image_io.h"
+#include "mapping/simulation/scenario.h"
 #include "perception/annotators/segmentation/object_clusters.h"
 #include "perception/annotators/structure/known_structure.h"
 #include "perception/annotators/structure/normals.h"
@@ -65,6 +66,15 @@ TEST(Supports, TheTableIsFoundWithAndWithoutGravity) {
     const Vector3d centre = table.map_from_camera * found.supports[0].camera_from_plane.translation();
     EXPECT_NEAR(centre.z(), 0, 0.005);
   }
+}
+
+TEST(Supports, APlaneFarBelowTheCameraIsOneWhereItEnds) {
+  SyntheticTable table = table_with_boxes();
+  table.map_from_camera = mapping::looking_at({0, -1.0, 1.5}, {0, 0, 0});
+  EXPECT_EQ(find(table, 0.1, table.up()).supports.size(), 1U);
+  // Of a floor no end is seen.
+  table.camera = {320, 240, 900, 900, 160, 120};
+  EXPECT_TRUE(find(table, 0.1, table.up()).supports.empty());
 }
 
 TEST(Clusters, EveryBoxIsOneObjectAndNothingElseIs) {
@@ -280,6 +290,23 @@ TEST(Clusters, WhatHangsInTheAirIsNoObject) {
   const Found found = find(table, 0.05, table.up());
   ASSERT_EQ(found.clusters.size(), 1U);
   EXPECT_GT(overlap(found, found.clusters[0], 2), 0.8);
+}
+
+TEST(Clusters, WhatIsRoundBelowStandsOnTheTable) {
+  SyntheticTable table;  // Nothing lower than the widest place, at 5 cm, is seen.
+  table.rounds = {{{{0, 0, 0}, 0.05, 0.015, 0.08}, {{0, 0, 0.05}, 0.05, 0.08, 0.03}}};
+  const Found found = find(table, 0.05, table.up());
+  ASSERT_EQ(found.clusters.size(), 1U);
+  EXPECT_GT(found.clusters[0].bottom, ClusterOptions().resting_m);
+  EXPECT_GT(best_overlap(found, 1), 0.8);
+}
+
+TEST(Clusters, OfWhatIsLowTheWideIsAnObject) {
+  SyntheticTable table;
+  table.boxes = {{{-0.15, 0, 0.008}, {0.2, 0.15, 0.016}}, {{0.2, 0, 0.008}, {0.2, 0.02, 0.016}}};
+  const Found found = find(table, 0.05, table.up());
+  ASSERT_EQ(found.clusters.size(), 1U);
+  EXPECT_GT(best_overlap(found, 1), 0.8);
 }
 
 TEST(Clusters, WhatHangsBehindAnObjectIsNotHeldByIt) {
