@@ -316,12 +316,12 @@ PerceivedTrial run_trial(int number, const fs::path& world, const MovableWorld& 
 }
 
 /// Of trials in which furniture was moved, or of those in which nothing was.
-struct Sums {
+struct PerceivedSums {
   size_t trials = 0, moved = 0, noticed = 0, found = 0, within = 0, unmoved = 0, called_moved = 0;
   std::vector<double> position, turn;
   RememberedObjects with, without;
 
-  Sums(const std::vector<PerceivedTrial>& all, bool control) {
+  PerceivedSums(const std::vector<PerceivedTrial>& all, bool control) {
     for (const PerceivedTrial& trial : all) {
       if (trial.moved.empty() != control) continue;
       ++trials;
@@ -429,13 +429,14 @@ std::string perceived_text(const std::vector<PerceivedTrial>& trials, bool verbo
                         trial.trial, trial.with.phantoms, trial.without.phantoms, trial.with.false_events,
                         trial.without.false_events, trial.with.kept, trial.without.kept, trial.with.known);
   }
-  const Sums moved(trials, false), control(trials, true);
+  const PerceivedSums moved(trials, false), control(trials, true);
   return text + fmt::format("furniture moved, {} runs\n{}\nnothing moved, {} runs\n{}", moved.trials,
                             moved.text(), control.trials, control.text());
 }
 
 Json perceived_json(const std::vector<PerceivedTrial>& trials) {
-  return {{"moved", Sums(trials, false).json()}, {"nothing_moved", Sums(trials, true).json()}};
+  return {{"moved", PerceivedSums(trials, false).json()},
+          {"nothing_moved", PerceivedSums(trials, true).json()}};
 }
 
 }  // namespace loci::apps::update_claim

@@ -314,15 +314,32 @@ void FlatSearch::assign_depth_pixels(const cv::Mat& heights, const cv::Mat& obje
     if (!over[i].empty()) objects[i].height = static_cast<double>(median(over[i]));
 }
 
+/// Noise of the height over a surface that one pixel measures, metres.
+double height_noise(const cv::Mat& depth, const mapping::PinholeCamera& camera, const FlatSurface& surface,
+                    const cv::Point& pixel) {
+  const double slope = std::abs(surface.normal.dot(camera.unproject(pixel.x, pixel.y, 1)));
+  return slope * depth_noise(static_cast<double>(depth.at<float>(pixel)));
+}
+
 /// A step in height that the sensor tells from steps of its disparity, metres: one and a half of them.
 double min_step(const cv::Mat& depth, const mapping::PinholeCamera& camera, const FlatSurface& surface,
                 const std::vector<int>& pixels, const FlatOptions& options) {
   constexpr double kNoises = 3;
   const int middle = pixels[pixels.size() / 2];
-  const double slope =
-      std::abs(surface.normal.dot(camera.unproject(middle % depth.cols, middle / depth.cols, 1)));
   return std::max(options.step_m,
-                  kNoises * slope * depth_noise(static_cast<double>(depth.ptr<float>()[middle])));
+                  kNoises * height_noise(depth, camera, surface, {middle % depth.cols, middle / depth.cols}));
+}
+
+/// What is certainly above a surface, metres: noise lifts few pixels so high.
+double certain_height(const cv::Mat& depth, const mapping::PinholeCamera& camera, const FlatSurface& surface,
+                      const FlatOptions& options) {
+  constexpr double kNoises = 2.5;
+  std::vector<double> noises;
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u)
+      if (surface.inside.at<unsigned char>(v, u) != 0 && !std::isnan(depth.at<float>(v, u)))
+        noises.push_back(height_noise(depth, camera, surface, {u, v}));
+  return noises.empty() ? options.object_m : std::max(options.object_m, kNoises * median(noises));
 }
 
 /// The part of a frame that shows a surface.
@@ -465,7 +482,8 @@ std::vector<FlatObject> find_flat_objects(const cv::Mat& depth, const cv::Mat& c
   if (part.depth_box.empty() || part.color_box.empty()) return {};
   const SurfaceHeights heights = measure_heights(part.depth, part.camera.depth, part.surface, options);
   FlatSearch search(part.depth, part.color, part.camera, part.surface, options);
-  std::vector<FlatObject> objects = search.find(heights.uneven, options.object_m);
+  std::vector<FlatObject> objects =
+      search.find(heights.uneven, certain_height(part.depth, part.camera.depth, part.surface, options));
   if (options.thin_m > 0) {
     search.leave_out(objects);
     for (FlatObject& thin : search.find(heights.bent, options.thin_m))

@@ -141,9 +141,10 @@ struct Host {
         const Vector2d at = (top_from_map * sample.point).head<2>();
         within += outline.inside(at) > -kFreeStanding.below_margin_m ? 1 : 0;
       }
-    return low < height + 2 * kFreeStanding.below_margin_m && high > height - kFurnitureReachesTop &&
-           high<height + kFreeStanding.on_top_m&& static_cast<double>(within)> kFreeStanding.below_share *
-               static_cast<double>(all);
+    const bool reaches_down = low < height + 2 * kFreeStanding.below_margin_m;
+    const bool reaches_up = high > height - kFurnitureReachesTop && height + kFreeStanding.on_top_m > high;
+    const double needed = kFreeStanding.below_share * static_cast<double>(all);
+    return reaches_down && reaches_up && static_cast<double>(within) > needed;
   }
 };
 
