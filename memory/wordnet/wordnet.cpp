@@ -152,7 +152,8 @@ bool is_person(const std::string& noun) {
 }
 
 bool may_be_somewhere(const std::string& noun) {
-  constexpr std::array<int, 4> kLiving = {3, 5, 8, 18};  // lexicographer files: tops, animals, bodies, persons
+  // Lexicographer files: tops, animals, bodies, persons.
+  constexpr std::array<int, 4> kLiving = {3, 5, 8, 18};
   return std::ranges::any_of(senses(noun, PartOfSpeech::noun), [&](Synset one) {
     return can_be_touched(one) || std::ranges::count(kLiving, tables().files[one]) > 0;
   });
