@@ -42,6 +42,15 @@ pcl::PointCloud<pcl::SHOT352> shot_signatures(const PclClouds& clouds, const pcl
   return signatures;
 }
 
+/// An estimator at points spread over the surface, from their neighbours within a radius.
+template <class Estimator>
+void prepare_at(Estimator& estimator, const PclClouds& clouds, size_t points, double radius) {
+  prepare(estimator, clouds);
+  estimator.setIndices(some_of(clouds, points));
+  estimator.setSearchSurface(clouds.points);
+  estimator.setRadiusSearch(radius);
+}
+
 }  // namespace
 
 std::vector<int> keypoints(const SurfacePoints& surface) {
@@ -117,10 +126,7 @@ std::vector<float> shape_context(const SurfacePoints& surface) {
   const PclClouds clouds(surface);
   // Its directions about the normal are drawn, by default from the same seed.
   pcl::ShapeContext3DEstimation<pcl::PointXYZ, pcl::Normal, pcl::ShapeContext1980> estimator;
-  prepare(estimator, clouds);
-  estimator.setIndices(some_of(clouds, kFew));
-  estimator.setSearchSurface(clouds.points);
-  estimator.setRadiusSearch(kRadius);
+  prepare_at(estimator, clouds, kFew, kRadius);
   estimator.setMinimalRadius(kRadius / 10);
   estimator.setPointDensityRadius(kRadius / 5);
   pcl::PointCloud<pcl::ShapeContext1980> signatures;
@@ -133,10 +139,7 @@ std::vector<float> rsd(const SurfacePoints& surface) {
   constexpr double kRadius = 0.02, kPlane = 0.2;
   const PclClouds clouds(surface);
   pcl::RSDEstimation<pcl::PointXYZ, pcl::Normal, pcl::PrincipalRadiiRSD> estimator;
-  prepare(estimator, clouds);
-  estimator.setIndices(some_of(clouds, kSpread));
-  estimator.setSearchSurface(clouds.points);
-  estimator.setRadiusSearch(kRadius);
+  prepare_at(estimator, clouds, kSpread, kRadius);
   estimator.setPlaneRadius(kPlane);
   pcl::PointCloud<pcl::PrincipalRadiiRSD> radii;
   estimator.compute(radii);
@@ -161,10 +164,7 @@ std::vector<float> curvatures(const SurfacePoints& surface) {
   constexpr double kRadius = 0.02;
   const PclClouds clouds(surface);
   pcl::PrincipalCurvaturesEstimation<pcl::PointXYZ, pcl::Normal, pcl::PrincipalCurvatures> estimator;
-  prepare(estimator, clouds);
-  estimator.setIndices(some_of(clouds, kSpread));
-  estimator.setSearchSurface(clouds.points);
-  estimator.setRadiusSearch(kRadius);
+  prepare_at(estimator, clouds, kSpread, kRadius);
   pcl::PointCloud<pcl::PrincipalCurvatures> signatures;
   estimator.compute(signatures);
   return mean_of(signatures, [](const auto& at) { return std::array{at.pc1, at.pc2}; });
@@ -174,10 +174,7 @@ std::vector<float> spin_image(const SurfacePoints& surface) {
   constexpr double kRadius = 0.05;
   const PclClouds clouds(surface);
   pcl::SpinImageEstimation<pcl::PointXYZ, pcl::Normal, pcl::Histogram<153>> estimator(8, 0, 1);
-  prepare(estimator, clouds);
-  estimator.setIndices(some_of(clouds, kSpread));
-  estimator.setSearchSurface(clouds.points);
-  estimator.setRadiusSearch(kRadius);
+  prepare_at(estimator, clouds, kSpread, kRadius);
   return mean_histogram<pcl::Histogram<153>>(estimator);
 }
 
