@@ -334,9 +334,10 @@ MovedFurniture::Comparison MovedFurniture::settle(size_t k, bool found, const Po
   state.shift = pose.shift;
   state.turn = pose.turn;
   state.moved = !found || mapping::is_furniture_motion(motion(k), pieces_[k].middle);
-  if (state.moved) return Comparison::changed;
-  state.shift.setZero();
-  state.turn = 0;
+  if (!state.moved) {
+    state.shift.setZero();
+    state.turn = 0;
+  }
   return Comparison::changed;
 }
 

@@ -12,7 +12,7 @@
 namespace loci::perception {
 namespace {
 
-/// A camera 1.2 m before a plane that it looks at from 50° above; the surface waves by millimetres and bears
+/// A camera before a plane that it looks at from 50° above; the surface waves by millimetres and bears
 /// one flat piece of another hue.
 struct Workspace {
   mapping::RgbdCamera camera;
@@ -21,15 +21,17 @@ struct Workspace {
   Vector2d low{-0.06, -0.03};
   Vector2d high{0.06, 0.03};
 
-  Workspace() {
+  double distance;  ///< of the surface, in the middle of the image
+
+  explicit Workspace(double away = 1.2) : distance(away) {
     surface.normal = Vector3d(0, -std::sin(0.87), -std::cos(0.87));
-    surface.offset = surface.normal.dot(Vector3d(0, 0, 1.2));
+    surface.offset = surface.normal.dot(Vector3d(0, 0, distance));
     surface.inside = cv::Mat(camera.depth.height, camera.depth.width, CV_8U, cv::Scalar(255));
   }
 
   Vector2d on_plane(const Vector3d& p) const {
     const Vector3d x = Vector3d::UnitX();
-    return {x.dot(p), surface.normal.cross(x).dot(p - Vector3d(0, 0, 1.2))};
+    return {x.dot(p), surface.normal.cross(x).dot(p - Vector3d(0, 0, distance))};
   }
   bool on_piece(const Vector2d& at) const {
     return (at.array() > low.array()).all() && (at.array() < high.array()).all();
@@ -100,6 +102,16 @@ TEST(FlatObjects, APieceOfTenMillimetresIsFoundOnAnUnevenTableUnderAnyLight) {
       EXPECT_GT(workspace.overlap(found[0]), 0.85) << calibrated << dim;
       EXPECT_NEAR(found[0].height, 0.010, 0.002);
     }
+}
+
+TEST(FlatObjects, NoiseOfAFarSurfaceIsNone) {
+  for (const double distance : {2.4, 2.8, 3.2, 3.6}) {
+    const Workspace workspace(distance);
+    const std::vector<FlatObject> found =
+        find_flat_objects(workspace.depth(false, Random(1)), workspace.color(0.3, Random(2)),
+                          workspace.camera, workspace.surface, FlatOptions());
+    EXPECT_TRUE(found.empty()) << distance;
+  }
 }
 
 TEST(FlatObjects, AnEmptyTableHasNoneWhateverItsColours) {

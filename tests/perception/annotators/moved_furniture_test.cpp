@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "mapping/base/math.h"
+#include "mapping/simulation/scenario.h"
 #include "mapping/world/free_standing.h"
 #include "mapping/world/urdf.h"
 #include "perception/annotators/structure/normals.h"
@@ -49,14 +50,6 @@ mapping::World kitchen() {
       "test.urdf");
 }
 
-Isometry3d looking(const Vector3d& from, const Vector3d& at) {
-  Isometry3d pose = Isometry3d::Identity();
-  const Vector3d z = (at - from).normalized(), x = z.cross(Vector3d::UnitZ()).normalized();
-  pose.linear() << x, z.cross(x), z;
-  pose.translation() = from;
-  return pose;
-}
-
 Isometry3d motion(const Vector3d& middle, double x, double y, double degrees) {
   Isometry3d motion = Isometry3d::Identity();
   motion.linear() = Eigen::AngleAxisd(degrees * kDegree, Vector3d::UnitZ()).toRotationMatrix();
@@ -71,7 +64,7 @@ std::shared_ptr<KnownMap> map_of(mapping::World world) {
 
 const Vector3d kTable(0, -0.4, 0.375);
 /// The table before the counter.
-const Isometry3d kView = looking({0.2, -2.2, 1.7}, {0.1, 0, 0.6});
+const Isometry3d kView = mapping::looking_at({0.2, -2.2, 1.7}, {0.1, 0, 0.6});
 
 /// A room in which things may have been changed, seen by a camera, against the map.
 class MovedFurnitureTest : public ::testing::Test {
@@ -121,7 +114,7 @@ TEST_F(MovedFurnitureTest, MovableIsWhatStandsFree) {
 
 TEST_F(MovedFurnitureTest, WhereTheMapIsRightNothingIsSaid) {
   for (const Vector3d& from : {Vector3d(0.2, -2.2, 1.7), {-2, -0.5, 1.6}, {1.2, 0.8, 1.5}, {1, -3, 1.5}})
-    EXPECT_FALSE(look(room(), looking(from, {0.3, -0.3, 0.5})));
+    EXPECT_FALSE(look(room(), mapping::looking_at(from, {0.3, -0.3, 0.5})));
   expect_nothing_moved();
   for (const FurnitureState& one : furniture_.states())
     EXPECT_EQ(one.log_odds, mapping::kFurnitureMotion.prior_log_odds) << one.name;
@@ -159,7 +152,8 @@ TEST_F(MovedFurnitureTest, TheSceneOfTheMapFollowsAndIsReset) {
 
 TEST_F(MovedFurnitureTest, TheIslandMovesWithItsCabinetAndDrawer) {
   const Vector3d middle(2, -0.5, 0.45);
-  const Isometry3d truth = motion(middle, -0.2, -0.3, 20), camera = looking({1.2, -2.4, 1.7}, {2, -0.5, 0.7});
+  const Isometry3d truth = motion(middle, -0.2, -0.3, 20),
+                   camera = mapping::looking_at({1.2, -2.4, 1.7}, {2, -0.5, 0.7});
   EXPECT_TRUE(look(room({{"island_1", truth}, {"cabinet_1", truth}}), camera));
   ASSERT_TRUE(state("island_1").found && state("island_1").moved);
   EXPECT_LT((furniture_.motion(number("island_1")) * middle - truth * middle).norm(), 0.03);
@@ -190,12 +184,12 @@ TEST_F(MovedFurnitureTest, ATableThatIsNowhereInViewIsLostUntilItIsSeen) {
   EXPECT_TRUE(state("table_1").moved);
   EXPECT_FALSE(state("table_1").found);
   EXPECT_NE(furniture_.texts()[0].find("not observed"), std::string::npos);
-  EXPECT_TRUE(look(room({{"table_1", truth}}), looking({-0.6, -1.6, 1.7}, {-2.2, 0.2, 0.6})));
+  EXPECT_TRUE(look(room({{"table_1", truth}}), mapping::looking_at({-0.6, -1.6, 1.7}, {-2.2, 0.2, 0.6})));
   EXPECT_TRUE(state("table_1").found);
   const Isometry3d found = furniture_.motion(number("table_1"));
   EXPECT_LT((found * kTable - truth * kTable).norm(), 0.03);
   // And back.
-  EXPECT_TRUE(look(room(), looking({-0.6, -1.6, 1.7}, {-2.2, 0.2, 0.6})));
+  EXPECT_TRUE(look(room(), mapping::looking_at({-0.6, -1.6, 1.7}, {-2.2, 0.2, 0.6})));
   look(room());
   expect_nothing_moved();
 }
