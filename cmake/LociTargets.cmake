@@ -5,8 +5,8 @@
 #   loci_generate_types(FOLDER NAMESPACE XML ...)  typed proxies from type systems: FOLDER/generated.{h,cpp} in the build folder
 #   loci_generate_messages(SOURCES FILE.proto)  C++ of protobuf messages, included as FOLDER/FILE.pb.h; SOURCES is set to
 #                                             what goes into GENERATED, and LINKS needs protobuf::libprotobuf
-#   loci_program(NAME [SOURCES ...] LINKS ...) a program in bin/
-#   loci_test(LINKS ...)                      all *_test.cpp of this folder as one GoogleTest program
+#   loci_program(NAME [NO_UNITY] [SOURCES ...] LINKS ...) a program in bin/
+#   loci_test([NO_UNITY] LINKS ...)           all *_test.cpp of this folder as one GoogleTest program
 #
 # The library of mapping/base is the target loci_mapping_base, and so on.
 
@@ -63,7 +63,8 @@ function(loci_add_module folder)
 endfunction()
 
 # Most of a compilation is parsing Eigen, OpenCV and the standard library. A unity build parses them once for several
-# sources; the sources still compile one by one with -DLOCI_UNITY=OFF.
+# sources; the sources still compile one by one with -DLOCI_UNITY=OFF. NO_UNITY is for targets whose sources have
+# internal names in common.
 function(loci_unity target)
   if(LOCI_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 10)
@@ -127,13 +128,23 @@ function(loci_generate_messages sources file)
 endfunction()
 
 function(loci_program name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "NO_UNITY" "" "SOURCES;LINKS" ${ARGN})
   if(NOT ARG_SOURCES)
     file(GLOB ARG_SOURCES CONFIGURE_DEPENDS *.cpp)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS})
+  if(NOT ARG_NO_UNITY)
+    loci_unity(${name})
+  endif()
   loci_warnings(${name})
+endfunction()
+
+# Tests wait for what they test: optimising their own code beyond this takes longer than it saves. (Not at all would be
+# worse: the linker may take Eigen's functions from here for the libraries, too.)
+function(loci_test_options target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  loci_warnings(${target})
 endfunction()
 
 # What every test includes is parsed once, in loci_test_headers.
@@ -147,14 +158,14 @@ function(loci_test_precompile target)
     target_precompile_headers(loci_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry>
       <fmt/format.h> <nlohmann/json.hpp> <filesystem> <map> <optional> <random> <sstream> <string> <vector>)
     target_compile_options(loci_test_headers PRIVATE -fpch-preprocess)
-    loci_warnings(loci_test_headers)
+    loci_test_options(loci_test_headers)
   endif()
   target_compile_options(${target} PRIVATE -fpch-preprocess)
   target_precompile_headers(${target} REUSE_FROM loci_test_headers)
 endfunction()
 
 function(loci_test)
-  cmake_parse_arguments(ARG "" "" "LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "NO_UNITY" "" "LINKS" ${ARGN})
   loci_folder_name(name)
   file(GLOB sources CONFIGURE_DEPENDS *_test.cpp)
   add_executable(${name} ${sources})
@@ -165,6 +176,9 @@ function(loci_test)
     LOCI_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
     LOCI_BIN_DIR="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}"
     LOCI_SHARED_DIR="${LOCI_SHARED_DIR}")
-  loci_warnings(${name})
+  if(NOT ARG_NO_UNITY)
+    loci_unity(${name})
+  endif()
+  loci_test_options(${name})
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." PROPERTIES TIMEOUT 900)
 endfunction()

@@ -12,11 +12,11 @@
 #include <set>
 #include <sstream>
 
+#include "tests/architecture/tree.h"
+
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kRoot = LOCI_SOURCE_DIR;
 
 struct Row {
   std::set<std::string> folders;

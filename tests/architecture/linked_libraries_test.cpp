@@ -8,17 +8,9 @@
 #include <filesystem>
 #include <string>
 
-namespace {
+#include "tests/architecture/tree.h"
 
-std::string output_of(const std::string& command) {
-  std::string text;
-  std::FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return text;
-  char buffer[4096];
-  while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) text += buffer;
-  pclose(pipe);
-  return text;
-}
+namespace {
 
 class ProgramLibraries : public testing::TestWithParam<const char*> {};
 

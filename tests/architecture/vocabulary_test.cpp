@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
+#include "tests/architecture/tree.h"
+
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kRoot = LOCI_SOURCE_DIR;
 
 struct Pattern {
   const char* not_allowed;  ///< regular expression
@@ -81,15 +81,6 @@ bool is_source(const fs::path& path) {
   const std::string extension = path.extension().string();
   return extension == ".h" || extension == ".cpp" || extension == ".sql" || extension == ".cmake" ||
          extension == ".txt" || extension == ".xml" || extension == ".py";
-}
-
-std::string output_of(const std::string& command) {
-  std::string text;
-  FILE* pipe = popen(command.c_str(), "r");
-  std::array<char, 4096> buffer = {};
-  while (const size_t count = fread(buffer.data(), 1, buffer.size(), pipe)) text.append(buffer.data(), count);
-  pclose(pipe);
-  return text;
 }
 
 TEST(Vocabulary, OfSources) {

@@ -48,19 +48,19 @@ Track record(const std::function<Isometry3d(double)>& pose_at, const Recorded& h
 }
 
 const Vector3d kAxis = Vector3d(0.2, -0.3, 0.9).normalized();
-const Vector3d kHinge(0.5, -1.0, 2.0);
+const Vector3d kHingePoint(0.5, -1.0, 2.0);
 
 std::function<Isometry3d(double)> door(double radius, double arc_deg) {
   return [=](double u) {
     Isometry3d pose = Isometry3d::Identity();
     pose.linear() = Eigen::AngleAxisd(u * arc_deg * kPi / 180, kAxis).toRotationMatrix();
-    pose.translation() = kHinge + pose.linear() * (radius * kAxis.unitOrthogonal());
+    pose.translation() = kHingePoint + pose.linear() * (radius * kAxis.unitOrthogonal());
     return pose;
   };
 }
 
 std::function<Isometry3d(double)> drawer(double travel) {
-  return [=](double u) { return Isometry3d(Eigen::Translation3d(kHinge + u * travel * kAxis)); };
+  return [=](double u) { return Isometry3d(Eigen::Translation3d(kHingePoint + u * travel * kAxis)); };
 }
 
 double probability(const TrackResult& result, ArticulationType type) {
@@ -77,7 +77,7 @@ TEST(Track, ArcGivesAxisHingeRadiusAndOpening) {
     ASSERT_EQ(result.type_name(), "revolute");
     EXPECT_GT(probability(result, ArticulationType::revolute), 0.9);
     EXPECT_LT(angle_deg(result.estimate.axis, kAxis), 1);  // sense included: it opens by the right hand
-    EXPECT_LT((result.estimate.origin - kHinge).cross(kAxis).norm(), 0.01);
+    EXPECT_LT((result.estimate.origin - kHingePoint).cross(kAxis).norm(), 0.01);
     EXPECT_NEAR(result.fits[2].radius, 0.4, 0.01);
     EXPECT_NEAR(result.estimate.upper, 80 * kPi / 180, 0.04);
     EXPECT_NEAR(result.estimate.lower, 0, 0.02);

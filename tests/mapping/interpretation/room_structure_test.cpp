@@ -10,7 +10,7 @@
 namespace loci::mapping::test {
 namespace {
 
-InterpretedMap interpreted(const ScanSet& scans) {
+InterpretedMap interpreted_room(const ScanSet& scans) {
   NoProgress progress;
   return interpret(scans, {}, progress);
 }
@@ -58,7 +58,7 @@ double overlap(const std::vector<Vector2d>& outline, const Region& region) {
 TEST(RoomStructure, WallThatIsSeenFromBothSidesIsFoundOnBoth) {
   AnalyticRoom room;
   room.solids.push_back({{2.0, 0.0, 0.0}, {2.1, 1.6, 2.5}});
-  const InterpretedMap map = interpreted(scan_room(
+  const InterpretedMap map = interpreted_room(scan_room(
       room, {{0.8, 0.8, 1.25}, {3.2, 0.8, 1.25}, {2.0, 2.4, 1.25}, {0.6, 2.2, 1.25}}, 0.002, 21, kUp));
   size_t east_face = 0;
   size_t west_face = 0;
@@ -76,7 +76,7 @@ TEST(RoomStructure, WallThatIsSeenFromBothSidesIsFoundOnBoth) {
 TEST(RoomStructure, TallCupboardBelowTheCeilingIsNoWall) {
   AnalyticRoom room;
   room.solids.push_back({{0.5, 2.4, 0}, {2.9, 3.0, 2.1}});
-  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 22, kUp));
+  const InterpretedMap map = interpreted_room(scan_room(room, kLaserOrigins, 0.002, 22, kUp));
   std::vector<std::string> walls;
   for (const auto& [name, link] : map.semantics.links)
     if (link.class_name == "wall") walls.push_back(name + " " + link.geometry.at("offset").dump());
@@ -87,7 +87,7 @@ TEST(RoomStructure, RoundTableHasARoundOutline) {
   AnalyticRoom room;
   room.solids.push_back({{1.4, 0.6, 0.71}, {2.4, 1.6, 0.74}, 0, true});
   room.solids.push_back({{1.85, 1.05, 0.0}, {1.95, 1.15, 0.71}, 0, true});
-  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 23));
+  const InterpretedMap map = interpreted_room(scan_room(room, kLaserOrigins, 0.002, 23));
   ASSERT_TRUE(map.semantics.links.contains("table_1"));
   const auto disc = [](const Vector2d& at) { return (at - Vector2d(1.9, 1.1)).norm() < 0.5; };
   EXPECT_GT(overlap(outline_of(map, "table_1"), disc), 0.95);
@@ -105,7 +105,7 @@ TEST(RoomStructure, CounterGoesOnBehindAnApplianceThatStandsOnIt) {
   AnalyticRoom room;
   add_counter(room, 0.5, 2.9);
   room.solids.push_back({{2.35, 2.41, 0.9}, {2.82, 3.0, 1.25}});  // as deep as the slab
-  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 31));
+  const InterpretedMap map = interpreted_room(scan_room(room, kLaserOrigins, 0.002, 31));
   ASSERT_TRUE(map.semantics.links.contains("counter_1"));
   const auto slab = [](const Vector2d& at) { return at.x() > 0.5 && at.x() < 2.9 && at.y() > 2.4; };
   EXPECT_GT(overlap(outline_of(map, "counter_1"), slab), 0.95);
@@ -115,7 +115,7 @@ TEST(RoomStructure, CounterGoesOnBelowAnApplianceUpToItsEnd) {
   AnalyticRoom room;
   add_counter(room, 0.5, 2.9);
   room.solids.push_back({{2.5, 2.41, 0.9}, {2.9, 3.0, 1.3}});
-  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 33));
+  const InterpretedMap map = interpreted_room(scan_room(room, kLaserOrigins, 0.002, 33));
   ASSERT_TRUE(map.semantics.links.contains("counter_1"));
   const auto slab = [](const Vector2d& at) { return at.x() > 0.5 && at.x() < 2.9 && at.y() > 2.4; };
   EXPECT_GT(overlap(outline_of(map, "counter_1"), slab), 0.95);
@@ -125,7 +125,7 @@ TEST(RoomStructure, CounterThatAnAppliancePartsInTwoIsOne) {
   AnalyticRoom room;
   add_counter(room, 0.3, 3.6);
   room.solids.push_back({{1.7, 2.41, 0.9}, {2.3, 3.0, 1.3}});
-  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 34));
+  const InterpretedMap map = interpreted_room(scan_room(room, kLaserOrigins, 0.002, 34));
   ASSERT_TRUE(map.semantics.links.contains("counter_1"));
   EXPECT_FALSE(map.semantics.links.contains("counter_2"));
   const auto slab = [](const Vector2d& at) { return at.x() > 0.3 && at.x() < 3.6 && at.y() > 2.4; };
@@ -136,7 +136,7 @@ TEST(RoomStructure, CounterEndsAtARefrigeratorThatIsLittleHigher) {
   AnalyticRoom room;
   add_counter(room, 0.5, 2.2);
   room.solids.push_back({{2.2, 2.41, 0}, {2.8, 3.0, 1.3}});
-  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 35));
+  const InterpretedMap map = interpreted_room(scan_room(room, kLaserOrigins, 0.002, 35));
   ASSERT_TRUE(map.semantics.links.contains("counter_1"));
   for (const Vector2d& corner : outline_of(map, "counter_1")) EXPECT_LT(corner.x(), 2.25);
 }
@@ -146,7 +146,7 @@ TEST(RoomStructure, CounterEndsAtAPassage) {
   add_counter(room, 0.5, 2.2);
   add_counter(room, 2.7, 2.9);
   room.solids.push_back({{1.9, 2.41, 0.9}, {2.2, 3.0, 1.25}});  // Stands at the passage, on one side.
-  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 32));
+  const InterpretedMap map = interpreted_room(scan_room(room, kLaserOrigins, 0.002, 32));
   ASSERT_TRUE(map.semantics.links.contains("counter_1"));
   for (const Vector2d& corner : outline_of(map, "counter_1")) EXPECT_LT(corner.x(), 2.25);
 }
@@ -156,7 +156,7 @@ TEST(RoomStructure, TableAskewToTheRoomKeepsItsOwnDirection) {
   const double yaw = 0.5;
   room.solids.push_back({{1.4, 0.7, 0.71}, {2.6, 1.4, 0.74}, yaw});
   room.solids.push_back({{1.9, 0.95, 0.0}, {2.1, 1.15, 0.71}, yaw});
-  const InterpretedMap map = interpreted(scan_room(room, kLaserOrigins, 0.002, 24));
+  const InterpretedMap map = interpreted_room(scan_room(room, kLaserOrigins, 0.002, 24));
   ASSERT_TRUE(map.semantics.links.contains("table_1"));
   const auto top = [&](const Vector2d& at) {
     const Vector2d own = Eigen::Rotation2Dd(-yaw) * (at - Vector2d(2.0, 1.05));
@@ -166,7 +166,7 @@ TEST(RoomStructure, TableAskewToTheRoomKeepsItsOwnDirection) {
 }
 
 TEST(RoomStructure, EmptyRoomIsAValidMapOfFloorAndWalls) {
-  const InterpretedMap map = interpreted(scan_room({}, kLaserOrigins, 0.002, 25));
+  const InterpretedMap map = interpreted_room(scan_room({}, kLaserOrigins, 0.002, 25));
   EXPECT_TRUE(map.usable());
   for (const auto& [name, link] : map.semantics.links)
     EXPECT_THAT(link.class_name, testing::AnyOf("floor", "ceiling", "wall")) << name;
@@ -182,7 +182,7 @@ TEST(RoomStructure, ScansThatAreUpsideDownAreRefused) {
   ScanSet scans = scan_room(kitchen(), kLaserOrigins, 0.002, 26);
   for (Scan& scan : scans.scans) turn_over(scan);
   try {
-    interpreted(scans);
+    interpreted_room(scans);
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("upside down"));
@@ -193,7 +193,7 @@ TEST(RoomStructure, OneBadScanIsNamedAndDoesNotSpoilTheMap) {
   ScanSet scans = scan_room(kitchen(), kLaserOrigins, 0.002, 27);
   turn_over(scans.scans[1]);
   scans.scans[4].points.clear();
-  const InterpretedMap map = interpreted(scans);
+  const InterpretedMap map = interpreted_room(scans);
   EXPECT_THAT(map.notes, testing::Contains(testing::AllOf(testing::HasSubstr("upside down"),
                                                           testing::HasSubstr(scans.scans[1].name))));
   EXPECT_THAT(map.notes, testing::Contains(testing::AllOf(testing::HasSubstr("without returns"),
@@ -207,11 +207,11 @@ TEST(RoomStructure, AScanFromBelowTheTopsIsNotTakenForUpsideDown) {
   std::vector<Vector3d> origins = kLaserOrigins;
   origins[1].z() = 0.6;
   const ScanSet scans = scan_room(room, origins, 0.002, 29, kUp);
-  EXPECT_THAT(interpreted(scans).notes, testing::Not(testing::Contains(testing::HasSubstr("upside down"))));
+  EXPECT_THAT(interpreted_room(scans).notes, testing::Not(testing::Contains(testing::HasSubstr("upside down"))));
 }
 
 TEST(RoomStructure, NamesOfAnOlderMapAreTakenOver) {
-  const InterpretedMap before = interpreted(scan_room(kitchen(), kLaserOrigins, 0.002, 28));
+  const InterpretedMap before = interpreted_room(scan_room(kitchen(), kLaserOrigins, 0.002, 28));
   SemanticMap older = before.semantics;
   const auto rename = [&](const std::string& from, const std::string& to) {
     auto node = older.links.extract(from);
@@ -223,7 +223,7 @@ TEST(RoomStructure, NamesOfAnOlderMapAreTakenOver) {
   older.links.at("table_1").aliases = {"the dining table"};
   AnalyticRoom room = kitchen();
   room.solids.push_back({{3.4, 0.4, 0}, {4.0, 1.4, 0.9}});  // bought since
-  InterpretedMap now = interpreted(scan_room(room, kLaserOrigins, 0.002, 29));
+  InterpretedMap now = interpreted_room(scan_room(room, kLaserOrigins, 0.002, 29));
   const NameTransfer names = transfer_names(now.world, now.semantics, older);
   for (const char* name : {"counter_7", "wall_with_the_clock", "table_1", "floor"}) {
     EXPECT_TRUE(now.semantics.links.contains(name)) << name;

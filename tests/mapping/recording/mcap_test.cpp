@@ -86,7 +86,7 @@ class Decoder {
   std::map<std::string, std::string> texts_;
 };
 
-RgbdFrame small_frame(TimeNs time) {
+RgbdFrame mcap_frame(TimeNs time) {
   RgbdFrame frame;
   frame.time_ns = time;
   frame.depth = cv::Mat(2, 3, CV_32F, cv::Scalar(1.25));
@@ -96,7 +96,7 @@ RgbdFrame small_frame(TimeNs time) {
   return frame;
 }
 
-RgbdCamera small_camera() {
+RgbdCamera mcap_camera() {
   RgbdCamera camera = kinect_camera();
   camera.depth.width = camera.color.width = 3;
   camera.depth.height = camera.color.height = 2;
@@ -104,8 +104,8 @@ RgbdCamera small_camera() {
 }
 
 TEST(Mcap, EveryMessageIsWhatItsDefinitionSays) {
-  const RgbdFrame frame = small_frame(5 * kSecond + 7);
-  const PinholeCamera camera = small_camera().depth;
+  const RgbdFrame frame = mcap_frame(5 * kSecond + 7);
+  const PinholeCamera camera = mcap_camera().depth;
   const auto whole = [](const MessageType& type, const std::string& message) {
     const Decoder decoder(type.definition, message);
     EXPECT_TRUE(decoder.at_end()) << type.name;
@@ -165,7 +165,7 @@ TEST(Mcap, MarkersReplaceThoseBeforeThem) {
 class FrameRecording : public Recording {
  public:
   explicit FrameRecording(std::vector<RgbdFrame> frames) : frames_(std::move(frames)) {
-    info_.camera = small_camera();
+    info_.camera = mcap_camera();
   }
   const RecordingInfo& info() const override { return info_; }
   size_t size() const override { return frames_.size(); }
@@ -188,7 +188,7 @@ TEST(Mcap, AConvertedRecordingHoldsItsMarkersWhenTheyChange) {
                               if (frame.time_ns != 2 * kSecond) changed.emplace(1);
                               return changed;
                             }});
-  const FrameRecording recording({small_frame(kSecond), small_frame(2 * kSecond), small_frame(3 * kSecond)});
+  const FrameRecording recording({mcap_frame(kSecond), mcap_frame(2 * kSecond), mcap_frame(3 * kSecond)});
   NoProgress progress;
   EXPECT_EQ(convert_recording(recording, file, options, progress), 3U);
   const RosBag bag(file);
@@ -209,9 +209,9 @@ fs::path two_cameras(const fs::path& folder) {
   const uint16_t color = channel("/front/color/image_rect/compressed", compressed_image_type());
   const uint16_t back = channel("/back/depth/image_rect", image_type());
   const uint16_t back_info = channel("/back/depth/camera_info", camera_info_type());
-  PinholeCamera camera = small_camera().depth;
+  PinholeCamera camera = mcap_camera().depth;
   for (TimeNs time = kSecond; time <= 3 * kSecond; time += kSecond) {
-    const RgbdFrame frame = small_frame(time);
+    const RgbdFrame frame = mcap_frame(time);
     writer.add(front_info, time, camera_info_message(camera, time, "front"));
     writer.add(front, time, image_message(frame.depth, "32FC1", time, "front"));
     writer.add(color, time, compressed_image_message(frame.color, time, "front"));
@@ -245,8 +245,8 @@ TEST(Mcap, AnImuAtRestMeasuresWhatIsUp) {
     const uint16_t camera =
         writer.add_channel("/depth/camera_info", camera_info_type().name, camera_info_type().definition);
     const uint16_t imu = writer.add_channel("/imu", "sensor_msgs/msg/Imu", "");
-    writer.add(camera, kSecond, camera_info_message(small_camera().depth, kSecond, "camera"));
-    writer.add(depth, kSecond, image_message(small_frame(kSecond).depth, "32FC1", kSecond, "camera"));
+    writer.add(camera, kSecond, camera_info_message(mcap_camera().depth, kSecond, "camera"));
+    writer.add(depth, kSecond, image_message(mcap_frame(kSecond).depth, "32FC1", kSecond, "camera"));
     for (int i = 0; i < 5; ++i)
       writer.add(imu, kSecond + i, acceleration_message(kSecond + i, "camera", acceleration));
     writer.finish();

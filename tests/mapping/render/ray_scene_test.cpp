@@ -16,13 +16,13 @@ using Eigen::Vector3f;
 
 constexpr float kFar = 100;
 
-World world_of(const std::string& parts) {
+World ray_world(const std::string& parts) {
   return parse_urdf("<robot name=\"w\">" + parts + "</robot>", "test.urdf");
 }
 
 /// A red wall at x = 2 and, on a slide along y, a green box with a glass knob before it.
 World slide() {
-  return world_of(R"(
+  return ray_world(R"(
     <link name="wall"><visual><origin xyz="2.05 0 0"/><geometry><box size="0.1 4 4"/></geometry>
       <material name="red"><color rgba="1 0 0 1"/></material></visual></link>
     <link name="drawer"><visual><geometry><box size="0.2 0.2 0.2"/></geometry>
@@ -34,7 +34,7 @@ World slide() {
     <joint name="screw" type="fixed"><parent link="drawer"/><child link="knob"/><origin xyz="-0.12 0 0"/></joint>)");
 }
 
-RayScene scene_of(const World& world) {
+RayScene ray_scene(const World& world) {
   RayScene scene;
   Warnings warnings;
   scene.add(world, {}, Isometry3d::Identity(), warnings);
@@ -47,7 +47,7 @@ std::string hit_name(const RayScene& scene, const Vector3f& origin, const Vector
 }
 
 TEST(RayScene, HitSaysDistanceLinkNormalAndColour) {
-  const RayScene scene = scene_of(slide());
+  const RayScene scene = ray_scene(slide());
   const RayHit hit = scene.cast({0, 1, 0}, {1, 0, 0}, kFar);
   EXPECT_NEAR(hit.distance, 2, 1e-6);
   EXPECT_EQ(scene.link_names()[static_cast<size_t>(hit.link)], "wall");
@@ -58,14 +58,14 @@ TEST(RayScene, HitSaysDistanceLinkNormalAndColour) {
 }
 
 TEST(RayScene, NormalPointsTowardsTheOriginFromInsideToo) {
-  const RayScene scene = scene_of(slide());
+  const RayScene scene = ray_scene(slide());
   const RayHit hit = scene.cast({2.05f, 0, 0}, {1, 0, 0}, kFar);
   EXPECT_LT((hit.normal - Vector3f(-1, 0, 0)).norm(), 1e-6);
   EXPECT_TRUE(hit.from_behind);
 }
 
 TEST(RayScene, MissAndTooFarAreNothing) {
-  const RayScene scene = scene_of(slide());
+  const RayScene scene = ray_scene(slide());
   for (const RayHit& hit :
        {scene.cast({0, 0, 0}, {-1, 0, 0}, kFar), scene.cast({0, 1, 0}, {1, 0, 0}, 1.9f)}) {
     EXPECT_EQ(hit.link, -1);
@@ -74,7 +74,7 @@ TEST(RayScene, MissAndTooFarAreNothing) {
 }
 
 TEST(RayScene, JointMovesWhatHangsOnIt) {
-  RayScene scene = scene_of(slide());
+  RayScene scene = ray_scene(slide());
   EXPECT_EQ(hit_name(scene, {0, 0, 0}, {1, 0, 0}), "knob");
   EXPECT_EQ(hit_name(scene, {0, 0.05f, 0}, {1, 0, 0}), "drawer");
   scene.set_joints(0, {{"slide", 0.7}});
@@ -86,7 +86,7 @@ TEST(RayScene, JointMovesWhatHangsOnIt) {
 }
 
 TEST(RayScene, NameOfAMaterialMakesItGlossy) {
-  const RayScene scene = scene_of(slide());
+  const RayScene scene = ray_scene(slide());
   EXPECT_TRUE(scene.cast({0, 0, 0}, {1, 0, 0}, kFar).glossy);
   EXPECT_TRUE(glossy_material("front_glossy_white"));
   EXPECT_TRUE(glossy_material("Mirror"));
@@ -95,7 +95,7 @@ TEST(RayScene, NameOfAMaterialMakesItGlossy) {
 }
 
 TEST(RayScene, PlacesAndNamesPartsAsRenderSceneDoes) {
-  RayScene rays = scene_of(slide());
+  RayScene rays = ray_scene(slide());
   RenderScene render;
   Warnings warnings;
   Isometry3d moved = Isometry3d::Identity();
@@ -110,28 +110,28 @@ TEST(RayScene, PlacesAndNamesPartsAsRenderSceneDoes) {
 }
 
 TEST(RayScene, CylinderMeetsWhatReachesIntoIt) {
-  const RayScene scene = scene_of(slide());
+  const RayScene scene = ray_scene(slide());
   EXPECT_EQ(scene.link_in_cylinder({1, 0}, 0.25, -1, 1), -1);
   EXPECT_GE(scene.link_in_cylinder({1.2, 0}, 0.25, -1, 1), 1);     // The knob at 1.38 - 0.02.
   EXPECT_EQ(scene.link_in_cylinder({1.2, 0}, 0.25, 0.15, 1), -1);  // Above it and the drawer.
   EXPECT_EQ(scene.link_in_cylinder({1.8, 1}, 0.25, 0.15, 0.2), 0);
   // Inside a tall box that is wider than the cylinder, but not in a room that is one box.
   const auto box = [](const std::string& size) {
-    return scene_of(world_of("<link name=\"box\"><visual><geometry><box size=\"" + size +
+    return ray_scene(ray_world("<link name=\"box\"><visual><geometry><box size=\"" + size +
                              "\"/></geometry></visual></link>"));
   };
   EXPECT_EQ(box("0.7 0.7 4").link_in_cylinder({0, 0}, 0.25, 0.05, 1.3), 0);
   EXPECT_EQ(box("5 5 4").link_in_cylinder({0, 0}, 0.25, 0.05, 1.3), -1);
   EXPECT_EQ(box("0.7 0.7 4").link_in_cylinder({2, 0}, 0.25, 0.05, 1.3), -1);
   // In the middle of a wide top, far from its edges.
-  const RayScene table = scene_of(
-      world_of(R"(<link name="table"><visual><geometry><box size="4 4 0.04"/></geometry></visual></link>)"));
+  const RayScene table = ray_scene(
+      ray_world(R"(<link name="table"><visual><geometry><box size="4 4 0.04"/></geometry></visual></link>)"));
   EXPECT_EQ(table.link_in_cylinder({0.3, 0.2}, 0.25, 0, 1), 0);
   EXPECT_EQ(table.link_in_cylinder({0.3, 0.2}, 0.25, 0.03, 1), -1);
 }
 
 TEST(RayScene, NearestSurfaceIsFoundWithinReach) {
-  const RayScene scene = scene_of(slide());
+  const RayScene scene = ray_scene(slide());
   const NearestSurface found = scene.nearest({1.97, 1, 0.3}, 0.05);
   EXPECT_EQ(found.link, 0);
   EXPECT_NEAR(found.distance, 0.03, 1e-6);

@@ -9,13 +9,12 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/recording/recording.h"
+#include "tests/mapping/simulation/samples.h"
 
 namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kSamples = fs::path(LOCI_SOURCE_DIR) / "apps/samples";
 
 class Record : public testing::Test {
  protected:

@@ -8,13 +8,12 @@
 #include "mapping/world/kinematics.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
+#include "tests/mapping/simulation/samples.h"
 
 namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kSamples = fs::path(LOCI_SOURCE_DIR) / "apps/samples";
 
 Vector3d vector_of(const Json& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};

@@ -6,14 +6,13 @@
 #include "mapping/base/files.h"
 #include "mapping/simulation/play.h"
 #include "mapping/world/urdf.h"
+#include "tests/mapping/simulation/samples.h"
 
 namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-const fs::path kSamples = fs::path(LOCI_SOURCE_DIR) / "apps/samples";
 
 class ScenarioFile : public testing::Test {
  protected:

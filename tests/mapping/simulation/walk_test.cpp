@@ -8,11 +8,10 @@
 
 #include "mapping/base/math.h"
 #include "mapping/world/urdf.h"
+#include "tests/mapping/simulation/samples.h"
 
 namespace loci::mapping {
 namespace {
-
-const std::filesystem::path kSamples = std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples";
 
 TEST(Walk, StaysInsideAndTurnsRound) {
   Warnings warnings;

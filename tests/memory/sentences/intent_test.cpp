@@ -57,7 +57,7 @@ TEST(Intents, AParaphraseNamesWhatItsFormNames) {
   }
 }
 
-const TimeReader kTimes(parse_time("2026-05-01T10:30:00Z"), TimeZone());
+const TimeReader kNow(parse_time("2026-05-01T10:30:00Z"), TimeZone());
 
 TEST(Intents, EveryFormIsReadByTheGrammar) {
   const std::map<std::string, std::string> names = {
@@ -67,14 +67,14 @@ TEST(Intents, EveryFormIsReadByTheGrammar) {
     for (const auto& [placeholder, name] : names)
       if (const size_t at = form.find(placeholder); at != std::string::npos)
         form.replace(at, placeholder.size(), name);
-    EXPECT_TRUE(parse_sentence(form, kTimes)) << form;
+    EXPECT_TRUE(parse_sentence(form, kNow)) << form;
   }
 }
 
 TEST(SentenceParts, QuestionsStandApartFromStories) {
   const auto parts = [](const char* sentence) {
     std::vector<std::string> asked;
-    for (const SentencePart& part : sentence_parts(sentence, kTimes))
+    for (const SentencePart& part : sentence_parts(sentence, kNow))
       asked.push_back((part.asks ? "? " : "") + join_words(part.words, 0, part.words.size()));
     return asked;
   };

@@ -14,9 +14,9 @@
 namespace loci::perception {
 namespace {
 
-const mapping::PinholeCamera kCamera{320, 240, 290, 290, 160, 120};
+const mapping::PinholeCamera kFurnitureCamera{320, 240, 290, 290, 160, 120};
 
-std::string box(const std::string& size, const std::string& xyz) {
+std::string cuboid(const std::string& size, const std::string& xyz) {
   return "<visual><origin xyz=\"" + xyz + "\"/><geometry><box size=\"" + size + "\"/></geometry></visual>";
 }
 
@@ -28,22 +28,22 @@ std::string link(const std::string& name, const std::string& xyz, const std::str
 
 /// Two walls, a counter along one of them, a table, a chair beside it, and an island of a top and a cabinet
 /// with a drawer.
-mapping::World kitchen() {
-  const std::string table = box("1.2 0.8 0.03", "0 0 0.735") + box("0.06 0.06 0.72", "0.55 0.35 0.36") +
-                            box("0.06 0.06 0.72", "-0.55 0.35 0.36") +
-                            box("0.06 0.06 0.72", "0.55 -0.35 0.36") +
-                            box("0.06 0.06 0.72", "-0.55 -0.35 0.36");
-  const std::string chair = box("0.42 0.42 0.03", "0 0 0.45") + box("0.42 0.03 0.5", "0 0.2 0.7") +
-                            box("0.04 0.04 0.44", "0.18 0.18 0.22") +
-                            box("0.04 0.04 0.44", "-0.18 0.18 0.22");
+mapping::World kitchen_with_table() {
+  const std::string table = cuboid("1.2 0.8 0.03", "0 0 0.735") + cuboid("0.06 0.06 0.72", "0.55 0.35 0.36") +
+                            cuboid("0.06 0.06 0.72", "-0.55 0.35 0.36") +
+                            cuboid("0.06 0.06 0.72", "0.55 -0.35 0.36") +
+                            cuboid("0.06 0.06 0.72", "-0.55 -0.35 0.36");
+  const std::string chair = cuboid("0.42 0.42 0.03", "0 0 0.45") + cuboid("0.42 0.03 0.5", "0 0.2 0.7") +
+                            cuboid("0.04 0.04 0.44", "0.18 0.18 0.22") +
+                            cuboid("0.04 0.04 0.44", "-0.18 0.18 0.22");
   return mapping::parse_urdf(
-      "<robot name=\"kitchen\"><link name=\"map\"/>" + link("floor", "0 0 -0.01", box("8 8 0.02", "0 0 0")) +
-          link("wall_north", "0 2.05 1.25", box("8 0.1 2.5", "0 0 0")) +
-          link("wall_east", "3.05 0 1.25", box("0.1 8 2.5", "0 0 0")) +
-          link("counter_1", "0 1.7 0", box("2.4 0.6 0.9", "0 0 0.45")) + link("table_1", "0 -0.4 0", table) +
-          link("chair_1", "0 -1.4 0", chair) + link("island_1", "2 -0.5 0", box("1 0.7 0.04", "0 0 0.88")) +
-          link("cabinet_1", "2 -0.5 0", box("0.9 0.6 0.86", "0 0 0.43")) + "<link name=\"drawer\">" +
-          box("0.5 0.02 0.2", "0 0 0") +
+      "<robot name=\"kitchen\"><link name=\"map\"/>" + link("floor", "0 0 -0.01", cuboid("8 8 0.02", "0 0 0")) +
+          link("wall_north", "0 2.05 1.25", cuboid("8 0.1 2.5", "0 0 0")) +
+          link("wall_east", "3.05 0 1.25", cuboid("0.1 8 2.5", "0 0 0")) +
+          link("counter_1", "0 1.7 0", cuboid("2.4 0.6 0.9", "0 0 0.45")) + link("table_1", "0 -0.4 0", table) +
+          link("chair_1", "0 -1.4 0", chair) + link("island_1", "2 -0.5 0", cuboid("1 0.7 0.04", "0 0 0.88")) +
+          link("cabinet_1", "2 -0.5 0", cuboid("0.9 0.6 0.86", "0 0 0.43")) + "<link name=\"drawer\">" +
+          cuboid("0.5 0.02 0.2", "0 0 0") +
           "</link><joint name=\"drawer_joint\" type=\"prismatic\"><parent link=\"cabinet_1\"/>"
           "<child link=\"drawer\"/><origin xyz=\"0 -0.32 0.6\"/><axis xyz=\"0 -1 0\"/>"
           "<limit lower=\"0\" upper=\"0.4\" effort=\"1\" velocity=\"1\"/></joint></robot>",
@@ -69,7 +69,7 @@ const Isometry3d kView = mapping::looking_at({0.2, -2.2, 1.7}, {0.1, 0, 0.6});
 /// A room in which things may have been changed, seen by a camera, against the map.
 class MovedFurnitureTest : public ::testing::Test {
  protected:
-  std::shared_ptr<KnownMap> map_ = map_of(kitchen());
+  std::shared_ptr<KnownMap> map_ = map_of(kitchen_with_table());
   MovedFurniture furniture_{*map_, PoseRefinementOptions()};
 
   size_t number(const std::string& name) const {
@@ -79,10 +79,10 @@ class MovedFurnitureTest : public ::testing::Test {
   const FurnitureState& state(const std::string& name) const { return furniture_.states()[number(name)]; }
 
   bool look(const mapping::RenderScene& room, const Isometry3d& camera, const Isometry3d& believed) {
-    const cv::Mat depth = room.render(kCamera, camera).depth;
-    const cv::Mat points = points_from_depth(depth, kCamera), normals = normals_from_depth(depth, kCamera);
+    const cv::Mat depth = room.render(kFurnitureCamera, camera).depth;
+    const cv::Mat points = points_from_depth(depth, kFurnitureCamera), normals = normals_from_depth(depth, kFurnitureCamera);
     const JointState joints;
-    return furniture_.update({points, normals, kCamera, believed, joints}, 1);
+    return furniture_.update({points, normals, kFurnitureCamera, believed, joints}, 1);
   }
   bool look(const mapping::RenderScene& room, const Isometry3d& camera = kView) {
     return look(room, camera, camera);
@@ -91,7 +91,7 @@ class MovedFurnitureTest : public ::testing::Test {
   static mapping::RenderScene room(const std::vector<MovedBranch>& moved = {}) {
     mapping::RenderScene scene;
     Warnings warnings;
-    scene.add(with_moved(kitchen(), moved), {}, Isometry3d::Identity(), warnings);
+    scene.add(with_moved(kitchen_with_table(), moved), {}, Isometry3d::Identity(), warnings);
     return scene;
   }
 

@@ -13,7 +13,7 @@ namespace loci::perception {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-const mapping::PinholeCamera kCamera{320, 240, 580, 580, 160, 120};
+const mapping::PinholeCamera kKinect{320, 240, 580, 580, 160, 120};
 
 Vector3d leaning(double inclination_deg, double azimuth_deg) {
   const double sine = std::sin(inclination_deg * kDegree);
@@ -25,11 +25,11 @@ Vector3d leaning(double inclination_deg, double azimuth_deg) {
 /// disparity.
 cv::Mat plane(const Vector3d& normal, double distance, double sigma, uint64_t seed = 5) {
   Random random(seed);
-  const double bf = NormalOptions().baseline_m * kCamera.fx;
-  cv::Mat depth(kCamera.height, kCamera.width, CV_32F);
+  const double bf = NormalOptions().baseline_m * kKinect.fx;
+  cv::Mat depth(kKinect.height, kKinect.width, CV_32F);
   for (int v = 0; v < depth.rows; ++v)
     for (int u = 0; u < depth.cols; ++u) {
-      const double inverse = normal.dot(kCamera.unproject(u, v, 1)) / (normal.z() * distance);
+      const double inverse = normal.dot(kKinect.unproject(u, v, 1)) / (normal.z() * distance);
       depth.at<float>(v, u) =
           static_cast<float>(bf / (std::round(8 * (bf * inverse + random.normal(sigma))) / 8));
     }
@@ -39,7 +39,7 @@ cv::Mat plane(const Vector3d& normal, double distance, double sigma, uint64_t se
 DepthNormals estimate(const cv::Mat& depth, const NormalOptions& options = {},
                       const InclinationBias& bias = {}) {
   DepthNormals found;
-  smooth_depth_and_normals(depth, kCamera, options, bias, found);
+  smooth_depth_and_normals(depth, kKinect, options, bias, found);
   return found;
 }
 
@@ -99,8 +99,8 @@ TEST(Normals, SmoothingStaysWithinWhatTheMeasurementAllows) {
   for (const double sigma : {0.0, 0.05, 0.2}) {
     const cv::Mat depth = plane(leaning(30, 0), 1.0, sigma);
     const NormalOptions options;
-    const cv::Mat smooth = smooth_depth(depth, kCamera, options);
-    const double bf = options.baseline_m * kCamera.fx;
+    const cv::Mat smooth = smooth_depth(depth, kKinect, options);
+    const double bf = options.baseline_m * kKinect.fx;
     // Two quanta, or three deviations of noise and quantisation together; the noise is estimated.
     const double limit = std::max(options.noise_quanta * options.disparity_quantum_px,
                                   3.6 * std::hypot(sigma, options.disparity_quantum_px / std::sqrt(12)));
@@ -115,7 +115,7 @@ TEST(Normals, AStepOfDepthStaysWhereItIs) {
   cv::Mat depth = plane(leaning(0, 0), 1.05, 1.0 / 16);
   const cv::Mat front = plane(leaning(0, 0), 1.0, 1.0 / 16, 6);
   front.colRange(100, 200).copyTo(depth.colRange(100, 200));
-  const cv::Mat smooth = smooth_depth(depth, kCamera);
+  const cv::Mat smooth = smooth_depth(depth, kKinect);
   for (int v = 0; v < depth.rows; ++v) {
     ASSERT_GT(smooth.at<float>(v, 99), 1.035F);
     ASSERT_LT(smooth.at<float>(v, 100), 1.015F);
@@ -130,7 +130,7 @@ TEST(Normals, NeedANeighbourInEachDirection) {
   depth.at<float>(10, 10) = 1;
   depth.at<float>(10, 11) = 1;  // a row of two
   depth.at<float>(15, 4) = depth.at<float>(15, 5) = depth.at<float>(16, 4) = 1;
-  const cv::Mat normals = normals_from_depth(depth, kCamera);
+  const cv::Mat normals = normals_from_depth(depth, kKinect);
   EXPECT_TRUE(std::isnan(normals.at<cv::Vec3f>(5, 5)[0]));
   EXPECT_TRUE(std::isnan(normals.at<cv::Vec3f>(10, 10)[0]));
   // The missing neighbours on the other sides are replaced by the point itself.
@@ -139,8 +139,8 @@ TEST(Normals, NeedANeighbourInEachDirection) {
 
 TEST(Normals, AreTheSameBytesEveryTime) {
   const cv::Mat depth = plane(leaning(35, 70), 1.4, 1.0 / 8);
-  const InclinationBias bias = measure_inclination_bias(kCamera, {});
-  EXPECT_EQ(bias.correction_deg(), measure_inclination_bias(kCamera, {}).correction_deg());
+  const InclinationBias bias = measure_inclination_bias(kKinect, {});
+  EXPECT_EQ(bias.correction_deg(), measure_inclination_bias(kKinect, {}).correction_deg());
   const DepthNormals first = estimate(depth, {}, bias);
   estimate(plane(leaning(10, 0), 2, 0.1));  // Another image between them leaves nothing behind.
   const DepthNormals second = estimate(depth, {}, bias);
@@ -170,7 +170,7 @@ TEST(InclinationBias, OfPlanesIsAFewDegrees) {
   NormalOptions narrow;
   narrow.widen = false;
   for (const NormalOptions& options : {NormalOptions(), narrow}) {
-    const InclinationBias bias = measure_inclination_bias(kCamera, options);
+    const InclinationBias bias = measure_inclination_bias(kKinect, options);
     for (const double correction : bias.correction_deg()) EXPECT_LT(std::abs(correction), 5);
   }
 }

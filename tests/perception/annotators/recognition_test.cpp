@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kData = fs::path(LOCI_SOURCE_DIR) / "tests/data";
+const fs::path kTestData = fs::path(LOCI_SOURCE_DIR) / "tests/data";
 
 /// A scene of one cluster with this image, cut out at (10, 20) of the image.
 void show(cas::Cas& cas, const cv::Mat& image) {
@@ -48,10 +48,10 @@ TEST(RecognitionAnnotators, AProductComesWithWhatTheCatalogueSays) {
   const fs::path index = fs::temp_directory_path() / "loci_recognition_annotators.index";
   NoProgress progress;
   Warnings warnings;
-  ProductIndex::build(read_catalogue(kData / "products"), 2, progress, warnings).save(index);
+  ProductIndex::build(read_catalogue(kTestData / "products"), 2, progress, warnings).save(index);
   cas::Cas cas(types::type_system());
   const auto cluster = annotated("ProductRecognition", {{"index", index.string()}},
-                                 mapping::read_color(kData / "images/Alpro-Blueberry-Soyghurt_001.jpg"), cas);
+                                 mapping::read_color(kTestData / "images/Alpro-Blueberry-Soyghurt_001.jpg"), cas);
   const auto product = cluster.annotations.first<types::ProductAnnotation>();
   ASSERT_TRUE(product);
   EXPECT_EQ(product.name.get(), "Alpro-Blueberry-Soyghurt");
@@ -68,7 +68,7 @@ TEST(RecognitionAnnotators, AProductNeedsAnIndex) {
 TEST(RecognitionAnnotators, ABarcodeLiesInTheSceneWhereItIsOnTheObject) {
   cas::Cas cas(types::type_system());
   const auto cluster =
-      annotated("BarcodeReader", {{"thorough", true}}, mapping::read_color(kData / "images/ean13.png"), cas);
+      annotated("BarcodeReader", {{"thorough", true}}, mapping::read_color(kTestData / "images/ean13.png"), cas);
   const auto code = cluster.annotations.first<types::BarcodeAnnotation>();
   ASSERT_TRUE(code);
   EXPECT_EQ(code.code.get(), "9780441014989");
@@ -77,7 +77,7 @@ TEST(RecognitionAnnotators, ABarcodeLiesInTheSceneWhereItIsOnTheObject) {
 
 TEST(RecognitionAnnotators, OneTextForEachWord) {
   cas::Cas cas(types::type_system());
-  const cv::Mat image = mapping::read_color(kData / "products/Oatly-Oat-Milk.jpg");
+  const cv::Mat image = mapping::read_color(kTestData / "products/Oatly-Oat-Milk.jpg");
   const auto cluster = annotated("TextReader", {{"min_confidence", 0}}, image, cas);
   const auto text = cluster.annotations.first<types::TextAnnotation>();
   ASSERT_TRUE(text);

@@ -21,21 +21,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const mapping::PinholeCamera kCamera{160, 120, 146, 146, 80, 60};
+const mapping::PinholeCamera kSmallCamera{160, 120, 146, 146, 80, 60};
 const cv::Vec3f kGrey(60, 0, 0), kRed(50, 70, 50);
 
 /// A wall 2 m away, and before its left half a board at 1 m; a red patch of 6 x 6 cm in the middle of the
 /// wall's right half.
 struct Scene {
-  cv::Mat points, normals, lab{kCamera.height, kCamera.width, CV_32FC3, cv::Scalar(60, 0, 0)};
+  cv::Mat points, normals, lab{kSmallCamera.height, kSmallCamera.width, CV_32FC3, cv::Scalar(60, 0, 0)};
 
   Scene() {
-    cv::Mat depth(kCamera.height, kCamera.width, CV_32F, cv::Scalar(2));
+    cv::Mat depth(kSmallCamera.height, kSmallCamera.width, CV_32F, cv::Scalar(2));
     depth(cv::Rect(0, 0, 80, 120)).setTo(1);
-    points = points_from_depth(depth, kCamera);
-    normals = normals_from_depth(depth, kCamera);
-    const Vector2d low = kCamera.project({0.5 - 0.03, -0.03, 2}),
-                   high = kCamera.project({0.5 + 0.03, 0.03, 2});
+    points = points_from_depth(depth, kSmallCamera);
+    normals = normals_from_depth(depth, kSmallCamera);
+    const Vector2d low = kSmallCamera.project({0.5 - 0.03, -0.03, 2}),
+                   high = kSmallCamera.project({0.5 + 0.03, 0.03, 2});
     lab(cv::Rect(cv::Point(cvRound(low.x()), cvRound(low.y())),
                  cv::Point(cvRound(high.x()), cvRound(high.y()))))
         .setTo(cv::Scalar(kRed[0], kRed[1], kRed[2]));
@@ -43,7 +43,7 @@ struct Scene {
   Superpixels find(double radius) const {
     SuperpixelOptions options;
     options.radius_m = radius;
-    return find_superpixels(points, normals, lab, kCamera, options);
+    return find_superpixels(points, normals, lab, kSmallCamera, options);
   }
 };
 
@@ -55,7 +55,7 @@ TEST(Superpixels, AreOfOneSizeInSpaceAndDoNotReachOverEdges) {
     const Superpixel& each = found.all[k];
     EXPECT_TRUE(std::abs(each.position.z() - 1) < 1e-6 || std::abs(each.position.z() - 2) < 1e-6)
         << "on the board or on the wall, not on both: " << each.position.z();
-    const double pixel = each.position.z() / kCamera.fx;
+    const double pixel = each.position.z() / kSmallCamera.fx;
     areas[each.position.z() < 1.5].push_back(each.pixels * pixel * pixel);
   }
   for (const auto& [board, its] : areas) {
@@ -70,8 +70,8 @@ TEST(Superpixels, AreConnectedAndNumberEveryMeasuredPixelWithANormal) {
   const Scene scene;
   const Superpixels found = scene.find(0.05);
   std::vector<int> pixels(found.all.size() + 1, 0);
-  for (int v = 0; v < kCamera.height; ++v)
-    for (int u = 0; u < kCamera.width; ++u) {
+  for (int v = 0; v < kSmallCamera.height; ++v)
+    for (int u = 0; u < kSmallCamera.width; ++u) {
       const int label = found.labels.at<uint16_t>(v, u);
       if (label > 0) ++pixels.at(static_cast<size_t>(label));
       const bool known = std::isfinite(scene.normals.at<cv::Vec3f>(v, u)[2]);
@@ -102,7 +102,7 @@ TEST(Superpixels, WeightsLeaveSomethingForThePlace) {
   options.color = 0.6;
   options.normal = 0.5;
   const Scene scene;
-  EXPECT_THROW(find_superpixels(scene.points, scene.normals, scene.lab, kCamera, options), Error);
+  EXPECT_THROW(find_superpixels(scene.points, scene.normals, scene.lab, kSmallCamera, options), Error);
 }
 
 TEST(Superpixels, NothingMeasuredIsNoneAtAll) {
@@ -155,7 +155,7 @@ struct SceneInCas {
     scene.create_scene().map_from_camera.set(
         types::to_stamped(cas, map_from_camera, "map", "depth_camera", 0));
     mapping::RgbdCamera camera;
-    camera.depth = camera.color = kCamera;
+    camera.depth = camera.color = kSmallCamera;
     types::set_cameras(scene, camera);
     cv::Mat color;
     cv::cvtColor(made.lab, color, cv::COLOR_Lab2BGR);
@@ -167,7 +167,7 @@ struct SceneInCas {
   types::Cluster add_cluster(const cv::Rect& region) {
     std::vector<int32_t> indices;
     for (int v = region.y; v < region.br().y; ++v)
-      for (int u = region.x; u < region.br().x; ++u) indices.push_back(v * kCamera.width + u);
+      for (int u = region.x; u < region.br().x; ++u) indices.push_back(v * kSmallCamera.width + u);
     const auto points = types::ReferenceClusterPoints::create(cas);
     points.indices.get_or_create().indices.set(std::move(indices));
     const auto cluster = types::Cluster::create(cas);

@@ -168,7 +168,7 @@ TEST(VisualSearchAnnotator, AImageThatIsRefusedIsAWarning) {
 
 TEST(VisualSearchAnnotator, NeedsAServer) {
   cas::Cas cas(types::type_system());
-  show(cas, {});
+  show(cas, std::vector<cv::Mat>{});
   EXPECT_THROW(run("  - VisualSearch\n", cas), Error);
 }
 

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
 
@@ -24,7 +25,7 @@ TEST(TypeGenerator, ThePageOfTypesIsUpToDate) {
   const fs::path page = temporary("types.md");
   std::string files;
   for (const char* name : {"core", "ros", "tf", "cv", "pcl", "hypothesis", "annotation", "scene", "belief"})
-    files += std::string(" ") + LOCI_SOURCE_DIR + "/perception/types/" + name + ".xml";
+    files += fmt::format(" {}/perception/types/{}.xml", LOCI_SOURCE_DIR, name);
   ASSERT_EQ(generate("docs " + page.string() + files), 0);
   EXPECT_EQ(read_file(page), read_file(LOCI_SOURCE_DIR "/docs/type-system.md"))
       << "run ninja -C build/release type_system_docs";
