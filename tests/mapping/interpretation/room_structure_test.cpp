@@ -207,7 +207,8 @@ TEST(RoomStructure, AScanFromBelowTheTopsIsNotTakenForUpsideDown) {
   std::vector<Vector3d> origins = kLaserOrigins;
   origins[1].z() = 0.6;
   const ScanSet scans = scan_room(room, origins, 0.002, 29, kUp);
-  EXPECT_THAT(interpreted_room(scans).notes, testing::Not(testing::Contains(testing::HasSubstr("upside down"))));
+  EXPECT_THAT(interpreted_room(scans).notes,
+              testing::Not(testing::Contains(testing::HasSubstr("upside down"))));
 }
 
 TEST(RoomStructure, NamesOfAnOlderMapAreTakenOver) {

@@ -118,7 +118,7 @@ TEST(RayScene, CylinderMeetsWhatReachesIntoIt) {
   // Inside a tall box that is wider than the cylinder, but not in a room that is one box.
   const auto box = [](const std::string& size) {
     return ray_scene(ray_world("<link name=\"box\"><visual><geometry><box size=\"" + size +
-                             "\"/></geometry></visual></link>"));
+                               "\"/></geometry></visual></link>"));
   };
   EXPECT_EQ(box("0.7 0.7 4").link_in_cylinder({0, 0}, 0.25, 0.05, 1.3), 0);
   EXPECT_EQ(box("5 5 4").link_in_cylinder({0, 0}, 0.25, 0.05, 1.3), -1);

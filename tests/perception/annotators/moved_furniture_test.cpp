@@ -37,11 +37,13 @@ mapping::World kitchen_with_table() {
                             cuboid("0.04 0.04 0.44", "0.18 0.18 0.22") +
                             cuboid("0.04 0.04 0.44", "-0.18 0.18 0.22");
   return mapping::parse_urdf(
-      "<robot name=\"kitchen\"><link name=\"map\"/>" + link("floor", "0 0 -0.01", cuboid("8 8 0.02", "0 0 0")) +
+      "<robot name=\"kitchen\"><link name=\"map\"/>" +
+          link("floor", "0 0 -0.01", cuboid("8 8 0.02", "0 0 0")) +
           link("wall_north", "0 2.05 1.25", cuboid("8 0.1 2.5", "0 0 0")) +
           link("wall_east", "3.05 0 1.25", cuboid("0.1 8 2.5", "0 0 0")) +
-          link("counter_1", "0 1.7 0", cuboid("2.4 0.6 0.9", "0 0 0.45")) + link("table_1", "0 -0.4 0", table) +
-          link("chair_1", "0 -1.4 0", chair) + link("island_1", "2 -0.5 0", cuboid("1 0.7 0.04", "0 0 0.88")) +
+          link("counter_1", "0 1.7 0", cuboid("2.4 0.6 0.9", "0 0 0.45")) +
+          link("table_1", "0 -0.4 0", table) + link("chair_1", "0 -1.4 0", chair) +
+          link("island_1", "2 -0.5 0", cuboid("1 0.7 0.04", "0 0 0.88")) +
           link("cabinet_1", "2 -0.5 0", cuboid("0.9 0.6 0.86", "0 0 0.43")) + "<link name=\"drawer\">" +
           cuboid("0.5 0.02 0.2", "0 0 0") +
           "</link><joint name=\"drawer_joint\" type=\"prismatic\"><parent link=\"cabinet_1\"/>"
@@ -80,7 +82,8 @@ class MovedFurnitureTest : public ::testing::Test {
 
   bool look(const mapping::RenderScene& room, const Isometry3d& camera, const Isometry3d& believed) {
     const cv::Mat depth = room.render(kFurnitureCamera, camera).depth;
-    const cv::Mat points = points_from_depth(depth, kFurnitureCamera), normals = normals_from_depth(depth, kFurnitureCamera);
+    const cv::Mat points = points_from_depth(depth, kFurnitureCamera),
+                  normals = normals_from_depth(depth, kFurnitureCamera);
     const JointState joints;
     return furniture_.update({points, normals, kFurnitureCamera, believed, joints}, 1);
   }

@@ -50,8 +50,9 @@ TEST(RecognitionAnnotators, AProductComesWithWhatTheCatalogueSays) {
   Warnings warnings;
   ProductIndex::build(read_catalogue(kTestData / "products"), 2, progress, warnings).save(index);
   cas::Cas cas(types::type_system());
-  const auto cluster = annotated("ProductRecognition", {{"index", index.string()}},
-                                 mapping::read_color(kTestData / "images/Alpro-Blueberry-Soyghurt_001.jpg"), cas);
+  const auto cluster =
+      annotated("ProductRecognition", {{"index", index.string()}},
+                mapping::read_color(kTestData / "images/Alpro-Blueberry-Soyghurt_001.jpg"), cas);
   const auto product = cluster.annotations.first<types::ProductAnnotation>();
   ASSERT_TRUE(product);
   EXPECT_EQ(product.name.get(), "Alpro-Blueberry-Soyghurt");
@@ -67,8 +68,8 @@ TEST(RecognitionAnnotators, AProductNeedsAnIndex) {
 
 TEST(RecognitionAnnotators, ABarcodeLiesInTheSceneWhereItIsOnTheObject) {
   cas::Cas cas(types::type_system());
-  const auto cluster =
-      annotated("BarcodeReader", {{"thorough", true}}, mapping::read_color(kTestData / "images/ean13.png"), cas);
+  const auto cluster = annotated("BarcodeReader", {{"thorough", true}},
+                                 mapping::read_color(kTestData / "images/ean13.png"), cas);
   const auto code = cluster.annotations.first<types::BarcodeAnnotation>();
   ASSERT_TRUE(code);
   EXPECT_EQ(code.code.get(), "9780441014989");
