@@ -68,7 +68,8 @@ endfunction()
 function(loci_unity target)
   if(LOCI_UNITY)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 10)
-    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)  # of anonymous namespaces in an included source
+    # Of anonymous namespaces in an included source.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
 endfunction()
 

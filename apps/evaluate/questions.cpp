@@ -42,7 +42,7 @@ void run(const Arguments& arguments, Session& session) {
 Command questions_command() {
   return {"questions",
           "Everyday questions in words against the truth of simulated days",
-          {"loci-evaluate questions tests/data/questions/tuning.yaml -o demo-output/questions",
+          {"loci-evaluate questions tests/data/questions/everyday_tuning.yaml -o demo-output/questions",
            "loci-evaluate questions tests/data/questions/held_out.yaml -o demo-output/questions --json"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();

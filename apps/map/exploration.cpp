@@ -8,7 +8,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/exchange/occupancy_grid.h"
+#include "mapping/exchange/formats/occupancy_grid.h"
 #include "mapping/interpretation/surfaces/levelling.h"
 #include "mapping/sensor/pose_text.h"
 #include "mapping/simulation/simulated_robot.h"

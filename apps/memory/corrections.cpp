@@ -10,7 +10,7 @@
 #include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_actions.h"
 #include "memory/questions/facts.h"
-#include "memory/questions/taxonomy.h"
+#include "memory/questions/names/taxonomy.h"
 #include "memory/recorder/map_entry.h"
 
 namespace loci::apps {

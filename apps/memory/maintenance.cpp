@@ -17,10 +17,10 @@
 #include "memory/questions/snapshot.h"
 #include "memory/reasoning/reason.h"
 #include "memory/recorder/checkpoint.h"
-#include "memory/store/forgotten_tokens.h"
+#include "memory/store/erasure/forgotten_tokens.h"
+#include "memory/store/erasure/retention.h"
 #include "memory/store/memory_file.h"
-#include "memory/store/merge.h"
-#include "memory/store/retention.h"
+#include "memory/store/rows/merge.h"
 
 namespace loci::apps {
 

@@ -12,7 +12,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/output_file.h"
 #include "mapping/base/text.h"
-#include "memory/questions/digest.h"
+#include "memory/questions/routines/digest.h"
 #include "memory/questions/snapshot.h"
 #include "memory/reasoning/why.h"
 #include "memory/report/digest_page.h"

@@ -10,9 +10,9 @@
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
-#include "memory/questions/answer_fields.h"
-#include "memory/questions/answer_format.h"
-#include "memory/questions/standing_question.h"
+#include "memory/questions/replies/answer_fields.h"
+#include "memory/questions/replies/answer_format.h"
+#include "memory/questions/routines/standing_question.h"
 
 namespace loci::apps {
 namespace {

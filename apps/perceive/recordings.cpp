@@ -24,7 +24,7 @@
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
 #include "memory/exchange/marker_layers.h"
-#include "memory/questions/map_names.h"
+#include "memory/questions/names/map_names.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/frame_outcome.h"
 #include "perception/annotators/io/labelled_recording.h"

@@ -9,7 +9,7 @@ Command record_command() {
   return {"record",
           "Render a scenario as a recording",
           {"loci-simulate record apps/samples/day.yaml -o demo-output/day",
-           "loci-simulate record apps/samples/tour.yaml -o demo-output/tour --seed 1 --noise kinect"},
+           "loci-simulate record apps/samples/openings.yaml -o demo-output/openings --seed 2 --noise none"},
           [](ArgumentTable& table) {
             struct Arguments {
               std::string scenario, output;

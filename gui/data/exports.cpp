@@ -4,7 +4,7 @@
 
 #include "mapping/base/csv.h"
 #include "mapping/base/json.h"
-#include "mapping/exchange/ply.h"
+#include "mapping/exchange/formats/ply.h"
 
 namespace loci::gui {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "mapping/base/json.h"
 #include "memory/questions/events.h"
-#include "memory/questions/map_names.h"
+#include "memory/questions/names/map_names.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::gui {

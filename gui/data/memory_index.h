@@ -9,8 +9,8 @@
 
 #include "mapping/base/progress.h"
 #include "mapping/world/world.h"
-#include "memory/questions/answer_parts.h"
-#include "memory/questions/map_names.h"
+#include "memory/questions/names/map_names.h"
+#include "memory/questions/replies/answer_parts.h"
 #include "memory/store/store.h"
 
 namespace loci::gui {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mapping/base/time.h"
-#include "memory/store/rows.h"
+#include "memory/store/rows/rows.h"
 
 namespace loci::memory {
 class Store;

@@ -10,7 +10,7 @@
 #include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
 #include "mapping/sensor/pixel_kind.h"
-#include "memory/store/rows.h"
+#include "memory/store/rows/rows.h"
 
 namespace loci::memory {
 class Store;

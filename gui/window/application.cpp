@@ -24,7 +24,7 @@
 #include "gui/window/main_window.h"
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
-#include "mapping/exchange/ply.h"
+#include "mapping/exchange/formats/ply.h"
 
 namespace loci::gui {
 namespace {

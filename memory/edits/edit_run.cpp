@@ -5,7 +5,7 @@
 #include <map>
 
 #include "mapping/base/json.h"
-#include "memory/questions/map_names.h"
+#include "memory/questions/names/map_names.h"
 #include "memory/reasoning/reason.h"
 #include "memory/store/run_configuration.h"
 

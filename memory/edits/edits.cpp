@@ -10,7 +10,7 @@
 #include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_run.h"
 #include "memory/questions/facts.h"
-#include "memory/questions/map_names.h"
+#include "memory/questions/names/map_names.h"
 #include "memory/questions/snapshot.h"
 #include "memory/recorder/checkpoint.h"
 #include "memory/store/run_configuration.h"

@@ -6,7 +6,7 @@
 
 #include "mapping/image/hsv.h"
 #include "mapping/world/kinematics.h"
-#include "memory/questions/names.h"
+#include "memory/questions/names/names.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {

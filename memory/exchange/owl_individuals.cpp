@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "mapping/exchange/owl_document.h"
+#include "mapping/exchange/formats/owl_document.h"
 
 namespace loci::memory {
 namespace {

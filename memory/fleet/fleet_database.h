@@ -2,7 +2,7 @@
 
 #include "mapping/base/error.h"
 #include "memory/fleet/postgres_connection.h"
-#include "memory/store/table_rows.h"
+#include "memory/store/rows/table_rows.h"
 
 namespace loci::memory {
 

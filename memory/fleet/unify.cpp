@@ -9,7 +9,7 @@
 #include "memory/fleet/fleet_replica.h"
 #include "memory/fleet/push.h"
 #include "memory/reasoning/reason.h"
-#include "memory/store/merge.h"
+#include "memory/store/rows/merge.h"
 
 namespace loci::memory {
 namespace {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <limits>
 
-#include "memory/questions/answer_fields.h"
-#include "memory/questions/answer_format.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/events.h"
-#include "memory/questions/reply_parts.h"
+#include "memory/questions/replies/answer_fields.h"
+#include "memory/questions/replies/answer_format.h"
+#include "memory/questions/replies/reply_parts.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "memory/questions/question.h"
-#include "memory/questions/reply.h"
+#include "memory/questions/replies/reply.h"
 
 namespace loci::memory {
 

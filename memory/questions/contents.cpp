@@ -7,9 +7,9 @@
 #include <limits>
 #include <set>
 
-#include "memory/questions/answer_fields.h"
-#include "memory/questions/answer_format.h"
 #include "memory/questions/question.h"
+#include "memory/questions/replies/answer_fields.h"
+#include "memory/questions/replies/answer_format.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {

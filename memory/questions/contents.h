@@ -1,7 +1,7 @@
 #pragma once
 
 #include "mapping/base/json_fwd.h"
-#include "memory/questions/answer_parts.h"
+#include "memory/questions/replies/answer_parts.h"
 #include "memory/questions/time_parser.h"
 
 namespace loci::memory {

@@ -5,7 +5,7 @@
 
 #include "mapping/base/json_fwd.h"
 #include "mapping/world/world.h"
-#include "memory/questions/answer_parts.h"
+#include "memory/questions/replies/answer_parts.h"
 #include "memory/questions/time_parser.h"
 
 namespace loci::memory {

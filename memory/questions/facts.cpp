@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "mapping/base/text.h"
-#include "memory/questions/answer_fields.h"
-#include "memory/questions/answer_format.h"
-#include "memory/questions/map_names.h"
+#include "memory/questions/names/map_names.h"
+#include "memory/questions/replies/answer_fields.h"
+#include "memory/questions/replies/answer_format.h"
 #include "memory/questions/snapshot.h"
 #include "memory/store/scene_transaction.h"
 

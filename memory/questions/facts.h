@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mapping/base/json_fwd.h"
-#include "memory/questions/answer_parts.h"
+#include "memory/questions/replies/answer_parts.h"
 
 namespace loci::memory {
 

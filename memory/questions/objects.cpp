@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <set>
 
-#include "memory/questions/answer_fields.h"
-#include "memory/questions/answer_format.h"
 #include "memory/questions/events.h"
 #include "memory/questions/question.h"
-#include "memory/questions/reply_parts.h"
+#include "memory/questions/replies/answer_fields.h"
+#include "memory/questions/replies/answer_format.h"
+#include "memory/questions/replies/reply_parts.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {

@@ -14,9 +14,9 @@
 #include <set>
 #include <utility>
 
-#include "memory/questions/answer_fields.h"
-#include "memory/questions/answer_format.h"
 #include "memory/questions/question.h"
+#include "memory/questions/replies/answer_fields.h"
+#include "memory/questions/replies/answer_format.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {

@@ -7,10 +7,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/image/image_io.h"
-#include "memory/questions/answer_fields.h"
-#include "memory/questions/answer_format.h"
-#include "memory/questions/embeddings.h"
+#include "memory/questions/names/embeddings.h"
 #include "memory/questions/question.h"
+#include "memory/questions/replies/answer_fields.h"
+#include "memory/questions/replies/answer_format.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {

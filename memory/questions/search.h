@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "mapping/base/json_fwd.h"
-#include "memory/questions/answer_parts.h"
+#include "memory/questions/replies/answer_parts.h"
 #include "memory/questions/time_parser.h"
 
 namespace loci::memory {

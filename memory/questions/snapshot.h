@@ -5,10 +5,10 @@
 #include <unordered_map>
 
 #include "mapping/base/error.h"
-#include "memory/questions/answer_parts.h"
-#include "memory/questions/class_verdict.h"
-#include "memory/questions/map_names.h"
-#include "memory/questions/taxonomy.h"
+#include "memory/questions/names/class_verdict.h"
+#include "memory/questions/names/map_names.h"
+#include "memory/questions/names/taxonomy.h"
+#include "memory/questions/replies/answer_parts.h"
 #include "memory/store/place_motion.h"
 
 namespace loci::memory {

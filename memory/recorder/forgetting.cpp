@@ -5,7 +5,7 @@
 
 #include "memory/belief/serialization.h"
 #include "memory/recorder/checkpoint.h"
-#include "memory/store/retention.h"
+#include "memory/store/erasure/retention.h"
 
 namespace loci::memory {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "memory/belief/scene.h"
-#include "memory/store/rows.h"
+#include "memory/store/rows/rows.h"
 #include "perception/cas/cas.h"
 
 namespace loci::memory {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mapping/base/html.h"
-#include "memory/questions/answer_format.h"
+#include "memory/questions/replies/answer_format.h"
 
 namespace loci::memory {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "memory/questions/digest.h"
+#include "memory/questions/routines/digest.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {

@@ -8,7 +8,7 @@
 
 #include "mapping/base/html.h"
 #include "memory/questions/contents.h"
-#include "memory/questions/map_names.h"
+#include "memory/questions/names/map_names.h"
 #include "memory/questions/presence.h"
 #include "memory/report/report_data.h"
 

@@ -10,7 +10,7 @@
 
 #include "mapping/base/csv.h"
 #include "mapping/base/json.h"
-#include "memory/questions/map_names.h"
+#include "memory/questions/names/map_names.h"
 #include "memory/questions/time_parser.h"
 #include "memory/store/store.h"
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "mapping/base/text.h"
-#include "memory/questions/related_words.h"
+#include "memory/questions/names/related_words.h"
 #include "memory/sentences/sentence_time.h"
 #include "memory/sentences/spelling.h"
 #include "memory/sentences/vocabulary.h"

@@ -5,11 +5,11 @@
 #include <set>
 
 #include "mapping/base/text.h"
-#include "memory/questions/related_words.h"
+#include "memory/questions/names/related_words.h"
+#include "memory/sentences/clauses/relative_clause.h"
 #include "memory/sentences/discourse.h"
 #include "memory/sentences/intent_model.h"
 #include "memory/sentences/mentions.h"
-#include "memory/sentences/relative_clause.h"
 #include "memory/sentences/sentence_time.h"
 #include "memory/wordnet/wordnet.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mapping/base/text.h"
-#include "memory/questions/related_words.h"
+#include "memory/questions/names/related_words.h"
 #include "memory/sentences/discourse.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/wordnet/wordnet.h"

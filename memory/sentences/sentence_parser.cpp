@@ -5,7 +5,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/text.h"
-#include "memory/sentences/clause.h"
+#include "memory/sentences/clauses/clause.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/spelling.h"
 

@@ -10,7 +10,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/time.h"
 #include "memory/edits/edit_actions.h"
-#include "memory/questions/map_names.h"
+#include "memory/questions/names/map_names.h"
 #include "memory/questions/question.h"
 #include "memory/sentences/natural_language.h"
 #include "memory/store/store.h"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "memory/store/derived_rows.h"
-#include "memory/store/row_columns.h"
+#include "memory/store/rows/derived_rows.h"
+#include "memory/store/rows/row_columns.h"
 
 namespace loci::memory {
 namespace {

@@ -5,9 +5,9 @@
 #include <zstd.h>
 
 #include "mapping/base/hash.h"
-#include "memory/store/digest.h"
-#include "memory/store/row_columns.h"
-#include "memory/store/schema_check.h"
+#include "memory/store/rows/digest.h"
+#include "memory/store/rows/row_columns.h"
+#include "memory/store/rows/schema_check.h"
 
 namespace loci::memory {
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "mapping/base/json_fwd.h"
-#include "memory/store/rows.h"
+#include "memory/store/rows/rows.h"
 
 namespace loci::memory {
 

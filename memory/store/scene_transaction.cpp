@@ -1,8 +1,8 @@
 #include "memory/store/scene_transaction.h"
 
 #include "mapping/base/hash.h"
-#include "memory/store/derived_rows.h"
-#include "memory/store/row_columns.h"
+#include "memory/store/rows/derived_rows.h"
+#include "memory/store/rows/row_columns.h"
 
 namespace loci::memory {
 SceneTransaction::SceneTransaction(Store& store, Id run)

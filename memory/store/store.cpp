@@ -13,12 +13,12 @@
 #include <ranges>
 
 #include "mapping/base/hash.h"
-#include "memory/store/derived_rows.h"
-#include "memory/store/digest.h"
 #include "memory/store/format.h"
 #include "memory/store/memory_file.h"
-#include "memory/store/row_columns.h"
-#include "memory/store/schema_check.h"
+#include "memory/store/rows/derived_rows.h"
+#include "memory/store/rows/digest.h"
+#include "memory/store/rows/row_columns.h"
+#include "memory/store/rows/schema_check.h"
 
 namespace loci::memory {
 namespace {

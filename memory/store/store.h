@@ -14,7 +14,7 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 #include "mapping/base/time_zone.h"
-#include "memory/store/rows.h"
+#include "memory/store/rows/rows.h"
 
 namespace loci::memory {
 

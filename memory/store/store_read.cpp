@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
-#include "memory/store/row_columns.h"
-#include "memory/store/schema_check.h"
+#include "memory/store/rows/row_columns.h"
+#include "memory/store/rows/schema_check.h"
 
 namespace loci::memory {
 namespace {

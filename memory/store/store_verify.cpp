@@ -2,9 +2,9 @@
 
 #include "mapping/base/hash.h"
 #include "mapping/base/json.h"
-#include "memory/store/derived_rows.h"
-#include "memory/store/digest.h"
-#include "memory/store/row_columns.h"
+#include "memory/store/rows/derived_rows.h"
+#include "memory/store/rows/digest.h"
+#include "memory/store/rows/row_columns.h"
 #include "memory/store/run_configuration.h"
 
 namespace loci::memory {

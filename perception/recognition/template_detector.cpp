@@ -153,7 +153,7 @@ bool TemplateDetector::add_view(const std::string& name, const cv::Mat& color, c
       for (const auto& [rank, at] : places) {
         if (chosen.size() >= kMaxFeatures) break;
         if (std::all_of(chosen.begin(), chosen.end(),
-                        [&](const cv::Point& other) { return cv::norm(at - other) >= apart; }))
+                        [&, &at = at](const cv::Point& other) { return cv::norm(at - other) >= apart; }))
           chosen.push_back(at);
       }
     for (const cv::Point& at : chosen)

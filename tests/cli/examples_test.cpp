@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <set>
 #include <sstream>
 #include <vector>
 
@@ -86,7 +87,9 @@ class Examples : public testing::Test {
 
   void TearDown() override { fs::remove_all(root_); }
 
-  void expect_works(std::string command) const {
+  /// Runs a command, unless it has been run already.
+  void expect_works(std::string command) {
+    if (!done_.insert(command).second) return;
     const Stopwatch watch;
     if (command.find("postgresql://") != std::string::npos) {
       if (!server_) return;
@@ -99,6 +102,7 @@ class Examples : public testing::Test {
   }
 
   fs::path root_;
+  std::set<std::string> done_;
   std::unique_ptr<loci::testing_support::PostgresServer> server_;
 };
 

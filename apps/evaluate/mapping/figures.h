@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/exchange/compare.h"
+#include "mapping/exchange/comparison/compare.h"
 
 namespace loci::apps::mapping_claim {
 

@@ -11,7 +11,7 @@
 #include "mapping/base/text.h"
 #include "mapping/simulation/record.h"
 #include "memory/questions/facts.h"
-#include "memory/questions/taxonomy.h"
+#include "memory/questions/names/taxonomy.h"
 
 namespace loci::apps::questions {
 namespace {

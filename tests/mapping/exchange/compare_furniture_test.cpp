@@ -1,4 +1,4 @@
-#include "mapping/exchange/compare_furniture.h"
+#include "mapping/exchange/comparison/compare_furniture.h"
 #include "mapping/base/files.h"
 #include "mapping/base/math.h"
 

@@ -1,4 +1,4 @@
-#include "mapping/exchange/compare.h"
+#include "mapping/exchange/comparison/compare.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

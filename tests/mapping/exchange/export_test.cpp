@@ -9,11 +9,11 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
-#include "mapping/exchange/gltf.h"
+#include "mapping/exchange/formats/gltf.h"
+#include "mapping/exchange/formats/occupancy_grid.h"
+#include "mapping/exchange/formats/owl.h"
+#include "mapping/exchange/formats/ply.h"
 #include "mapping/exchange/link_graph.h"
-#include "mapping/exchange/occupancy_grid.h"
-#include "mapping/exchange/owl.h"
-#include "mapping/exchange/ply.h"
 #include "tests/mapping/exchange/furnished_map.h"
 
 namespace loci::mapping::test {

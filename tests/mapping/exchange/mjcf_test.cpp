@@ -1,4 +1,4 @@
-#include "mapping/exchange/mjcf.h"
+#include "mapping/exchange/formats/mjcf.h"
 
 #include <gmock/gmock.h>
 #include <mujoco/mujoco.h>

@@ -1,4 +1,4 @@
-#include "mapping/exchange/sdf.h"
+#include "mapping/exchange/formats/sdf.h"
 
 #include <gtest/gtest.h>
 

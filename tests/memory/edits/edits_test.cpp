@@ -10,7 +10,7 @@
 #include "memory/questions/events.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/location.h"
-#include "memory/questions/map_names.h"
+#include "memory/questions/names/map_names.h"
 #include "memory/questions/objects.h"
 #include "memory/questions/snapshot.h"
 #include "tests/memory/questions/day_fixture.h"

@@ -5,8 +5,8 @@
 
 #include "mapping/base/json.h"
 #include "memory/edits/edits.h"
-#include "memory/questions/map_names.h"
-#include "memory/questions/taxonomy.h"
+#include "memory/questions/names/map_names.h"
+#include "memory/questions/names/taxonomy.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {

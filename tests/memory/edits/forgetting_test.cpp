@@ -13,9 +13,9 @@
 #include "memory/questions/location.h"
 #include "memory/questions/objects.h"
 #include "memory/recorder/checkpoint.h"
-#include "memory/store/forgotten_tokens.h"
-#include "memory/store/merge.h"
-#include "memory/store/retention.h"
+#include "memory/store/erasure/forgotten_tokens.h"
+#include "memory/store/erasure/retention.h"
+#include "memory/store/rows/merge.h"
 #include "tests/memory/questions/day_fixture.h"
 #include "tests/support/random_memory.h"
 

@@ -8,9 +8,9 @@
 #include "mapping/base/stopwatch.h"
 #include "memory/edits/edits.h"
 #include "memory/recorder/checkpoint.h"
-#include "memory/store/forgotten_tokens.h"
-#include "memory/store/merge.h"
-#include "memory/store/retention.h"
+#include "memory/store/erasure/forgotten_tokens.h"
+#include "memory/store/erasure/retention.h"
+#include "memory/store/rows/merge.h"
 #include "tests/memory/fleet/fleet_fixture.h"
 
 namespace loci::memory {

@@ -3,7 +3,7 @@
 #include "memory/edits/edits.h"
 #include "memory/questions/location.h"
 #include "memory/recorder/checkpoint.h"
-#include "memory/store/forgotten_tokens.h"
+#include "memory/store/erasure/forgotten_tokens.h"
 #include "tests/memory/fleet/fleet_fixture.h"
 
 namespace loci::memory {

@@ -1,4 +1,4 @@
-#include "memory/questions/answer_fields.h"
+#include "memory/questions/replies/answer_fields.h"
 
 #include <gmock/gmock.h>
 

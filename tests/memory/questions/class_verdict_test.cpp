@@ -1,4 +1,4 @@
-#include "memory/questions/class_verdict.h"
+#include "memory/questions/names/class_verdict.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "memory/questions/co_occurrence.h"
+#include "memory/questions/routines/co_occurrence.h"
 
 #include "memory/questions/contents.h"
 #include "tests/memory/questions/day_fixture.h"

@@ -1,10 +1,10 @@
 // A day in one answer.
 
-#include "memory/questions/digest.h"
+#include "memory/questions/routines/digest.h"
 
 #include "mapping/base/json.h"
 #include "memory/questions/question.h"
-#include "memory/questions/reply.h"
+#include "memory/questions/replies/reply.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {

@@ -6,7 +6,7 @@
 #include "mapping/base/json.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/location.h"
-#include "memory/questions/taxonomy.h"
+#include "memory/questions/names/taxonomy.h"
 #include "memory/sentences/natural_language.h"
 #include "tests/memory/questions/synthetic_day.h"
 #include "tests/memory/store/temporary_folder.h"

@@ -5,7 +5,7 @@
 #include "memory/questions/objects.h"
 #include "memory/questions/presence.h"
 #include "memory/questions/question.h"
-#include "memory/questions/reply.h"
+#include "memory/questions/replies/reply.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {

@@ -1,4 +1,4 @@
-#include "memory/questions/routines.h"
+#include "memory/questions/routines/routines.h"
 
 #include "tests/memory/questions/day_fixture.h"
 

@@ -1,6 +1,6 @@
 // Events to wait for.
 
-#include "memory/questions/standing_question.h"
+#include "memory/questions/routines/standing_question.h"
 
 #include "tests/memory/questions/day_fixture.h"
 

@@ -5,8 +5,8 @@
 #include "memory/questions/facts.h"
 #include "memory/questions/location.h"
 #include "memory/questions/presence.h"
-#include "memory/questions/routines.h"
-#include "memory/questions/tasks.h"
+#include "memory/questions/routines/routines.h"
+#include "memory/questions/routines/tasks.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {

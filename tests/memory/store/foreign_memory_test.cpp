@@ -6,7 +6,7 @@
 
 #include "mapping/image/image_io.h"
 #include "memory/store/memory_file.h"
-#include "memory/store/merge.h"
+#include "memory/store/rows/merge.h"
 #include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"

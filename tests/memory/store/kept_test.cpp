@@ -8,8 +8,8 @@
 
 #include "mapping/base/files.h"
 #include "mapping/image/image_io.h"
-#include "memory/store/merge.h"
-#include "memory/store/retention.h"
+#include "memory/store/erasure/retention.h"
+#include "memory/store/rows/merge.h"
 #include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"

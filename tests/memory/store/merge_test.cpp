@@ -1,11 +1,11 @@
-#include "memory/store/merge.h"
+#include "memory/store/rows/merge.h"
 #include "mapping/base/math.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 
 #include "mapping/base/files.h"
-#include "memory/store/retention.h"
+#include "memory/store/erasure/retention.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"
 

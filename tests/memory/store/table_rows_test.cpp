@@ -1,6 +1,6 @@
 // Rows as they are, from one memory into another.
 
-#include "memory/store/table_rows.h"
+#include "memory/store/rows/table_rows.h"
 
 #include <gmock/gmock.h>
 

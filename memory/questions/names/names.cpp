@@ -1,0 +1,83 @@
+#include "memory/questions/names/names.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+
+#include "mapping/base/text.h"
+
+namespace loci::memory {
+namespace {
+
+bool is_gone(const Snapshot& snapshot, Id object) {
+  const BeliefRow* belief = snapshot.belief(object);
+  return belief == nullptr || belief->status == ObjectStatus::gone;
+}
+
+/// Objects that the name may mean as well; those that have gone only where `object` has.
+std::vector<Id> namesakes(const Snapshot& snapshot, const std::string& name, Id object) {
+  std::vector<Id> all;
+  try {
+    all = snapshot.find_objects(name);
+  } catch (const UnknownName&) {
+    return {};  // a name that is not a word of a question
+  }
+  const bool gone = is_gone(snapshot, object);
+  std::erase_if(all, [&](Id other) { return other == object || (is_gone(snapshot, other) && !gone); });
+  return all;
+}
+
+}  // namespace
+
+std::string Names::of(const ObjectRef& object) const {
+  if (!object.label && !object.color) return object.name;
+  const std::string word = object.label ? *object.label : *object.color;
+  const std::string name = object.label ? *object.label : *object.color + " object";
+  const std::vector<Id> others = namesakes(snapshot_, word, object.id);
+  const auto none_is = [&](auto same) {
+    return std::ranges::none_of(others, [&](Id other) { return same(*snapshot_.belief(other)); });
+  };
+  if (others.empty()) return name;
+  if (object.label && object.color &&
+      none_is([&](const BeliefRow& row) { return row.color == object.color; }))
+    return *object.color + " " + name;
+  const BeliefRow* belief = snapshot_.belief(object.id);
+  if (belief != nullptr && belief->place &&
+      none_is([&](const BeliefRow& row) { return row.place == belief->place; }))
+    if (const auto place = snapshot_.place_ref(belief->place)) return name + " " + in_words(*place);
+  return object.label ? name + " " + object.name : *object.color + " " + object.name;
+}
+
+std::string with_article(const std::string& name) {
+  static const std::set<std::string> determiners = {"the",  "a",   "an",  "my",    "our",
+                                                    "your", "his", "her", "their", "its"};
+  const std::string first = lower_case(name.substr(0, name.find(' ')));
+  return determiners.contains(first) || first.ends_with("'s") ? name : "the " + name;
+}
+
+std::string Names::subject(const ObjectRef& object) const {
+  const std::string name = of(object);
+  return name == object.name ? name : with_article(name);
+}
+
+std::string name_in_words(const std::string& place) {
+  constexpr std::string_view kBottom = "_bottom";
+  return place.ends_with(kBottom) ? place.substr(0, place.size() - kBottom.size()) : place;
+}
+
+std::string in_words(const PlaceRef& place) {
+  return (place.container ? "in " : "on ") + name_in_words(place.name);
+}
+
+std::string list_in_words(const std::vector<std::string>& names, size_t count) {
+  if (names.empty()) return "nothing";
+  if (names.size() == 1) return names[0];
+  const size_t shown = names.size() > count ? count - 1 : names.size() - 1;
+  return fmt::format("{} and {}",
+                     fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
+                     names.size() > count ? fmt::format("{} more", names.size() - shown) : names.back());
+}
+
+}  // namespace loci::memory

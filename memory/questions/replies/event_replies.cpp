@@ -1,0 +1,549 @@
+// The replies about what happened, what opens, and what to do.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "memory/questions/environment.h"
+#include "memory/questions/events.h"
+#include "memory/questions/names/names.h"
+#include "memory/questions/replies/answer_format.h"
+#include "memory/questions/replies/reply_parts.h"
+#include "memory/questions/routines/co_occurrence.h"
+#include "memory/questions/routines/digest.h"
+#include "memory/questions/routines/tasks.h"
+#include "memory/questions/search.h"
+
+namespace loci::memory {
+
+using namespace format;
+using namespace replies;
+
+namespace {
+
+/// "drawer_1" for drawer_1_front_joint.
+std::string joint_in_words(const Change& change) {
+  if (change.place) return name_in_words(change.place->name);
+  std::string name = change.joint.value_or("a joint");
+  for (const std::string_view ending : {"_joint", "_front"})
+    if (name.ends_with(ending)) name.resize(name.size() - ending.size());
+  return name;
+}
+
+/// "the milk moved from table_1 to counter_1".
+std::string happened(const Change& change, const Names& names) {
+  if (change.kind == EventKind::joint_changed)
+    return fmt::format("{} {}", joint_in_words(change), is_opening(change) ? "opened" : "closed");
+  if (change.kind == EventKind::place_moved)
+    return fmt::format("{} was moved", change.place ? name_in_words(change.place->name) : "furniture");
+  const std::string name = change.object ? bare_subject(*change.object, names) : "an object";
+  const auto at = [&](const std::optional<PlaceRef>& place) { return place ? " " + in_words(*place) : ""; };
+  switch (change.kind) {
+    case EventKind::moved:
+      if (change.place && change.from_place && change.place->id != change.from_place->id)
+        return fmt::format("{} moved from {} to {}", name, name_in_words(change.from_place->name),
+                           name_in_words(change.place->name));
+      return fmt::format("{} moved{}", name, at(change.place));
+    case EventKind::gone: {
+      const auto& from = change.from_place ? change.from_place : change.place;
+      return fmt::format("{} has gone{}", name, from ? " from " + name_in_words(from->name) : "");
+    }
+    case EventKind::appeared:
+      return fmt::format("{} appeared{}", name, at(change.place));
+    case EventKind::reappeared:
+      return fmt::format("{} came back{}", name, at(change.place));
+    case EventKind::hidden:
+      return fmt::format("{} was hidden{}", name, at(change.place ? change.place : change.from_place));
+    default:
+      return fmt::format("{} looked different{}", name, at(change.place));
+  }
+}
+
+std::string between_text(const Change& change, const TimeWriter& times) {
+  return change.since
+             ? (times.text(*change.since) == times.text(change.time)
+                    ? "At " + times.text(change.time)
+                    : fmt::format("Between {} and {}", times.text(*change.since), times.text(change.time)))
+             : "By " + times.text(change.time);
+}
+
+/// Whether the memory would know of a change: whether what was asked about was seen in the period.
+bool was_watched(const Snapshot& snapshot, const ReplyContext& context, const ChangesAnswer& answer) {
+  const Query& query = context.query;
+  const std::vector<SceneRow> scenes = context.store.scenes(context.as_of, answer.from, answer.to);
+  if (scenes.empty()) return false;
+  const std::string object = query.argument("object"), place = query.argument("place"),
+                    kind = query.argument("kind");
+  if (kind == "opened" || kind == "closed" ||
+      (object.empty() && !place.empty() && !joints_called(snapshot, place).empty()))
+    return std::ranges::any_of(scenes, [](const SceneRow& scene) { return !scene.joints.empty(); });
+  const TimeNs from = answer.from.value_or(scenes.front().time), to = answer.to.value_or(scenes.back().time);
+  if (!object.empty())
+    return std::ranges::any_of(snapshot.find_objects(object), [&](Id id) {
+      return !context.store.observations_of(id, context.as_of, from, to).empty();
+    });
+  if (place.empty()) return true;
+  return std::ranges::any_of(snapshot.find_places(place), [&](const PlaceRow& row) {
+    return std::ranges::any_of(
+        context.store.visibility_of_place(row.id, from, to),
+        [](const VisibilityRow& view) { return view.fraction.value_or(0) >= kMinSeenFraction; });
+  });
+}
+
+/// What the changes that were asked for are called: "No move of it is known."
+std::string none_text(const Query& query) {
+  const std::string kind = query.argument("kind"), place = name_in_words(query.argument("place"));
+  const std::string what = kind == "opened"    ? place + " was not opened"
+                           : kind == "closed"  ? place + " was not closed"
+                           : kind == "handled" ? "no move was seen"
+                           : kind == "left"    ? "nothing was seen to leave"
+                           : kind == "came"    ? "nothing was seen to come"
+                                               : "no change was seen";
+  return what;
+}
+
+void no_changes(const ChangesAnswer& answer, const Snapshot& snapshot, const ReplyContext& context,
+                Reply& reply) {
+  const bool watched = was_watched(snapshot, context, answer);
+  const std::string text = none_text(context.query);
+  switch (context.query.asks) {
+    case Asks::verdict:
+      reply.verdict = watched ? Verdict::no : Verdict::not_observed;
+      reply.text = watched ? fmt::format("No: {} then.", text) : "Not observed: nobody looked then.";
+      break;
+    case Asks::number:
+      if (watched) reply.number = 0;
+      reply.not_known = !watched;
+      reply.text = fmt::format("Never, as far as is known: {}.", text);
+      break;
+    case Asks::objects:
+      reply.not_known = true;  // a change can escape every look
+      reply.text = fmt::format("None known: {} then.", text);
+      break;
+    default:
+      reply.not_known = true;
+      reply.text = fmt::format("Not known: {}.", text);
+  }
+}
+
+/// From the last opening to the closing after it, or to the last scene.
+void how_long_open(const ChangesAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Change *opened = nullptr, *closed = nullptr;
+  for (const Change& change : answer.changes) {
+    if (change.kind != EventKind::joint_changed) continue;
+    if (is_opening(change))
+      opened = &change, closed = nullptr;
+    else if (opened != nullptr)
+      closed = &change;
+  }
+  if (opened == nullptr) {
+    reply.not_known = true;
+    reply.text = "Not known: it was not seen open.";
+    return;
+  }
+  const auto latest = context.store.latest_scene(context.as_of);
+  const TimeNs end = closed != nullptr ? closed->time : latest ? latest->time : opened->time;
+  reply.duration = std::max<TimeNs>(0, end - opened->since.value_or(opened->time));
+  reply.time = TimeSpan{opened->time, end};
+  reply.text =
+      fmt::format("At most {}: {} opened by {} and {}.", duration_text(*reply.duration),
+                  joint_in_words(*opened), context.times.text(opened->time),
+                  closed != nullptr ? "closed by " + context.times.text(closed->time) : "is still open");
+}
+
+/// What the most changes are of.
+void most_often(const ChangesAnswer& answer, const Names& names, Reply& reply) {
+  std::map<std::string, size_t> counts;
+  for (const Change& change : answer.changes)
+    ++counts[change.object ? without_place(names.of(*change.object)) : joint_in_words(change)];
+  size_t most = 0;
+  for (const auto& [name, count] : counts) most = std::max(most, count);
+  std::vector<std::string> list;
+  reply.objects.clear();
+  reply.places.clear();
+  for (const Change& change : answer.changes) {
+    const std::string name = change.object ? without_place(names.of(*change.object)) : joint_in_words(change);
+    if (counts[name] != most || std::ranges::count(list, name) > 0) continue;
+    list.push_back(name);
+    if (change.object) reply.objects.push_back(change.object->id);
+    if (!change.object) reply.places.push_back(change.place ? change.place->name : name);
+  }
+  reply.text = fmt::format("{}, {}.", list_in_words(list), counted(most, "time"));
+}
+
+/// What the first or the last changes are of: several where they were seen at once.
+void at_one_end(const ChangesAnswer& answer, const Names& names, const ReplyContext& context, Reply& reply) {
+  const bool first = context.query.asks == Asks::earliest;
+  const TimeNs time = first ? answer.changes.front().time : answer.changes.back().time;
+  std::vector<std::string> list;
+  reply.objects.clear();
+  for (const Change& change : answer.changes)
+    if (change.object && change.time == time && std::ranges::count(reply.objects, change.object->id) == 0) {
+      reply.objects.push_back(change.object->id);
+      list.push_back(without_place(names.of(*change.object)));
+    }
+  reply.text = fmt::format("{}, by {}.", list_in_words(list), context.times.text(time));
+}
+
+/// "How many objects were moved?", not "How often was it moved?"
+bool counts_objects(const Query& query) {
+  static const std::set<std::string> kinds = {"came", "left", "relocated"};
+  return query.argument("object").empty() && kinds.contains(query.argument("kind"));
+}
+
+/// The time of the last scene with a person in view from before a change was seen to that moment.
+std::optional<TimeNs> person_in_view(const ReplyContext& context, const Change& change) {
+  return context.store.last_annotated("loci.annotation.PersonAnnotation", change.since.value_or(change.time),
+                                      change.time, context.as_of);
+}
+
+}  // namespace
+
+void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  if (answer.changes.empty()) return no_changes(answer, snapshot, context, reply);
+  const Change& last = answer.changes.back();
+  std::vector<std::string> list;
+  for (const Change& change : answer.changes) {
+    const std::string name = change.object ? without_place(names.of(*change.object)) : joint_in_words(change);
+    if (change.object && std::ranges::count(reply.objects, change.object->id) == 0)
+      reply.objects.push_back(change.object->id);
+    if (std::ranges::count(list, name) == 0) list.push_back(name);
+    const std::string part = change.place ? change.place->name : joint_in_words(change);
+    if (!change.object && std::ranges::count(reply.places, part) == 0) reply.places.push_back(part);
+  }
+  const std::string what = happened(last, names);
+  switch (context.query.asks) {
+    case Asks::verdict:
+      reply.verdict = Verdict::yes;
+      reply.text = fmt::format("Yes: {} by {}.", what, context.times.text(last.time));
+      break;
+    case Asks::last_time:
+      reply.time = TimeSpan{last.since.value_or(last.time), last.time};
+      reply.text = fmt::format("{}: {}.", between_text(last, context.times), what);
+      break;
+    case Asks::first_time: {
+      const Change& first = answer.changes.front();
+      reply.time = TimeSpan{first.since.value_or(first.time), first.time};
+      reply.text = fmt::format("{}: {}.", between_text(first, context.times), happened(first, names));
+      break;
+    }
+    case Asks::duration:
+      how_long_open(answer, context, reply);
+      break;
+    case Asks::most:
+      most_often(answer, names, reply);
+      break;
+    case Asks::earliest:
+    case Asks::latest:
+      at_one_end(answer, names, context, reply);
+      break;
+    case Asks::number:
+      if (counts_objects(context.query)) {
+        reply.number = reply.objects.size();
+        reply.text = fmt::format("{}: {}.", reply.objects.size(), list_in_words(list));
+        break;
+      }
+      reply.number = answer.changes.size();
+      reply.text = fmt::format("{}, the last by {}: {}.", counted(answer.changes.size(), "time"),
+                               context.times.text(last.time), what);
+      break;
+    case Asks::objects:
+      reply.number = list.size();
+      reply.text = fmt::format("{}.", list_in_words(list));
+      break;
+    case Asks::place:
+      if (last.place) reply.places = {last.place->name};
+      reply.text = fmt::format("{}, by {}.", joint_in_words(last), context.times.text(last.time));
+      break;
+    case Asks::agent:
+      reply.not_known = true;
+      reply.text = fmt::format("Not known who: people are not recognised; {} by {}.", what,
+                               context.times.text(last.time));
+      if (const auto seen = person_in_view(context, last))
+        reply.evidence.push_back("somebody was in view at " + context.times.text(*seen));
+      break;
+    default:
+      reply.not_known = last.kind == EventKind::gone;
+      reply.text = fmt::format(
+          "{} by {}{}.", what, context.times.text(last.time),
+          answer.changes.size() > 1 ? fmt::format(", the last of {} changes", answer.changes.size()) : "");
+  }
+  for (size_t i = answer.changes.size(); i > 0 && reply.evidence.size() < kMaxEvidenceLines; --i) {
+    const Change& change = answer.changes[i - 1];
+    reply.evidence.push_back(
+        fmt::format("{}: {}{}{}", when_text(change, context.times), happened(change, names),
+                    change.probability < 0.995 ? ", " + percent(change.probability) : "",
+                    change.scene ? fmt::format(" [{}]", scene_text(*change.scene)) : ""));
+  }
+}
+
+void write_reply(const ScenesAnswer& answer, const ReplyContext& context, Reply& reply) {
+  reply.number = answer.scenes.size();
+  if (answer.scenes.empty()) {
+    reply.text = "No scene is known then.";
+    return;
+  }
+  const TimeNs first = answer.scenes.front().scene.time, last = answer.scenes.back().scene.time;
+  reply.time = TimeSpan{first, last};
+  reply.text =
+      fmt::format("{} {}.", counted(answer.scenes.size(), "scene"), context.times.span_text(first, last));
+}
+
+void write_reply(const TimelineAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  size_t changes = 0;
+  for (const TimelineEntry& entry : answer.entries) changes += entry.changes.size();
+  if (answer.entries.empty()) {
+    reply.text = "Nothing is known then.";
+    return;
+  }
+  reply.text =
+      fmt::format("{} and {} {}.", counted(answer.entries.size(), "scene"), counted(changes, "change"),
+                  context.times.span_text(answer.entries.front().scene.scene.time,
+                                          answer.entries.back().scene.scene.time));
+  for (auto entry = answer.entries.rbegin(); entry != answer.entries.rend(); ++entry)
+    for (auto change = entry->changes.rbegin(); change != entry->changes.rend(); ++change)
+      if (reply.evidence.size() < kMaxEvidenceLines)
+        reply.evidence.push_back(
+            fmt::format("{}: {}", context.times.text(change->time), happened(*change, names)));
+}
+
+void write_reply(const DigestAnswer& answer, const ReplyContext& context, Reply& reply) {
+  if (answer.scenes == 0) {
+    reply.text = fmt::format("Nothing was observed on {}.", answer.day);
+    return;
+  }
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  reply.text = fmt::format("{}: {}, {}; {} out of the usual place, {} missing.", answer.day,
+                           counted(answer.scenes, "scene"), counted(answer.changes.size(), "change"),
+                           counted(answer.misplaced.size(), "object"), answer.missing.size());
+  const auto list = [&](const char* heading, const auto& items, const auto& name) {
+    constexpr size_t kShown = 6;
+    std::vector<std::string> all;
+    for (const auto& item : items)
+      if (const std::string one = name(item); std::ranges::count(all, one) == 0) all.push_back(one);
+    if (!all.empty()) reply.evidence.push_back(fmt::format("{}: {}", heading, list_in_words(all, kShown)));
+  };
+  list("Changed", answer.changes, [&](const Change& change) {
+    return change.object ? names.of(*change.object) : joint_in_words(change);
+  });
+  list("Out of the usual place", answer.misplaced,
+       [&](const MisplacedObject& object) { return names.of(object.now.object); });
+  list("Missing", answer.missing, [&](const ObjectBelief& belief) { return names.of(belief.object); });
+}
+
+// ---- room, opens
+
+namespace {
+
+void state_evidence(const std::vector<EnvironmentPart>& parts, const ReplyContext& context, Reply& reply) {
+  for (const EnvironmentPart& part : parts) {
+    if (!part.motion) continue;
+    std::string line = part.name + ":";
+    if (part.motion->seen)
+      line += fmt::format(" {} at {}", part.motion->open() ? "open" : "closed",
+                          context.times.text(part.motion->seen->time));
+    if (part.motion->opened) line += ", last opened by " + context.times.text(part.motion->opened->time);
+    if (part.motion->closed) line += ", last closed by " + context.times.text(part.motion->closed->time);
+    reply.evidence.push_back(line);
+  }
+}
+
+/// "Drawer_1 and drawer_2": as people call parts.
+std::string list_of(const std::vector<std::string>& parts) {
+  std::vector<std::string> names;
+  for (const std::string& name : parts) names.push_back(joint_in_words({.joint = name + "_joint"}));
+  return list_in_words(names);
+}
+
+void last_opened(const OpensAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const EnvironmentPart* last = nullptr;
+  for (const EnvironmentPart& part : answer.parts)
+    if (part.motion->opened && (last == nullptr || part.motion->opened->time > last->motion->opened->time))
+      last = &part;
+  reply.not_known = last == nullptr;
+  if (last == nullptr) {
+    reply.text = fmt::format("'{}' was never seen to open.", answer.asked);
+    return;
+  }
+  const Change& opened = *last->motion->opened;
+  reply.time = TimeSpan{opened.since.value_or(opened.time), opened.time};
+  reply.text = fmt::format("{}: {} opened.", between_text(opened, context.times), last->name);
+}
+
+/// Whether one is open, or all are closed.
+void opens_verdict(const OpensAnswer& answer, bool asks_open, const ReplyContext& context, Reply& reply) {
+  std::vector<std::string> open, closed, unknown;
+  for (const EnvironmentPart& part : answer.parts)
+    (!part.motion->position ? unknown : part.motion->open() ? open : closed).push_back(part.name);
+  if (open.empty() && !unknown.empty()) {
+    reply.verdict = Verdict::not_observed;
+    reply.text = fmt::format("Not observed: no look showed how {} stands.", list_of(unknown));
+    return;
+  }
+  reply.verdict = open.empty() == asks_open ? Verdict::no : Verdict::yes;
+  const std::vector<std::string>& named = open.empty() ? closed : open;
+  const std::optional<SceneRef>& seen = answer.parts.front().motion->seen;
+  reply.text = fmt::format("{}: {} {} {}{}.", *reply.verdict == Verdict::yes ? "Yes" : "No", list_of(named),
+                           named.size() == 1 ? "is" : "are", open.empty() ? "closed" : "open",
+                           seen ? ", as of " + context.times.text(seen->time) : "");
+}
+
+}  // namespace
+
+void write_reply(const OpensAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Asks asks = context.query.asks;
+  std::vector<std::string> parts;
+  for (const EnvironmentPart& part : answer.parts) parts.push_back(part.name);
+  state_evidence(answer.parts, context, reply);
+  if (!answer.state.empty()) {
+    reply.places = parts;
+    reply.number = parts.size();
+    reply.text = parts.empty() ? fmt::format("None of '{}' is {}.", answer.asked, answer.state)
+                               : fmt::format("{} {} {}.", list_of(parts), parts.size() == 1 ? "is" : "are",
+                                             answer.state);
+  } else if (parts.empty()) {
+    reply.not_known = true;
+    reply.text = answer.asked.empty() ? "Nothing is known to open."
+                                      : fmt::format("'{}' has no part that moves.", answer.asked);
+  } else if (asks == Asks::last_time) {
+    last_opened(answer, context, reply);
+  } else if (asks == Asks::open || asks == Asks::closed) {
+    opens_verdict(answer, asks == Asks::open, context, reply);
+  } else {
+    reply.number = parts.size();
+    reply.text = fmt::format(
+        "{}: {}.", counted(parts.size(), "part") + (parts.size() == 1 ? " opens" : " open"), list_of(parts));
+  }
+}
+
+void write_reply(const RoomAnswer& answer, const ReplyContext&, Reply& reply) {
+  std::vector<std::string> counts, parts;
+  for (const auto& [name, count] : answer.classes) counts.push_back(counted(count, name));
+  for (const EnvironmentPart& part : answer.parts)
+    parts.push_back(joint_in_words({.joint = part.name + "_joint"}));
+  reply.number = answer.parts.size();
+  reply.text = answer.asked.empty() || answer.asked == "room"
+                   ? fmt::format("{}.", list_in_words(counts, 8))
+                   : fmt::format("{}: {}.", answer.parts.size(), list_in_words(parts));
+}
+
+// ---- together, missing, search, tasks
+
+void write_reply(const CoOccurrenceAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const CoOccurrences& first = answer.objects.front();
+  size_t together = 0;
+  std::vector<std::string> list;
+  for (const CoOccurrence& other : first.others) {
+    together = std::max(together, other.together);
+    reply.objects.push_back(other.object.id);
+    list.push_back(names.of(other.object));
+    reply.evidence.push_back(fmt::format("{}: together in {}, {} of the scenes with either", list.back(),
+                                         counted(other.together, "scene"), percent(other.share)));
+  }
+  const std::string name = names.subject(first.object);
+  if (context.query.asks == Asks::verdict) reply.verdict = together > 0 ? Verdict::yes : Verdict::no;
+  if (context.query.asks == Asks::number) reply.number = together;
+  if (list.empty())
+    reply.text = fmt::format("{}{} was never seen with it.", reply.verdict ? "No: " : "",
+                             answer.other.empty() ? "nothing else" : answer.other);
+  else
+    reply.text = fmt::format("{}{} was seen with {}, most often in {}.", reply.verdict ? "Yes: " : "", name,
+                             list_in_words(list, 4), counted(together, "scene"));
+}
+
+void write_reply(const MissingAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  std::vector<std::string> list;
+  size_t visits = 0;
+  for (const MissingPlace& place : answer.places) {
+    visits += place.visits;
+    for (const ExpectedObject& missing : place.missing) {
+      reply.objects.push_back(missing.now.object.id);
+      list.push_back(bare_subject(missing.now.object, names));
+      reply.evidence.push_back(fmt::format("{} was {} in {} of {}", names.of(missing.now.object),
+                                           in_words(place.place), missing.visits,
+                                           counted(place.visits, "visit")));
+    }
+  }
+  const bool asks_whether = context.query.asks == Asks::exists;
+  if (visits == 0) {
+    reply.not_known = true;
+    reply.text = "Not known: no earlier visit saw anything like this.";
+  } else {
+    reply.number = list.size();
+    if (asks_whether) reply.verdict = list.empty() ? Verdict::no : Verdict::yes;
+    reply.text = fmt::format("{}{} {} missing.", asks_whether ? (list.empty() ? "No: " : "Yes: ") : "",
+                             list_in_words(list), list.size() > 1 ? "are" : "is");
+  }
+}
+
+void write_reply(const SearchAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const ObjectSearch& first = answer.objects.front();
+  reply.objects = {first.now.object.id};
+  if (first.places.empty()) {
+    reply.not_known = true;
+    reply.text = fmt::format("No place to search for {} is known.", names.subject(first.now.object));
+    return;
+  }
+  const SearchPlace& best = first.places.front();
+  reply.places = {best.place.name};
+  reply.probability = best.probability;
+  reply.text = fmt::format("Look {} first: {} is there with {}.", in_words(best.place),
+                           bare_subject(first.now.object, names), percent(best.probability));
+  for (const SearchPlace& place : first.places)
+    reply.evidence.push_back(
+        fmt::format("{}: {} ({})", in_words(place.place), percent(place.probability), place.reason));
+}
+
+void write_reply(const SimilarAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  std::vector<std::string> list;
+  for (const SimilarObject& similar : answer.objects) {
+    reply.objects.push_back(similar.object.object.id);
+    list.push_back(names.of(similar.object.object));
+    reply.evidence.push_back(fmt::format("{}: {} similar", list.back(), percent(similar.similarity)));
+  }
+  reply.text = list.empty() ? "No image of another object is stored."
+                            : fmt::format("Most similar: {}.", list_in_words(list, 3));
+}
+
+void write_reply(const TaskAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  std::vector<std::string> list;
+  for (const TaskItem& item : answer.items) {
+    reply.objects.push_back(item.object.object.id);
+    if (item.object.place) reply.places.push_back(item.object.place->name);
+    const std::string name = bare_subject(item.object.object, names);
+    const std::string from = item.object.place ? ", " + in_words(*item.object.place) : "";
+    if (!item.done)
+      list.push_back(item.target ? fmt::format("{} to {}", name, name_in_words(item.target->place.name))
+                                 : name + from);
+    reply.evidence.push_back(fmt::format(
+        "{}{}, {}{}", name, from, percent(item.object.probability),
+        item.target ? fmt::format(", to go {} ({})", in_words(item.target->place), item.target->reason)
+                    : ""));
+  }
+  const std::string missing =
+      answer.missing.empty() ? "" : fmt::format("{} missing", counted(answer.missing.size(), "fact"));
+  reply.text = list.empty()
+                   ? fmt::format("Nothing to move{}.", missing.empty() ? "" : "; " + missing)
+                   : fmt::format("{}{}.", list_in_words(list, 3), missing.empty() ? "" : "; " + missing);
+  for (size_t i = answer.missing.size(); i-- > 0;)
+    reply.evidence.insert(reply.evidence.begin(), "missing: " + answer.missing[i]);
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,394 @@
+// The replies about places: what is there, near it, and usually there.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "memory/questions/contents.h"
+#include "memory/questions/names/names.h"
+#include "memory/questions/replies/answer_format.h"
+#include "memory/questions/replies/reply_parts.h"
+#include "memory/questions/routines/routines.h"
+
+namespace loci::memory {
+
+using namespace format;
+using namespace replies;
+
+namespace {
+
+// ---- on, in
+
+/// What is believed to be there, over all places asked about.
+struct Contents {
+  std::vector<ObjectBelief> sure, perhaps;
+  std::string where;                         ///< "on table_1"
+  const PlaceContents* seen_last = nullptr;  ///< the place viewed last; unset = none was viewed
+};
+
+Contents all_contents(const ContentsAnswer& answer, const ReplyContext& context) {
+  Contents contents;
+  std::vector<Id> except = context.except;
+  if (const std::string left_out = context.query.argument("except"); !left_out.empty())
+    for (const Id id : Snapshot(context.store, context.as_of).find_objects(left_out)) except.push_back(id);
+  std::vector<std::string> places;
+  for (const PlaceContents& place : answer.places) {
+    for (const ObjectBelief& object : place.there)
+      if (std::ranges::count(except, object.object.id) == 0)
+        (is_there(object) ? contents.sure : contents.perhaps).push_back(object);
+    if (answer.places.size() == 1 || !place.there.empty()) places.push_back(in_words(place.place));
+    if (place.last_view &&
+        (contents.seen_last == nullptr || place.last_view->time > contents.seen_last->last_view->time))
+      contents.seen_last = &place;
+  }
+  contents.where = places.empty() ? (answer.places.front().place.container ? "in " : "on ") + answer.asked
+                                  : list_in_words(places, 3);
+  return contents;
+}
+
+/// With articles where there are few. The place is named by the sentence.
+std::vector<std::string> names_of(const std::vector<ObjectBelief>& objects, const Names& names) {
+  std::vector<std::string> list;
+  for (const ObjectBelief& object : objects) {
+    const std::string name = bare_subject(object.object, names);
+    list.push_back(objects.size() > 3 && name.starts_with("the ") ? name.substr(4) : name);
+  }
+  return list;
+}
+
+/// Yes, no where all was looked at and hardly anything can be there, else not observed.
+Verdict verdict_of(const ContentsAnswer& answer, const Contents& contents) {
+  constexpr double kHardly = 0.2;
+  if (!contents.sure.empty()) return Verdict::yes;
+  const bool seen = std::ranges::all_of(answer.places, [](const PlaceContents& place) {
+    return place.fraction.value_or(0) >= kMinSeenFraction;
+  });
+  const bool none = std::ranges::all_of(
+      contents.perhaps, [](const ObjectBelief& object) { return object.probability < kHardly; });
+  return seen && none ? Verdict::no : Verdict::not_observed;
+}
+
+std::string not_observed_text(const ContentsAnswer& answer, const Contents& contents,
+                              const ReplyContext& context) {
+  if (contents.seen_last == nullptr)
+    return fmt::format("Not observed: nobody looked {} yet.", contents.where);
+  const PlaceContents& place = *contents.seen_last;
+  return fmt::format("Not observed: {:.0f} % of {} was seen at {}{}.", 100 * place.fraction.value_or(0),
+                     name_in_words(place.place.name), context.times.text(place.last_view->time),
+                     answer.places.size() > 1 ? ", and not all of the others" : "");
+}
+
+/// Where the objects that were asked about are instead, when that is certain.
+std::optional<std::string> elsewhere(const ContentsAnswer& answer, const Snapshot& snapshot,
+                                     const Names& names, Reply& reply) {
+  std::optional<std::string> text;
+  for (const Id id : snapshot.find_objects(answer.subject)) {
+    const ObjectBelief object = snapshot.object_belief(id);
+    if (object.status == ObjectStatus::gone) {
+      if (!text)
+        text = fmt::format("{} has gone from {}", names.subject(object.object),
+                           object.place ? name_in_words(object.place->name) : "there");
+      continue;
+    }
+    if (object.probability < 0.8) return std::nullopt;
+    if (reply.objects.empty())
+      text = fmt::format("{} is {}", bare_subject(object.object, names),
+                         spot_in_words(object.place, object.position));
+    reply.objects.push_back(id);
+  }
+  return text;
+}
+
+/// Whether all objects that were asked about are there ("both cups"), or nothing else ("only the milk").
+Verdict quantified(const ContentsAnswer& answer, const Contents& contents, const Snapshot& snapshot,
+                   const ReplyContext& context) {
+  std::set<Id> there;
+  for (const ObjectBelief& object : contents.sure) there.insert(object.object.id);
+  if (there.empty()) return verdict_of(answer, contents);
+  std::set<Id> wanted;
+  if (context.query.asks == Asks::all) {
+    for (const Id id : snapshot.find_objects(answer.subject))
+      if (snapshot.belief(id)->status != ObjectStatus::gone) wanted.insert(id);
+  } else {
+    const ContentsAnswer everything = ask(context.store, ContentsQuestion{answer.asked, context.as_of});
+    for (const ObjectBelief& object : all_contents(everything, context).sure) wanted.insert(object.object.id);
+  }
+  return wanted == there ? Verdict::yes : Verdict::no;
+}
+
+void contents_verdict(const ContentsAnswer& answer, const Contents& contents, const Snapshot& snapshot,
+                      const Names& names, const ReplyContext& context, Reply& reply) {
+  const Asks asks = context.query.asks;
+  const bool quantifies = asks == Asks::all || asks == Asks::only;
+  Verdict verdict =
+      quantifies ? quantified(answer, contents, snapshot, context) : verdict_of(answer, contents);
+  if (verdict == Verdict::yes && contents.sure.size() < wanted_count(context.query)) verdict = Verdict::no;
+  std::string why;
+  if (!contents.sure.empty()) {
+    const std::vector<std::string> list = names_of(contents.sure, names);
+    why = fmt::format("{} {} {}", list_in_words(list), is_or_was(context, list.size()), contents.where);
+  } else if (asks == Asks::verdict || (asks == Asks::empty && !answer.subject.empty())) {
+    if (const auto other = elsewhere(answer, snapshot, names, reply)) {
+      verdict = Verdict::no;
+      why = *other;
+    }
+  }
+  if (verdict == Verdict::not_observed) {
+    reply.verdict = verdict;
+    reply.text = not_observed_text(answer, contents, context);
+    return;
+  }
+  if (why.empty())
+    why = fmt::format("{} {} {}", answer.subject.empty() ? "nothing" : "no " + answer.subject,
+                      is_or_was(context), contents.where);
+  if (asks == Asks::empty) verdict = verdict == Verdict::yes ? Verdict::no : Verdict::yes;
+  reply.verdict = verdict;
+  reply.text = fmt::format("{}: {}.", verdict == Verdict::yes ? "Yes" : "No", why);
+}
+
+void last_look(const Contents& contents, const ReplyContext& context, Reply& reply) {
+  reply.not_known = contents.seen_last == nullptr;
+  if (reply.not_known) {
+    reply.text = fmt::format("Nobody looked {} yet.", contents.where);
+    return;
+  }
+  const TimeNs time = contents.seen_last->last_view->time;
+  reply.time = at_once(time);
+  std::string when = "At " + context.times.text(time);
+  if (context.query.asks == Asks::ago) {
+    const auto latest = context.store.latest_scene(context.as_of);
+    reply.duration = std::max<TimeNs>(0, (latest ? latest->time : time) - time);
+    const std::string elapsed = duration_text(*reply.duration);
+    when = elapsed.empty() ? "Just now" : fmt::format("{} ago, at {}", elapsed, context.times.text(time));
+  }
+  reply.text =
+      fmt::format("{}: {} was last looked at then.", when, name_in_words(contents.seen_last->place.name));
+}
+
+}  // namespace
+
+void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const Contents contents = all_contents(answer, context);
+  for (const ObjectBelief& object : contents.sure) reply.objects.push_back(object.object.id);
+  const std::vector<std::string> list = names_of(contents.sure, names);
+  switch (context.query.asks) {
+    case Asks::verdict:
+    case Asks::exists:
+    case Asks::empty:
+    case Asks::all:
+    case Asks::only:
+      contents_verdict(answer, contents, snapshot, names, context, reply);
+      if (reply.verdict == Verdict::yes && context.query.asks == Asks::verdict && !contents.sure.empty())
+        if (const auto& place = contents.sure.front().place) reply.places = {place->name};
+      break;
+    case Asks::probability: {
+      const std::vector<ObjectBelief>& objects = contents.sure.empty() ? contents.perhaps : contents.sure;
+      if (objects.empty()) {
+        contents_verdict(answer, contents, snapshot, names, context, reply);
+        break;
+      }
+      reply.probability = objects.front().probability;
+      reply.text = fmt::format("{}: {} is {}.", percent(*reply.probability),
+                               bare_subject(objects.front().object, names), contents.where);
+      break;
+    }
+    case Asks::reason:
+      if (contents.sure.empty())
+        contents_verdict(answer, contents, snapshot, names, context, reply);
+      else
+        reply.text = reason_of(contents.sure.front(), names, context);
+      break;
+    case Asks::last_time:
+    case Asks::ago:
+      last_look(contents, context, reply);
+      break;
+    default: {
+      const bool known = verdict_of(answer, contents) != Verdict::not_observed;
+      reply.not_known = !known;
+      if (known) reply.number = contents.sure.size();
+      if (!known)
+        reply.text = not_observed_text(answer, contents, context);
+      else if (context.query.asks == Asks::number)
+        reply.text = contents.sure.empty()
+                         ? fmt::format("None {}.", contents.where)
+                         : fmt::format("{} {}: {}.", list.size(), contents.where, list_in_words(list));
+      else
+        reply.text =
+            fmt::format("{} {} {}.", list_in_words(list), is_or_was(context, list.size()), contents.where);
+    }
+  }
+  if (contents.seen_last != nullptr)
+    reply.evidence.push_back(fmt::format(
+        "last looked at {} ({}{})", context.times.text(contents.seen_last->last_view->time),
+        scene_text(*contents.seen_last->last_view),
+        contents.seen_last->fraction ? fmt::format(", {:.0f} % of it", 100 * *contents.seen_last->fraction)
+                                     : ""));
+  if (!contents.perhaps.empty())
+    reply.evidence.push_back("perhaps also: " + list_in_words(names_of(contents.perhaps, names)));
+  if (contents.sure.size() == 1) add_sightings(contents.sure, names, context, reply);
+}
+
+void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const auto object = object_id(answer.around);
+  const std::string around = object ? names.subject(snapshot.object_ref(*object)) : answer.around;
+  std::vector<std::string> list;
+  for (const NearObject& near : answer.objects) {
+    if (!is_there(near.object) || std::ranges::count(context.except, near.object.object.id) > 0) continue;
+    reply.objects.push_back(near.object.object.id);
+    list.push_back(names.of(near.object.object));
+    reply.evidence.push_back(fmt::format("{:.0f} cm: {}, {}", 100 * near.distance_m,
+                                         names.of(near.object.object),
+                                         spot_in_words(near.object.place, near.object.position)));
+  }
+  const std::string within =
+      answer.on_top ? "on " + around : fmt::format("within {:.0f} cm of {}", 100 * answer.radius_m, around);
+  const std::string found =
+      fmt::format("{} {} {}.", list_in_words(list), list.size() > 1 ? "are" : "is", within);
+  const BeliefRow* support = answer.on_top && object ? snapshot.belief(*object) : nullptr;
+  if (support != nullptr && support->status == ObjectStatus::gone) {
+    reply = {};
+    reply.not_known = true;
+    reply.text = fmt::format("Not known: {} has gone.", around);
+  } else if (context.query.asks == Asks::agent) {
+    reply.not_known = true;
+    reply.objects.clear();
+    reply.text = answer.on_top ? fmt::format("Not recorded: what is in {}; on it: {}.", around,
+                                             list.empty() ? "nothing" : list_in_words(list, 3))
+                               : fmt::format("Not recorded: what is behind or under {}; near it: {}.", around,
+                                             list_in_words(list, 3));
+  } else if (context.query.asks == Asks::verdict || context.query.asks == Asks::exists) {
+    reply.verdict = list.empty() ? Verdict::no : Verdict::yes;
+    reply.text = fmt::format("{}: {}", list.empty() ? "No" : "Yes", found);
+  } else if (!context.query.argument("count").empty() && list.size() == 1) {
+    reply.text = fmt::format("{} is nearest to {}, {:.0f} cm away.", list[0], around,
+                             100 * answer.objects[0].distance_m);
+  } else {
+    reply.text = found;
+  }
+}
+
+// ---- usual, contents-history
+
+namespace {
+
+/// Whether an object is where it usually is.
+void is_as_usual(const UsualObject& object, const std::string& name, Reply& reply) {
+  const UsualPlace& usual = object.places.front();
+  const std::string share = fmt::format("({:.0f} % of its sightings)", 100 * usual.share);
+  if (!replies::is_there(object.now) || !object.now.place) {
+    reply.verdict = Verdict::no;
+    reply.text = fmt::format("No: {} has gone; it is usually {} {}.", name, in_words(usual.place), share);
+    return;
+  }
+  const bool same = object.now.place->id == usual.place.id;
+  reply.verdict = same ? Verdict::yes : Verdict::no;
+  reply.places = {object.now.place->name};
+  reply.text = fmt::format("{}: {} is {}, {} {}.", same ? "Yes" : "No", name, in_words(*object.now.place),
+                           same ? "as usual" : "usually " + in_words(usual.place), share);
+}
+
+}  // namespace
+
+void write_reply(const UsualAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const UsualObject* best = nullptr;
+  for (const UsualObject& object : answer.objects)
+    if (best == nullptr || best->places.empty()) best = &object;
+  const std::string name = bare_subject(best->now.object, names);
+  reply.objects = {best->now.object.id};
+  if (best->places.empty()) {
+    reply.not_known = true;
+    reply.text = fmt::format("{} was never seen at a place{}.", name, answer.during.empty() ? "" : " then");
+    return;
+  }
+  if (context.query.asks == Asks::verdict) {
+    is_as_usual(*best, name, reply);
+  } else {
+    const UsualPlace& first = best->places.front();
+    reply.places = {first.place.name};
+    reply.text = fmt::format("{} is usually {} ({:.0f} % of its sightings).", name, in_words(first.place),
+                             100 * first.share);
+  }
+  for (const UsualPlace& place : best->places)
+    reply.evidence.push_back(fmt::format("{}: {}, last at {}", in_words(place.place),
+                                         counted(place.sightings, "scene"),
+                                         context.times.text(place.last.time)));
+}
+
+namespace {
+
+/// Where nobody looked in the period: what was believed to be there at its end.
+void believed_contents(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
+  Query query = context.query;
+  query.arguments["at"] = query.argument("to").empty() ? "now" : query.argument("to");
+  AsOf as_of = context.as_of;
+  as_of.at = TimeReader(context.store).read(query.argument("at")).last;
+  const ContentsAnswer believed =
+      ask(context.store, ContentsQuestion{answer.asked, as_of, query.argument("object")});
+  write_reply(believed, ReplyContext{context.store, query, as_of, context.times, context.except}, reply);
+}
+
+/// The object that was seen there last.
+void seen_there_last(const ContentsHistoryAnswer& answer, const Names& names, const ReplyContext& context,
+                     Reply& reply) {
+  const PastContent* last = nullptr;
+  const PlaceContentsHistory* at = nullptr;
+  for (const PlaceContentsHistory& place : answer.places)
+    for (const PastContent& object : place.objects)
+      if (last == nullptr || object.last.time > last->last.time) {
+        last = &object;
+        at = &place;
+      }
+  reply.objects = {last->now.object.id};
+  reply.time = at_once(last->last.time);
+  reply.text = fmt::format("{} was seen {} last, at {}.", bare_subject(last->now.object, names),
+                           in_words(at->place), context.times.text(last->last.time));
+}
+
+}  // namespace
+
+void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  std::vector<std::string> list;
+  size_t views = 0;
+  for (const PlaceContentsHistory& place : answer.places) {
+    views += place.views;
+    for (const PastContent& object : place.objects) {
+      if (std::ranges::count(reply.objects, object.now.object.id) > 0) continue;
+      reply.objects.push_back(object.now.object.id);
+      list.push_back(names.of(object.now.object));
+      reply.evidence.push_back(fmt::format("{}: in {} {}", list.back(), counted(object.sightings, "scene"),
+                                           context.times.span_text(object.first.time, object.last.time)));
+    }
+  }
+  const PlaceRef& first = answer.places.front().place;
+  if (context.query.asks == Asks::last_time && !reply.objects.empty())
+    return seen_there_last(answer, names, context, reply);
+  const std::string where =
+      answer.places.size() == 1 ? in_words(first) : (first.container ? "in " : "on ") + answer.asked;
+  const std::string seen =
+      fmt::format("{} {} seen {}.", list_in_words(list), list.size() > 1 ? "were" : "was", where);
+  const Asks asks = context.query.asks;
+  reply.not_known = list.empty() && views == 0;
+  if (asks == Asks::exists || asks == Asks::verdict || asks == Asks::empty) {
+    reply.not_known = false;
+    if (list.empty() && views == 0) return believed_contents(answer, context, reply);
+    const bool is = list.empty() == (asks == Asks::empty);
+    reply.verdict = is ? Verdict::yes : Verdict::no;
+    reply.text = fmt::format("{}: {}", is ? "Yes" : "No", seen);
+  } else if (reply.not_known) {
+    reply.text = fmt::format("Not observed: nobody looked {} then.", where);
+  } else {
+    reply.number = list.size();
+    reply.text = asks == Asks::number ? fmt::format("{}: {}", list.size(), seen) : seen;
+  }
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,82 @@
+#include "memory/questions/replies/reply_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "memory/questions/replies/answer_format.h"
+
+namespace loci::memory::replies {
+
+using namespace format;
+
+bool is_there(const ObjectBelief& object) {
+  return object.status != ObjectStatus::gone && object.status != ObjectStatus::missed &&
+         object.probability >= kLikely;
+}
+
+std::string spot_in_words(const std::optional<PlaceRef>& place, const std::optional<Vector3d>& position) {
+  return place ? in_words(*place) : spot_text(place, position);
+}
+
+const char* is_or_was(const ReplyContext& context, size_t count) {
+  const std::string at = context.query.argument("at");
+  const bool now = at.empty() || at == "now";
+  return count > 1 ? (now ? "are" : "were") : now ? "is" : "was";
+}
+
+namespace {
+
+/// "seen in 8 scenes, last at 20:30 (scene 24)".
+std::string seen_text(const ObjectBelief& object, const TimeWriter& times) {
+  std::string text = "seen in " + counted(object.sightings, "scene");
+  if (object.last_seen)
+    text +=
+        fmt::format(", last at {} ({})", times.text(object.last_seen->time), scene_text(*object.last_seen));
+  if (object.last_missed) text += fmt::format("; not seen there at {}", times.text(object.last_missed->time));
+  return text;
+}
+
+}  // namespace
+
+TimeSpan at_once(TimeNs time) {
+  return {time, time};
+}
+
+size_t wanted_count(const Query& query) {
+  return static_cast<size_t>(std::max(0, count_of(query.argument("count")).value_or(0)));
+}
+
+void add_sightings(const std::vector<ObjectBelief>& objects, const Names& names, const ReplyContext& context,
+                   Reply& reply) {
+  for (const ObjectBelief& object : objects) {
+    if (reply.evidence.size() == kMaxEvidenceLines) return;
+    const std::string spot = object.status == ObjectStatus::gone ? "gone, was " : "";
+    reply.evidence.push_back(fmt::format("{} ({}): {}{} {}, {}", names.of(object.object), object.object.name,
+                                         spot, spot_in_words(object.place, object.position),
+                                         percent(object.probability), seen_text(object, context.times)));
+  }
+}
+
+std::string without_place(std::string name) {
+  for (const char* preposition : {" on ", " in "})
+    if (const size_t at = name.find(preposition); at != std::string::npos) name.resize(at);
+  return name;
+}
+
+std::string bare_subject(const ObjectRef& object, const Names& names) {
+  return without_place(names.subject(object));
+}
+
+std::string reason_of(const ObjectBelief& object, const Names& names, const ReplyContext& context) {
+  if (!object.last_seen)
+    return fmt::format("Nothing is known of {} but its name.", names.subject(object.object));
+  const std::string when = context.times.text(object.last_seen->time),
+                    spot = spot_in_words(object.place, object.position);
+  if (object.status == ObjectStatus::gone && object.last_missed)
+    return fmt::format("Because {} was looked for {} at {} and not seen.", bare_subject(object.object, names),
+                       spot, context.times.text(object.last_missed->time));
+  return fmt::format("Because {} was last seen {} at {}.", bare_subject(object.object, names), spot, when);
+}
+
+}  // namespace loci::memory::replies

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "memory/questions/names/names.h"
+#include "memory/questions/replies/reply.h"
+
+/// The parts that several replies share.
+namespace loci::memory::replies {
+
+/// Below this probability an object is more likely somewhere else.
+inline constexpr double kLikely = 0.5;
+
+/// Whether it is likely where it is believed to be, and the last look at its place did not miss it.
+bool is_there(const ObjectBelief& object);
+/// "on table_1", or a point where no place is known.
+std::string spot_in_words(const std::optional<PlaceRef>& place, const std::optional<Vector3d>& position);
+/// "is" or "are", and "was" or "were" of a time that was asked about.
+const char* is_or_was(const ReplyContext& context, size_t count = 1);
+TimeSpan at_once(TimeNs time);
+/// A name by Names without the place that qualifies it, for sentences that name the place anyway.
+std::string without_place(std::string name);
+/// As Names::subject(), likewise.
+std::string bare_subject(const ObjectRef& object, const Names& names);
+/// "Because the milk was last seen on table_1 at 20:30."
+std::string reason_of(const ObjectBelief& object, const Names& names, const ReplyContext& context);
+/// The number that a sentence names ("two cups"); 0 = none.
+size_t wanted_count(const Query& query);
+/// A line of evidence for each object, as far as there is room.
+void add_sightings(const std::vector<ObjectBelief>& objects, const Names& names, const ReplyContext& context,
+                   Reply& reply);
+
+}  // namespace loci::memory::replies

@@ -1,0 +1,103 @@
+#include "memory/sentences/clauses/event_clause.h"
+
+#include <algorithm>
+#include <map>
+
+#include "mapping/base/text.h"
+#include "memory/sentences/discourse.h"
+#include "memory/sentences/lexicon.h"
+#include "memory/sentences/mentions.h"
+
+namespace loci::memory {
+namespace {
+
+using Link = EventClause::Link;
+
+const std::map<std::string, Link>& links() {
+  static const std::map<std::string, Link> all = {{"when", Link::at},       {"while", Link::at},
+                                                  {"after", Link::after},   {"once", Link::after},
+                                                  {"before", Link::before}, {"if", Link::condition}};
+  return all;
+}
+
+/// "the drawer was opened": a name or a person, then a verb.
+bool is_clause(const Words& words) {
+  if (words.size() < 2) return false;
+  const Tokens tokens = tokens_of(words);
+  const WordClass first = class_of(tokens.lemmas[0]);
+  return first != WordClass::auxiliary && first != WordClass::question && first != WordClass::relation;
+}
+
+std::string text_of(const Words& words) {
+  return join_words(words, 0, words.size());
+}
+
+/// The first name in a clause; "" = none.
+std::string named_in(const Words& words, const Snapshot& snapshot) {
+  const auto mentions = find_mentions(tokens_of(words), snapshot, [](const std::string&) { return true; });
+  return mentions.empty() ? "" : mentions.front().text;
+}
+
+/// The pronoun that begins or ends a clause, or follows its verb, is what the other clause names.
+void resolve(Words& words, const Words& other, const Snapshot& snapshot) {
+  const auto pronoun = std::ranges::find_if(
+      words, [](const std::string& word) { return is_pronoun(word) || word == "there"; });
+  if (pronoun == words.end()) return;
+  const std::string name = named_in(other, snapshot);
+  if (name.empty()) return;
+  Words by = words_of("the " + name);
+  if (*pronoun == "there") by.insert(by.begin(), "on");
+  replace_words(words, static_cast<size_t>(pronoun - words.begin()), 1, by);
+}
+
+}  // namespace
+
+std::optional<EventClause> find_event_clause(const std::string& sentence, const Snapshot& snapshot) {
+  const size_t comma = sentence.find(',');
+  const Words all = sentence_words(sentence);
+  Words question, event;
+  Link link = Link::at;
+  if (const auto first = all.empty() ? links().end() : links().find(all[0]);
+      first != links().end() && comma != std::string::npos) {
+    link = first->second;
+    event = sentence_words(sentence.substr(0, comma));
+    event.erase(event.begin());
+    question = sentence_words(sentence.substr(comma + 1));
+  } else {
+    for (size_t i = all.size(); i-- > 2 && event.empty();) {
+      const auto found = links().find(all[i]);
+      if (found == links().end()) continue;
+      link = found->second;
+      question.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(i));
+      event.assign(all.begin() + static_cast<std::ptrdiff_t>(i) + 1, all.end());
+    }
+  }
+  if (!is_clause(event) || question.size() < 2) return std::nullopt;
+  // "If I opened the drawer" asks for what might be.
+  if (link == Link::condition && class_of(lemma_of(event[0])) == WordClass::person) return std::nullopt;
+  const Words asked = question;
+  resolve(question, event, snapshot);
+  resolve(event, asked, snapshot);
+  return EventClause{link, text_of(question), text_of(event)};
+}
+
+std::string question_at(const EventClause& clause, const TimeSpan& event) {
+  const Words words = words_of(clause.question);
+  const bool state = words.front() == "where" || std::ranges::count(words, "was") > 0 ||
+                     std::ranges::count(words, "were") > 0 || std::ranges::count(words, "is") > 0;
+  const bool seen_over = words.front() == "was" || words.front() == "were";
+  const std::string before = format_time(event.first), after = format_time(event.last);
+  switch (clause.link) {
+    case Link::after:
+      return clause.question + (state ? " at " : " after ") + after;
+    case Link::before:
+      return clause.question + (state && !seen_over ? " at " : " before ") + before;
+    case Link::at:
+      return clause.question + " at " + after;
+    case Link::condition:
+      break;
+  }
+  return clause.question;
+}
+
+}  // namespace loci::memory
