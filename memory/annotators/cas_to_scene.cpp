@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mapping/image/hsv.h"
+#include "mapping/sensor/depth_noise.h"
 #include "mapping/world/kinematics.h"
 #include "memory/recorder/observation_pixels.h"
 #include "memory/store/scene_images.h"
@@ -186,7 +187,7 @@ ObservationRecord read_cluster(const perception::types::Cluster& cluster, const 
   set_pixels(indices_of(cluster).span(), record, observation);
   observation.evidence.partial = cluster.at_image_border.get() || cluster.partly_hidden.get();
   observation.evidence.place = place_of(cluster);
-  observation.evidence.descriptors = descriptors_of(cluster);
+  observation.evidence.descriptors = descriptors_of(cluster, record.view.map_from_camera.translation());
   observation.row.position = observation.evidence.box.centre;
   read_annotations(cluster, observation);
   if (const auto roi = cluster.hypotheses.first<perception::types::StandaloneImageROI>())
@@ -238,7 +239,30 @@ AnnotationRecord annotation_record(const perception::types::Annotation& annotati
   return record;
 }
 
-std::vector<belief::Descriptor> descriptors_of(const perception::types::Cluster& cluster) {
+namespace {
+
+/// Which extents of a box its faces show. An extent is seen on faces that run along it; a face is seen from
+/// beyond its plane, and not at grazing incidence, where depth cameras measure little. What is as thin as the
+/// noise and seen face-on shows no other face.
+std::array<float, 3> seen_extents(const Isometry3d& map_from_box, const Vector3d& size,
+                                  const Vector3d& camera) {
+  constexpr double kMinIncidence = 0.17;  // sine of the angle to the face: 10 degrees
+  constexpr double kNoiseBand = 5.2;      // standard deviations that hold 99 % of the points of a plane
+  const Vector3d from = map_from_box.inverse() * camera;
+  const Vector3d beyond = (from.cwiseAbs() - 0.5 * size) / std::max(1e-6, from.norm());
+  const double sheet = kNoiseBand * mapping::depth_noise(from.norm());
+  std::array<float, 3> seen{};
+  for (int axis = 0; axis < 3; ++axis)
+    for (int face = 0; face < 3; ++face)
+      if (face != axis && beyond[face] > kMinIncidence && (size[axis] > sheet || beyond[axis] < beyond[face]))
+        seen[size_t(axis)] = 1;
+  return seen;
+}
+
+}  // namespace
+
+std::vector<belief::Descriptor> descriptors_of(const perception::types::Cluster& cluster,
+                                               const Vector3d& camera) {
   std::vector<belief::Descriptor> descriptors;
   if (const auto histogram = cluster.annotations.first<perception::types::ColorHistogram>())
     descriptors.push_back({"color_histogram", histogram.histogram.to_vector()});
@@ -249,9 +273,11 @@ std::vector<belief::Descriptor> descriptors_of(const perception::types::Cluster&
   }
   if (const auto geometry = cluster.annotations.first<perception::types::GeometryAnnotation>()) {
     const Vector3d size = perception::types::from<Vector3d>(geometry.size.get());
-    descriptors.push_back(
-        {"extents",
-         {static_cast<float>(size.x()), static_cast<float>(size.y()), static_cast<float>(size.z())}});
+    const auto seen =
+        seen_extents(perception::types::from<Isometry3d>(geometry.map_from_object.get()), size, camera);
+    descriptors.push_back({"extents",
+                           {static_cast<float>(size.x()), static_cast<float>(size.y()),
+                            static_cast<float>(size.z()), seen[0], seen[1], seen[2]}});
   }
   return descriptors;
 }

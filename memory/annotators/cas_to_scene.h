@@ -17,8 +17,9 @@ SceneRecord scene_record(const perception::types::SceneCas& scene, const mapping
 /// An annotation and its searchable value.
 AnnotationRecord annotation_record(const perception::types::Annotation& annotation);
 
-/// Descriptors of a cluster that the belief can compare.
-std::vector<belief::Descriptor> descriptors_of(const perception::types::Cluster& cluster);
+/// Descriptors of a cluster that the belief can compare. `camera`: from where it was seen, map frame.
+std::vector<belief::Descriptor> descriptors_of(const perception::types::Cluster& cluster,
+                                               const Vector3d& camera);
 
 /// Adds to a scene_record() of this CAS what the memory stores and the belief does not use: pixel kinds, logs
 /// of the annotators with their times, and with `clouds` the points of each cluster.

@@ -9,26 +9,49 @@
 namespace loci::memory::belief {
 namespace {
 
-std::vector<double> log_extents(const std::vector<float>& extents) {
+/// In ascending order.
+LogExtents log_extents(const std::vector<float>& values) {
+  const bool with_bounds = values.size() == 6;
+  LogExtents extents;
   // A centimetre is added so that the thickness of flat objects, mostly noise, does not dominate.
-  std::vector<double> logs;
-  for (const float extent : extents) logs.push_back(std::log(double(extent) + 0.01));
-  std::sort(logs.begin(), logs.end());
-  return logs;
+  for (size_t i = 0; i < (with_bounds ? 3 : values.size()); ++i)
+    extents.push_back({std::log(double(values[i]) + 0.01), with_bounds && values[i + 3] == 0});
+  std::ranges::sort(extents, {}, &LogExtent::value);
+  return extents;
 }
 
 /// Of a partial view the extents are lower bounds: what it lacks counts less.
 constexpr double kLackingWeight = 0.5;
 
-double log_extent_distance(const std::vector<double>& a, const std::vector<double>& b,
-                           PartialViews partial = {}) {
+/// A distance, and the share of the axes that it is about.
+struct ExtentDistance {
+  double distance = 0, share = 1;
+};
+
+ExtentDistance extent_distance_in_order(const LogExtents& a, const LogExtents& b, PartialViews partial) {
   double sum = 0;
+  size_t compared = 0;
   for (size_t i = 0; i < a.size(); ++i) {
-    const double difference = a[i] - b[i];
+    const double difference = a[i].value - b[i].value;
+    if (difference < 0 ? a[i].hidden : b[i].hidden) continue;
     const bool may_lack = difference < 0 ? partial.first : partial.second;
     sum += (may_lack ? kLackingWeight : 1.0) * difference * difference;
+    ++compared;
   }
-  return a.empty() ? 0.0 : std::sqrt(sum / double(a.size()));
+  return {compared == 0 ? 0.0 : std::sqrt(sum / double(compared)),
+          a.empty() ? 0.0 : double(compared) / double(a.size())};
+}
+
+/// Extents of which a view shows only a lower bound may be of any axis of the other: the best order counts.
+ExtentDistance log_extent_distance(const LogExtents& a, LogExtents b, PartialViews partial = {}) {
+  ExtentDistance best = extent_distance_in_order(a, b, partial);
+  const auto hidden = [](const LogExtent& extent) { return extent.hidden; };
+  if (std::ranges::none_of(a, hidden) && std::ranges::none_of(b, hidden)) return best;
+  while (std::ranges::next_permutation(b, {}, &LogExtent::value).found) {
+    const ExtentDistance other = extent_distance_in_order(a, b, partial);
+    if (other.distance * std::sqrt(other.share) < best.distance * std::sqrt(best.share)) best = other;
+  }
+  return best;
 }
 
 }  // namespace
@@ -57,7 +80,7 @@ double euclidean_distance(const std::vector<float>& a, const std::vector<float>&
 }
 
 double extent_distance(const std::vector<float>& a, const std::vector<float>& b) {
-  return log_extent_distance(log_extents(a), log_extents(b));
+  return log_extent_distance(log_extents(a), log_extents(b)).distance;
 }
 
 const std::vector<Comparison>& comparisons() {
@@ -172,13 +195,19 @@ void align(const Appearance::Feature& a, const Appearance::Feature& b, std::vect
 
 bool comparable(const Appearance::Feature& a, const Appearance::Feature& b) {
   if (a.values == nullptr || b.values == nullptr) return false;
+  if (!a.log_extents.empty()) return a.log_extents.size() == b.log_extents.size();
   return a.named == b.named && (a.named || a.values->size() == b.values->size());
 }
 
+/// The distance, and in `share` how much of the descriptors it compares.
 double distance_of(const Comparison& comparison, const Appearance::Feature& a, const Appearance::Feature& b,
-                   PartialViews partial) {
-  if (comparison.distance == extent_distance)
-    return log_extent_distance(a.log_extents, b.log_extents, partial);
+                   PartialViews partial, double& share) {
+  share = 1;
+  if (comparison.distance == extent_distance) {
+    const ExtentDistance extents = log_extent_distance(a.log_extents, b.log_extents, partial);
+    share = extents.share;
+    return extents.distance;
+  }
   if (!a.named) return comparison.distance(*a.values, *b.values);
   thread_local std::vector<float> x, y;
   align(a, b, x, y);
@@ -235,11 +264,13 @@ ViewSimilarity compare(const Appearance& a, const Appearance& b, PartialViews pa
     const Comparison& comparison = comparisons()[i];
     const Appearance::Feature &of_a = a.features()[i], &of_b = b.features()[i];
     if (!comparable(of_a, of_b)) continue;
-    const double distance = distance_of(comparison, of_a, of_b, partial);
+    double share = 1;
+    const double distance = distance_of(comparison, of_a, of_b, partial, share);
     if (!std::isfinite(distance)) continue;
     double ratio = (i == kMeanColor ? color_log_ratio(*of_a.values, *of_b.values, corrections.color_noise)
                                     : prior_log_ratio(comparison, distance, result.achromatic)) +
                    corrections.of[i][result.achromatic].at(distance);
+    ratio *= share;
     if (comparison.summarised_by && result.parts[*comparison.summarised_by].distance >= 0) ratio = 0;
     result.parts[i] = {distance, ratio};
     ++result.count;

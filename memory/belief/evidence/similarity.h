@@ -49,7 +49,9 @@ double log_ratio(const Comparison& comparison, double distance);
 double histogram_distance(const std::vector<float>& a, const std::vector<float>& b);
 /// Euclidean distance over the length of the unit cube's diagonal.
 double euclidean_distance(const std::vector<float>& a, const std::vector<float>& b);
-/// Root mean square of the log ratios of sorted positive extents.
+/// Root mean square of the log ratios of sorted positive extents: three, in metres, which three more values
+/// may follow: 1 where the extent is seen, 0 where it is a lower bound, since the object hides its far side
+/// itself. What such an extent lacks is no difference.
 double extent_distance(const std::vector<float>& a, const std::vector<float>& b);
 
 /// Learned addition to a comparison's table: log-likelihood ratios at the middles of some distances.
@@ -75,6 +77,13 @@ struct Corrections {
 /// less.
 double prior_log_ratio(const Comparison& comparison, double distance, bool achromatic);
 
+/// Logarithm of an extent.
+struct LogExtent {
+  double value = 0;
+  bool hidden = false;  ///< a lower bound
+};
+using LogExtents = std::vector<LogExtent>;
+
 /// Descriptors of a view prepared for many comparisons. Refers to the descriptors, which must outlive it.
 class Appearance {
  public:
@@ -84,7 +93,7 @@ class Appearance {
     const std::vector<float>* values = nullptr;  ///< unset = no descriptor of this kind
     bool named = false;
     std::vector<std::pair<const std::string*, float>> by_name;  ///< in order of the names, each once
-    std::vector<double> log_extents;                            ///< where extents are compared
+    LogExtents log_extents;                                     ///< where extents are compared
   };
   const std::array<Feature, kComparisons>& features() const { return features_; }
   bool achromatic() const { return achromatic_; }

@@ -10,6 +10,7 @@
 #include "mapping/base/options.h"
 #include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
+#include "mapping/sensor/depth_noise.h"
 #include "perception/types/scene_cas.h"
 
 namespace loci::perception {
@@ -71,10 +72,7 @@ struct SupportPlane {
   }
 };
 
-/// Standard deviation to reckon with for a depth of `z` metres: half a quantum of a Kinect's disparity.
-inline double depth_noise(double z) {
-  return 0.5 * 0.125 / (585 * 0.075) * z * z;
-}
+using mapping::depth_noise;
 
 /// Refines a plane on some pixels (row · width + column): inliers in distance and in normal, weighted least
 /// squares, bend, outline. Empty when what is left is smaller than min_area_m2.

@@ -25,6 +25,26 @@ TEST(RobustBox, OutliersDoNotCount) {
   EXPECT_TRUE(robust_box({}).size.isZero());
 }
 
+TEST(CasToScene, AnExtentIsSeenOnFacesThatRunAlongIt) {
+  perception::cas::Cas cas(perception::types::type_system());
+  const auto seen = [&](const Vector3d& size, const Vector3d& camera) {
+    const auto cluster = perception::types::Cluster::create(cas);
+    const auto geometry = perception::types::GeometryAnnotation::create(cas);
+    geometry.map_from_object.set(
+        perception::types::to_stamped(cas, Isometry3d::Identity(), "map", "object", 7 * kSecond));
+    geometry.size.set(perception::types::to(cas, size));
+    cluster.annotations.push_back(geometry);
+    const std::vector<float> values = descriptors_of(cluster, camera).at(0).values;
+    return std::vector<float>(values.begin() + 3, values.end());
+  };
+  const Vector3d box(0.2, 0.07, 0.28);
+  EXPECT_EQ(seen(box, {0, -1.2, 0.7}), (std::vector<float>{1, 1, 1})) << "from above";
+  EXPECT_EQ(seen(box, {0.8, -1.2, 0}), (std::vector<float>{1, 1, 1})) << "from its side";
+  EXPECT_EQ(seen(box, {0, -1.2, 0.1}), (std::vector<float>{1, 0, 1})) << "its front alone";
+  EXPECT_EQ(seen({0.2, 0.008, 0.28}, {0, -1.2, 0.4}), (std::vector<float>{1, 0, 1}))
+      << "the top should be seen, but was not";
+}
+
 TEST(CasToScene, ReadsAnnotations) {
   perception::cas::Cas cas(perception::types::type_system());
   const perception::types::SceneCas facade(cas);

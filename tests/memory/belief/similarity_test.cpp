@@ -56,6 +56,21 @@ TEST(Similarity, WhatACutOffViewLacksInSizeCountsLess) {
       << "of the larger one nothing lacks";
 }
 
+TEST(Similarity, WhatAViewHidesItselfIsNoDifference) {
+  const std::vector<Descriptor> box = {{"extents", {0.20F, 0.07F, 0.28F, 1, 1, 1}}},
+                                front = {{"extents", {0.20F, 0.01F, 0.28F, 1, 0, 1}}},
+                                sheet = {{"extents", {0.20F, 0.01F, 0.28F, 1, 1, 1}}},
+                                other_front = {{"extents", {0.10F, 0.01F, 0.28F, 1, 0, 1}}};
+  EXPECT_GT(compare(box, front, {}, 1).log_ratio, 1);
+  EXPECT_DOUBLE_EQ(compare(box, front, {}, 1).log_ratio, compare(front, box, {}, 1).log_ratio);
+  EXPECT_LT(compare(box, front, {}, 1).log_ratio, compare(box, box, {}, 1).log_ratio) << "it says less";
+  EXPECT_LT(compare(box, sheet, {}, 1).log_ratio, -1);
+  EXPECT_LT(compare(box, other_front, {}, 1).log_ratio, 0);
+  // The hidden extent of one may be any of the other: 0.07 m wide and 0.20 m deep.
+  EXPECT_GT(compare(box, {{"extents", {0.07F, 0.01F, 0.28F, 1, 0, 1}}}, {}, 1).log_ratio, 1);
+  EXPECT_GT(compare(box, {{"extents", {0.20F, 0.07F, 0.28F}}}, {}, 1).log_ratio, 1) << "without bounds";
+}
+
 TEST(Similarity, TheMeanColorIsNoSecondEvidenceBesideTheHistogram) {
   const Descriptor red{"mean_color", {1, 0, 0}}, blue{"mean_color", {0, 0, 1}};
   const Descriptor histogram{"color_histogram", {1, 2, 3}};
