@@ -205,7 +205,9 @@ mapping::RgbdFrame frame_at(const mapping::Recording& recording, py::ssize_t num
   const py::ssize_t index = number < 0 ? number + size : number;
   if (index < 0 || index >= size)
     throw py::index_error("the recording has " + std::to_string(size) + " frames");
-  return unlocked([&] { return recording.frame(static_cast<size_t>(index)); });
+  mapping::RgbdFrame frame = unlocked([&] { return recording.frame(static_cast<size_t>(index)); });
+  if (!frame.damage.empty()) throw Error(frame.damage);
+  return frame;
 }
 
 /// Writes frames given as arrays.

@@ -56,6 +56,8 @@ class PcdSeries : public FrameListRecording {
  private:
   void find_frames(const std::filesystem::path& path);
   void fit_camera();
+  /// Depth of a cloud, and its colours where it has some.
+  cv::Mat images_of(const FrameFiles& from, cv::Mat& color) const;
 
   bool backwards_ = false;  ///< z points backwards and y up
 };

@@ -114,7 +114,10 @@ FileRecordingContent read_tum(const fs::path& folder, double color_delay_s) {
   const std::vector<StampedPose> poses = fs::is_regular_file(folder / "groundtruth.txt")
                                              ? poses_in(folder / "groundtruth.txt")
                                              : std::vector<StampedPose>();
-  const auto matches = nearest_in_time(times_of(depths), times_of(colors, color_delay_s));
+  const std::vector<TimeNs> depth_times = times_of(depths), color_times = times_of(colors, color_delay_s);
+  const auto matches = nearest_in_time(depth_times, color_times);
+  if (const std::string why = unmatched_because(depth_times, color_times); !why.empty())
+    content.info.problems.push_back(why);
   for (size_t i = 0; i < depths.size(); ++i) {
     FrameFiles frame;
     frame.index = static_cast<int64_t>(i);
