@@ -51,13 +51,14 @@ mapping::ScanSet read_new(const UpdateArguments& arguments, const mapping::Seman
   return scans;
 }
 
-mapping::ScanSet read_earlier(const UpdateArguments& arguments, Session& session) {
+mapping::ScanSet read_earlier(const UpdateArguments& arguments, const mapping::SemanticMap& semantics,
+                              Session& session) {
   const fs::path folder = arguments.earlier.empty() ? fs::path(arguments.map).parent_path() / "scans"
                                                     : fs::path(arguments.earlier);
   if (!fs::exists(folder))
     throw Error("the scans that the map was made from are not there", {folder.string(), 0, {}},
                 "give their folder with --scans-before");
-  return mapping::read_registered_scans(folder, session.warnings());
+  return read_scans_of_map(folder, semantics, session.warnings());
 }
 
 void write_update(const mapping::UpdateResult& result, const std::string& out) {
@@ -80,7 +81,7 @@ void run(UpdateArguments& arguments, Session& session) {
   arguments.options.threads = session.flags().threads;
   const mapping::World world = mapping::read_urdf(arguments.map);
   const mapping::SemanticMap semantics = mapping::read_semantic_map(mapping::sidecar_path(arguments.map));
-  const mapping::ScanSet earlier = read_earlier(arguments, session);
+  const mapping::ScanSet earlier = read_earlier(arguments, semantics, session);
   const mapping::UpdateResult result =
       update(world, semantics, earlier, read_new(arguments, semantics, earlier, session), arguments.options,
              session.progress());

@@ -497,7 +497,7 @@ TEST_F(Formats, ConvertedRecordingsComeBackEqual) {
   for (const auto format : {RecordingFormat::loci, RecordingFormat::mcap, RecordingFormat::tum}) {
     const fs::path out =
         root_ / (format == RecordingFormat::mcap ? "copy.mcap" : std::to_string(int(format)));
-    EXPECT_EQ(convert_recording(*original, out, {.format = format, .inputs = {source}}, progress), 6U);
+    EXPECT_EQ(convert_recording(*original, out, {.format = format, .inputs = {source}}, progress).used(), 6U);
     const auto copy = open_recording(out);
     ASSERT_EQ(copy->size(), 6U);
     EXPECT_TRUE(

@@ -102,6 +102,24 @@ TEST_F(Tum, ADelayThatLeavesFramesWithoutColourIsProposed) {
                                   "give --color-delay-s=0.050")));
 }
 
+TEST_F(Tum, OneListOfBothImagesIsRead) {
+  const auto lists = open_recording(root_);
+  for (const char* name : {"depth.txt", "rgb.txt"}) fs::remove(root_ / name);
+  for (const char* row :
+       {"1305031102.175304 rgb/1305031102.160407.png 1305031102.160407 depth/1305031102.160407.png\n",
+        "1305031102.160407 depth/1305031102.160407.png 1305031102.175304 rgb/1305031102.160407.png\n"}) {
+    write_file_atomically(root_ / "associations.txt", row);
+    const auto recording = open_recording(root_);
+    EXPECT_EQ(recording->info().format, "tum");
+    EXPECT_EQ(recording->time_of(0), lists->time_of(0));
+    EXPECT_FLOAT_EQ(recording->frame(0).depth.at<float>(0, 0), 1.5F);
+    EXPECT_FALSE(recording->frame(0).color.empty());
+    EXPECT_TRUE(recording->frame(0).map_from_camera);
+  }
+  write_file_atomically(root_ / "associations.txt", "1 a.png 1 b.png\n");
+  EXPECT_THAT(refusal(root_), HasSubstr("associations.txt:1: which of the two images is depth is not clear"));
+}
+
 TEST_F(Tum, BadListsAreNamedWithTheirLine) {
   write_file_atomically(root_ / "groundtruth.txt", "1305031102.1 0 0 1 0 0 0\n");
   EXPECT_THAT(refusal(root_), HasSubstr("groundtruth.txt:1"));
