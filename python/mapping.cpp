@@ -235,7 +235,8 @@ class Writer {
         .depth = image_of(depth, CV_32F, "a depth image"),
         .color = color ? bgr_of(*color) : cv::Mat(),
         .map_from_camera = map_from_camera ? std::optional(pose_of(*map_from_camera)) : std::nullopt,
-        .joints = joints};
+        .joints = joints,
+        .damage = {}};
     check_size(frame.depth, camera_.depth, "depth");
     if (!frame.color.empty()) check_size(frame.color, camera_.color, "colour");
     unlocked([&] { writer_->add(frame); });

@@ -293,7 +293,8 @@ void RosRecording::set_cameras(const Content& content) {
   if (const auto depth = camera_of(depth_, content))
     set(depth_, *depth, info_.camera.depth, correction_.depth);
   else
-    info_.guesses.emplace_back("no camera_info of depth: a Kinect v1 is assumed");
+    info_.problems.emplace_back(
+        "no camera_info of depth: a Kinect v1 is assumed; record its camera_info, too");
   const cv::Mat first = first_depth_image();
   if (const std::string why = implausible_because(first); !why.empty()) info_.problems.push_back(why);
   correction_.close_grid_holes = has_grid_holes(first);
@@ -304,7 +305,7 @@ void RosRecording::set_cameras(const Content& content) {
   if (const auto color = camera_of(color_, content)) {
     set(color_, *color, info_.camera.color, correction_.color);
   } else {
-    info_.guesses.emplace_back("no camera_info of colour: taken as that of depth");
+    info_.problems.emplace_back("no camera_info of colour: taken as that of depth");
   }
 }
 

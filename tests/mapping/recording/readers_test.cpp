@@ -312,6 +312,14 @@ TEST_F(Bag, ADistortionThatIsNotReadLeavesTheFocalLength) {
                                                HasSubstr("'inverse_brown_conrady' is not read"))));
 }
 
+TEST_F(Bag, ACameraThatIsAssumedIsAProblem) {
+  std::vector<BagEntry> all = entries();
+  std::erase_if(all, [](const BagEntry& entry) { return entry.topic == "/cam/rgb/camera_info"; });
+  write_bag(bag_, all);
+  EXPECT_THAT(open_recording(bag_)->info().problems,
+              testing::Contains(HasSubstr("no camera_info of colour: taken as that of depth")));
+}
+
 TEST_F(Bag, ColourInAVideoTopicIsNamed) {
   std::vector<BagEntry> all = entries();
   for (BagEntry& entry : all)
