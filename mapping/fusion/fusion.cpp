@@ -129,7 +129,7 @@ class ScanBuilder {
 /// One scan and its counts.
 struct Part {
   Scan scan;
-  Tally frames;
+  Tally frames, without_color;
   size_t at_edges = 0, seldom = 0;
 };
 
@@ -144,6 +144,7 @@ FusionResult collect(std::vector<Part>& parts, const RecordingInfo& info, const 
   FusionResult result;
   for (Part& part : parts) {
     result.frames.add(part.frames);
+    result.without_color.add(part.without_color);
     result.pixels_at_edges += part.at_edges;
     result.voxels_seldom_seen += part.seldom;
     if (!part.scan.points.empty()) result.scans.scans.push_back(std::move(part.scan));
@@ -235,6 +236,7 @@ FusionResult fuse(const Recording& recording, const FusionOptions& options, Prog
         if (options.edge_filter) part.at_edges += drop_flying_pixels(frame.depth);
         builder.add(frame);
         part.frames.add_used();
+        if (!frame.damage.empty()) part.without_color.add(Reason::damaged, frame.damage);
       }
       const size_t now_done = ++done;
       const std::lock_guard lock(mutex);
