@@ -205,7 +205,9 @@ mapping::RgbdFrame frame_at(const mapping::Recording& recording, py::ssize_t num
   const py::ssize_t index = number < 0 ? number + size : number;
   if (index < 0 || index >= size)
     throw py::index_error("the recording has " + std::to_string(size) + " frames");
-  return unlocked([&] { return recording.frame(static_cast<size_t>(index)); });
+  mapping::RgbdFrame frame = unlocked([&] { return recording.frame(static_cast<size_t>(index)); });
+  if (!frame.damage.empty()) throw Error(frame.damage);
+  return frame;
 }
 
 /// Writes frames given as arrays.
@@ -233,7 +235,8 @@ class Writer {
         .depth = image_of(depth, CV_32F, "a depth image"),
         .color = color ? bgr_of(*color) : cv::Mat(),
         .map_from_camera = map_from_camera ? std::optional(pose_of(*map_from_camera)) : std::nullopt,
-        .joints = joints};
+        .joints = joints,
+        .damage = {}};
     check_size(frame.depth, camera_.depth, "depth");
     if (!frame.color.empty()) check_size(frame.color, camera_.color, "colour");
     unlocked([&] { writer_->add(frame); });

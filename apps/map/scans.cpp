@@ -86,7 +86,11 @@ void run(FuseArguments& arguments, Session& session) {
       text += fmt::format(", and a mesh of {} triangles in room.ply and room.glb",
                           json["mesh"]["triangles"].get<size_t>());
   }
+  if (const std::string reasons = result.frames.reasons(); !reasons.empty()) text += "; left out: " + reasons;
   session.answer(text, json);
+  if (const std::string reasons = result.without_color.reasons(); !reasons.empty())
+    session.warnings().add("without colour: " + reasons, {arguments.recording, 0, {}});
+  result.frames.explain("frame", {arguments.recording, 0, {}}, session.warnings());
 }
 
 }  // namespace

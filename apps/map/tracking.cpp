@@ -25,7 +25,9 @@ void write_posed(const mapping::Recording& recording, const mapping::TrackingRes
                                    .inputs = {info.path}});
   for (size_t i = 0; i < result.frames.size(); ++i) {
     session.progress().check(static_cast<double>(i) / static_cast<double>(result.frames.size()), "writing");
-    writer.add(recording.frame(result.frames[i].number));
+    const mapping::RgbdFrame frame = recording.frame(result.frames[i].number);
+    if (!frame.damage.empty()) session.warnings().add(frame.damage);
+    writer.add(frame);
   }
   writer.add_file("tracking.json", result.report().dump(2) + '\n');
   writer.finish();

@@ -6,7 +6,7 @@
 #include "mapping/base/json.h"
 #include "mapping/exchange/map_report.h"
 #include "mapping/fusion/fusion.h"
-#include "mapping/recording/recording.h"
+#include "mapping/recording/posed_recording.h"
 #include "mapping/tracking/known_poses.h"
 #include "mapping/update/placement.h"
 #include "mapping/world/urdf.h"
@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 
 struct UpdateArguments {
   std::string map, scans, out, earlier;
+  mapping::RecordingOptions reading;
   mapping::UpdateOptions options;
 };
 
@@ -32,11 +33,14 @@ void place(mapping::ScanSet& scans, const mapping::ScanSet& earlier, const std::
 }
 
 /// A scan set, or a recording, which is fused. One without poses is tracked, and placed by the earlier scans.
-mapping::ScanSet read_new(const std::string& path, const mapping::ScanSet& earlier, Session& session) {
+mapping::ScanSet read_new(const UpdateArguments& arguments, const mapping::SemanticMap& semantics,
+                          const mapping::ScanSet& earlier, Session& session) {
+  const std::string& path = arguments.scans;
   if (fs::exists(fs::path(path) / "scans.yaml") || fs::path(path).extension() == ".pcd")
     return mapping::read_registered_scans(path, session.warnings());
-  auto recording = mapping::open_recording(path);
+  auto recording = mapping::open_recording(path, arguments.reading);
   const bool has_poses = recording->info().frames_with_pose > 0;
+  recording = in_map(std::move(recording), semantics.map_from_input, semantics.frame);
   recording = mapping::with_known_poses(std::move(recording), mapping::PosesFor::mapping,
                                         session.flags().threads, session.progress(), session.warnings());
   for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
@@ -47,13 +51,14 @@ mapping::ScanSet read_new(const std::string& path, const mapping::ScanSet& earli
   return scans;
 }
 
-mapping::ScanSet read_earlier(const UpdateArguments& arguments, Session& session) {
+mapping::ScanSet read_earlier(const UpdateArguments& arguments, const mapping::SemanticMap& semantics,
+                              Session& session) {
   const fs::path folder = arguments.earlier.empty() ? fs::path(arguments.map).parent_path() / "scans"
                                                     : fs::path(arguments.earlier);
   if (!fs::exists(folder))
     throw Error("the scans that the map was made from are not there", {folder.string(), 0, {}},
                 "give their folder with --scans-before");
-  return mapping::read_registered_scans(folder, session.warnings());
+  return read_scans_of_map(folder, semantics, session.warnings());
 }
 
 void write_update(const mapping::UpdateResult& result, const std::string& out) {
@@ -76,9 +81,9 @@ void run(UpdateArguments& arguments, Session& session) {
   arguments.options.threads = session.flags().threads;
   const mapping::World world = mapping::read_urdf(arguments.map);
   const mapping::SemanticMap semantics = mapping::read_semantic_map(mapping::sidecar_path(arguments.map));
-  const mapping::ScanSet earlier = read_earlier(arguments, session);
+  const mapping::ScanSet earlier = read_earlier(arguments, semantics, session);
   const mapping::UpdateResult result =
-      update(world, semantics, earlier, read_new(arguments.scans, earlier, session), arguments.options,
+      update(world, semantics, earlier, read_new(arguments, semantics, earlier, session), arguments.options,
              session.progress());
   session.timing("update", result.seconds);
   for (const std::string& note : result.notes) session.warnings().add(note);
@@ -106,6 +111,7 @@ Command update_command() {
             table.option("--scans-before FOLDER", &arguments->earlier, "Scans that the map was made from",
                          {.default_text = "scans/ beside MAP"});
             table.options(table_of(arguments->options), "Update");
+            table.options(table_of(arguments->reading), "Recording");
             return [arguments](Session& session) { run(*arguments, session); };
           }};
 }

@@ -51,6 +51,7 @@ Command ingest_command() {
                          {.default_text = "the clock"});
             table.time_zone(arguments->time_zone);
             table.options(table_of(arguments->options), "Import");
+            table.options(table_of(arguments->options.reading), "Recording");
             return [arguments](Session& session) {
               memory::WriteOptions write;
               write.time_zone = arguments->time_zone;

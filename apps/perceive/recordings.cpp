@@ -17,9 +17,11 @@
 #include "mapping/base/text.h"
 #include "mapping/base/time.h"
 #include "mapping/recording/convert.h"
+#include "mapping/recording/posed_recording.h"
 #include "mapping/recording/recording.h"
 #include "mapping/tracking/known_poses.h"
 #include "mapping/update/placement.h"
+#include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
@@ -51,8 +53,8 @@ struct RecordingArguments {
 };
 
 std::string camera_text(const mapping::PinholeCamera& camera) {
-  return fmt::format("{} x {} pixels, f {} {}, centre {} {}", camera.width, camera.height, camera.fx,
-                     camera.fy, camera.cx, camera.cy);
+  return fmt::format("{} x {} pixels, f {:.6g} {:.6g}, centre {:.6g} {:.6g}", camera.width, camera.height,
+                     camera.fx, camera.fy, camera.cx, camera.cy);
 }
 
 std::string info_text(const mapping::RecordingInfo& info) {
@@ -150,6 +152,10 @@ void convert(const ConvertArguments& arguments, Session& session) {
     options.inputs.emplace_back(drawn);
   }
   std::unique_ptr<mapping::Recording> recording = arguments.recording.open();
+  if (const auto sidecar = mapping::sidecar_path(arguments.map); !arguments.map.empty() && exists(sidecar)) {
+    const mapping::SemanticMap semantics = mapping::read_semantic_map(sidecar);
+    recording = in_map(std::move(recording), semantics.map_from_input, semantics.frame);
+  }
   if (!arguments.keep_people) recording = std::make_unique<AnonymousRecording>(std::move(recording));
   for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
   std::optional<memory::Store> store;
@@ -159,9 +165,11 @@ void convert(const ConvertArguments& arguments, Session& session) {
   }
   for (mapping::MarkerLayer& layer : layers_of_map(arguments, store ? &*store : nullptr, session.warnings()))
     options.layers.push_back(std::move(layer));
-  const size_t frames = convert_recording(*recording, arguments.out, options, session.progress());
-  session.answer(fmt::format("{} written to {} as {}\n", counted(frames, "frame"), arguments.out, format),
-                 {{"frames", frames}, {"out", arguments.out}, {"format", format}});
+  const Tally frames = convert_recording(*recording, arguments.out, options, session.progress());
+  const std::string left_out = frames.reasons();
+  session.answer(fmt::format("{} written to {} as {}{}\n", counted(frames.used(), "frame"), arguments.out,
+                             format, left_out.empty() ? "" : "; left out: " + left_out),
+                 {{"frames", frames.used()}, {"out", arguments.out}, {"format", format}});
 }
 
 }  // namespace
@@ -474,7 +482,7 @@ void run(const RunArguments& arguments, Session& session) {
                {"pipeline", context.configuration}};
   if (plan) json.update({{"found", found}, {"plan", to_json(*plan)}});
   session.answer(text, json);
-  if (frames.used() == 0) frames.explain("object", {arguments.recording.path, 0, {}}, session.warnings());
+  frames.explain("object", {arguments.recording.path, 0, {}}, session.warnings());
 }
 
 }  // namespace

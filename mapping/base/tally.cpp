@@ -25,6 +25,7 @@ constexpr std::array<ReasonText, static_cast<size_t>(Reason::count)> kReasons = 
     {"no_matching_frame", "no such frame in the recording",
      "check the times or names of the images, and that it is the recording that was detected in"},
     {"no_depth", "an empty depth image", "check the depth images and invalid_depth"},
+    {"damaged", "an image that cannot be read", "copy or record these files again"},
     {"no_depth_in_range", "no depth between 0.2 and 5 m",
      "check depth_scale: metres per unit of the depth image"},
     {"depth_too_sparse", "depth with too many holes for surfaces",
@@ -65,9 +66,18 @@ std::vector<size_t> by_frequency(const Counts& counts) {
 
 }  // namespace
 
+void Tally::add(Reason reason, const std::string& example) {
+  add(reason);
+  std::string& first = examples_[static_cast<size_t>(reason)];
+  if (first.empty()) first = example;
+}
+
 void Tally::add(const Tally& other) {
   used_ += other.used_;
-  for (size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
+  for (size_t i = 0; i < counts_.size(); ++i) {
+    counts_[i] += other.counts_[i];
+    if (examples_[i].empty()) examples_[i] = other.examples_[i];
+  }
 }
 
 size_t Tally::total() const {
@@ -84,7 +94,8 @@ bool Tally::usable() const {
 std::string Tally::reasons() const {
   std::vector<std::string> parts;
   for (const size_t i : by_frequency(counts_))
-    parts.push_back(fmt::format("{} in {}", kReasons[i].text, counts_[i]));
+    parts.push_back(fmt::format("{} in {}{}", kReasons[i].text, counts_[i],
+                                examples_[i].empty() ? "" : " (" + examples_[i] + ")"));
   return joined(parts, ", ");
 }
 

@@ -14,6 +14,7 @@ enum class Reason {
   no_pose,
   no_matching_frame,
   no_depth,
+  damaged,
   no_depth_in_range,
   depth_too_sparse,
   no_plane,
@@ -39,6 +40,8 @@ class Tally {
 
   void add_used() { ++used_; }
   void add(Reason reason, size_t count = 1) { counts_[static_cast<size_t>(reason)] += count; }
+  /// With an example, which reasons() names the first of.
+  void add(Reason reason, const std::string& example);
   void add(const Tally& other);
 
   size_t used() const { return used_; }
@@ -62,6 +65,7 @@ class Tally {
   std::string unit_;
   size_t used_ = 0;
   std::array<size_t, static_cast<size_t>(Reason::count)> counts_ = {};
+  std::array<std::string, static_cast<size_t>(Reason::count)> examples_ = {};
 };
 
 }  // namespace loci

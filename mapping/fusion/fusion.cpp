@@ -11,6 +11,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text.h"
 
 namespace loci::mapping {
 namespace {
@@ -128,14 +129,14 @@ class ScanBuilder {
 /// One scan and its counts.
 struct Part {
   Scan scan;
-  Tally frames;
+  Tally frames, without_color;
   size_t at_edges = 0, seldom = 0;
 };
 
 /// Why a frame cannot be fused.
 std::optional<Reason> unusable_because(const RgbdFrame& frame) {
   if (!frame.map_from_camera) return Reason::no_pose;
-  if (cv::countNonZero(frame.depth > 0) == 0) return Reason::no_depth;
+  if (!has_depth(frame)) return frame.damage.empty() ? Reason::no_depth : Reason::damaged;
   return std::nullopt;
 }
 
@@ -143,6 +144,7 @@ FusionResult collect(std::vector<Part>& parts, const RecordingInfo& info, const 
   FusionResult result;
   for (Part& part : parts) {
     result.frames.add(part.frames);
+    result.without_color.add(part.without_color);
     result.pixels_at_edges += part.at_edges;
     result.voxels_seldom_seen += part.seldom;
     if (!part.scan.points.empty()) result.scans.scans.push_back(std::move(part.scan));
@@ -229,11 +231,12 @@ FusionResult fuse(const Recording& recording, const FusionOptions& options, Prog
     for (size_t i = number * per_scan; i < std::min(taken, (number + 1) * per_scan); ++i) {
       RgbdFrame frame = recording.frame(i * static_cast<size_t>(options.every));
       if (const auto reason = unusable_because(frame)) {
-        part.frames.add(*reason);
+        part.frames.add(*reason, frame.damage);
       } else {
         if (options.edge_filter) part.at_edges += drop_flying_pixels(frame.depth);
         builder.add(frame);
         part.frames.add_used();
+        if (!frame.damage.empty()) part.without_color.add(Reason::damaged, frame.damage);
       }
       const size_t now_done = ++done;
       const std::lock_guard lock(mutex);
@@ -259,10 +262,8 @@ size_t FusionResult::points() const {
 }
 
 std::string FusionResult::summary() const {
-  std::string text =
-      fmt::format("{} frames became {} scans with {} points", frames.used(), scans.scans.size(), points());
-  if (const std::string reasons = frames.reasons(); !reasons.empty()) text += "; left out: " + reasons;
-  return text;
+  return fmt::format("{} became {} with {} points", counted(frames.used(), "frame"),
+                     counted(scans.scans.size(), "scan"), points());
 }
 
 Json FusionResult::report() const {

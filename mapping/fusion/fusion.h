@@ -23,6 +23,7 @@ struct FusionOptions {
 struct FusionResult {
   ScanSet scans;
   Tally frames;                   ///< used, and why others were left out
+  Tally without_color;            ///< of those used: whose colour images cannot be read
   size_t pixels_at_edges = 0;     ///< left out: between foreground and background, or alone
   size_t voxels_seldom_seen = 0;  ///< left out: fewer frames than min_observations
   double seconds = 0;

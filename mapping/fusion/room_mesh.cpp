@@ -16,7 +16,7 @@ namespace {
 /// The frames that can be integrated, as the depth camera sees them; empty depth where one cannot.
 RgbdFrame prepared(const Recording& recording, size_t number, bool edge_filter) {
   RgbdFrame frame = recording.frame(number);
-  if (!frame.map_from_camera || cv::countNonZero(frame.depth > 0) == 0) {
+  if (!frame.map_from_camera || !has_depth(frame)) {
     frame.depth.release();
     return frame;
   }

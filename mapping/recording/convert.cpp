@@ -179,13 +179,19 @@ std::unique_ptr<RecordingSink> make_sink(const RecordingInfo& info, const fs::pa
 
 }  // namespace
 
-size_t convert_recording(const Recording& recording, const fs::path& out, const ConvertOptions& options,
-                         Progress& progress) {
+Tally convert_recording(const Recording& recording, const fs::path& out, const ConvertOptions& options,
+                        Progress& progress) {
   const std::unique_ptr<RecordingSink> sink = make_sink(recording.info(), out, options);
-  size_t frames = 0;
-  for (size_t i = 0; i < recording.size(); i += static_cast<size_t>(options.every), ++frames) {
+  Tally frames;
+  for (size_t i = 0; i < recording.size(); i += static_cast<size_t>(options.every)) {
     progress.check(double(i) / double(recording.size()), fmt::format("frame {} of {}", i, recording.size()));
-    sink->add(recording.frame(i));
+    const RgbdFrame frame = recording.frame(i);
+    if (!frame.damage.empty() && !has_depth(frame)) {
+      frames.add(Reason::damaged, frame.damage);
+      continue;
+    }
+    sink->add(frame);
+    frames.add_used();
   }
   sink->finish();
   return frames;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mapping/base/progress.h"
+#include "mapping/base/tally.h"
 #include "mapping/recording/markers.h"
 #include "mapping/recording/recording.h"
 
@@ -21,12 +22,12 @@ struct ConvertOptions {
   std::vector<MarkerLayer> layers = {};       ///< drawn over the recording; MCAP only
 };
 
-/// Writes a recording in another layout; the number of frames.
+/// Writes a recording in another layout; frames whose depth cannot be read are left out.
 ///   loci  the folder that loci reads fastest
 ///   mcap  one file for ROS 2, Foxglove and Rerun: depth and colour with their cameras, tf, joints, markers
 ///   tum   the folder of the TUM RGB-D benchmark; poses are those of the depth camera
 /// What was there before is replaced only if loci wrote it, and stays when this fails.
-size_t convert_recording(const Recording& recording, const std::filesystem::path& out,
-                         const ConvertOptions& options, Progress& progress);
+Tally convert_recording(const Recording& recording, const std::filesystem::path& out,
+                        const ConvertOptions& options, Progress& progress);
 
 }  // namespace loci::mapping

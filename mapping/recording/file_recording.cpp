@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <optional>
 
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
@@ -21,10 +23,11 @@ namespace {
 void check_size(int width, int height, const PinholeCamera& camera, const char* kind,
                 const std::filesystem::path& path) {
   if (width == camera.width && height == camera.height) return;
-  throw Error(fmt::format("the image is {} x {}, the {} camera {} x {}", width, height, kind, camera.width,
-                          camera.height),
-              {path.string(), 0, {}},
-              "depth and colour do not belong together, or the camera is described wrongly");
+  throw Error(
+      fmt::format("the image is {} x {}, the {} camera {} x {}", width, height, kind, camera.width,
+                  camera.height),
+      {path.string(), 0, {}},
+      "they do not belong together, or recording.yaml, cameras.yaml or the like describes another camera");
 }
 
 }  // namespace
@@ -49,19 +52,35 @@ const FrameFiles& FileRecording::files(size_t i) const {
   return content_.frames[i];
 }
 
-void FileRecording::check_images() const {
-  for (const FrameFiles& frame : content_.frames) {
-    const ImageHeader depth = read_image_header(frame.depth);
-    if (depth.channels != 1 || depth.bits != 16)
-      throw Error(fmt::format("depth images are 16-bit grey PNG, this one has {} channels of {} bits",
-                              depth.channels, depth.bits),
-                  {frame.depth.string(), 0, {}});
-    check_size(depth.width, depth.height, content_.info.camera.depth, "depth", frame.depth);
-    if (frame.color.empty()) continue;
-    if (frame.video_frame) continue;  // Of one size, which the reader took from the video.
-    const ImageHeader color = read_image_header(frame.color);
-    check_size(color.width, color.height, content_.info.camera.color, "colour", frame.color);
+void FileRecording::check_images() {
+  std::vector<size_t> damaged;
+  std::optional<Error> first;
+  const auto header_of = [&](const fs::path& image, size_t i) -> std::optional<ImageHeader> {
+    try {
+      return read_image_header(image);
+    } catch (const Error& error) {
+      if (!first) first = error;
+      if (damaged.empty() || damaged.back() != i) damaged.push_back(i);
+      return std::nullopt;
+    }
+  };
+  for (size_t i = 0; i < content_.frames.size(); ++i) {
+    const FrameFiles& frame = content_.frames[i];
+    if (const auto depth = header_of(frame.depth, i)) {
+      if (depth->channels != 1 || depth->bits != 16)
+        throw Error(fmt::format("depth images are 16-bit grey PNG, this one has {} channels of {} bits",
+                                depth->channels, depth->bits),
+                    {frame.depth.string(), 0, {}});
+      check_size(depth->width, depth->height, content_.info.camera.depth, "depth", frame.depth);
+    }
+    if (frame.color.empty() || frame.video_frame) continue;  // A video is of one size, known to its reader.
+    if (const auto color = header_of(frame.color, i))
+      check_size(color->width, color->height, content_.info.camera.color, "colour", frame.color);
   }
+  if (damaged.size() == content_.frames.size()) throw Error(*first);
+  if (first)
+    content_.info.problems.push_back(fmt::format("{} of {} frames have images that cannot be read ({})",
+                                                 damaged.size(), content_.frames.size(), first->what()));
 }
 
 FileRecordingContent content_in_world(const std::string& format, const std::filesystem::path& folder,
@@ -95,7 +114,7 @@ void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames) {
   info.last_time = frames.back().time_ns;
   if (info.frames_with_pose == 0) {
     info.map_frame.clear();
-    info.guesses.emplace_back("no poses: the camera is taken as fixed");
+    info.guesses.emplace_back("no poses: fuse, track and run estimate them");
   } else if (info.frames_with_pose < info.frames) {
     info.problems.push_back(
         fmt::format("{} of {} frames have no pose", info.frames - info.frames_with_pose, info.frames));
@@ -104,6 +123,23 @@ void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames) {
       std::count_if(frames.begin(), frames.end(), [](const FrameFiles& f) { return f.color.empty(); });
   if (without_color > 0)
     info.problems.push_back(fmt::format("{} of {} frames have no colour", without_color, info.frames));
+}
+
+void read_images(RgbdFrame& frame, const std::function<cv::Mat()>& depth,
+                 const std::function<cv::Mat()>& color) {
+  const auto read_or_note = [&](const std::function<cv::Mat()>& read) -> cv::Mat {
+    try {
+      return read();
+    } catch (const Error& error) {
+      if (frame.damage.empty()) frame.damage = Error(error.message(), error.location()).what();
+      return {};
+    }
+  };
+  frame.depth = read_or_note(depth);
+  if (frame.depth.empty())
+    frame.depth = cv::Mat(frame.camera.depth.height, frame.camera.depth.width, CV_32F,
+                          cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
+  frame.color = read_or_note(color);
 }
 
 RgbdFrame FileRecording::frame(size_t i) const {
@@ -115,11 +151,14 @@ RgbdFrame FileRecording::frame(size_t i) const {
   frame.camera = content_.info.camera;
   frame.map_from_camera = from.map_from_camera;
   frame.joints = from.joints;
-  frame.depth = depth_of(from);
-  if (!from.color.empty()) {
-    frame.color = from.video_frame ? content_.video->frame(*from.video_frame) : read_color(from.color);
-    check_size(frame.color.cols, frame.color.rows, frame.camera.color, "colour", from.color);
-  }
+  read_images(
+      frame, [&] { return depth_of(from); },
+      [&]() -> cv::Mat {
+        if (from.color.empty()) return {};
+        cv::Mat color = from.video_frame ? content_.video->frame(*from.video_frame) : read_color(from.color);
+        check_size(color.cols, color.rows, frame.camera.color, "colour", from.color);
+        return color;
+      });
   correction_.apply(frame);
   return frame;
 }
@@ -150,14 +189,40 @@ void FileRecording::set_correction() {
   };
   set(content_.info.camera.depth, content_.depth_distortion, correction_.depth, "depth");
   set(content_.info.camera.color, content_.color_distortion, correction_.color, "colour");
-  if (content_.info.camera.depth != content_.info.camera.color) return;
-  // Depth in the colour camera was warped there. What is broken is told when a frame is asked for.
-  try {
-    correction_.close_grid_holes = has_grid_holes(depth_of(content_.frames.front()));
-  } catch (const Error&) {
-  }
+  const std::optional<cv::Mat> depth = first_depth();
+  if (!depth) return;
+  if (const std::string why = implausible_because(*depth); !why.empty())
+    content_.info.problems.push_back(why);
+  // Depth in the colour camera was warped there.
+  correction_.close_grid_holes =
+      content_.info.camera.depth == content_.info.camera.color && has_grid_holes(*depth);
   if (correction_.close_grid_holes)
     content_.info.guesses.emplace_back("depth was warped to the colour camera: the grid of holes is closed");
+}
+
+std::optional<cv::Mat> FileRecording::first_depth() const {
+  for (const FrameFiles& frame : content_.frames) {
+    try {
+      return depth_of(frame);
+    } catch (const Error&) {  // frame() names it.
+    }
+  }
+  return std::nullopt;
+}
+
+std::string implausible_because(const cv::Mat& depth) {
+  constexpr double kMin = 0.1, kMax = 8;
+  std::vector<float> measured;
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u)
+      if (const float z = depth.at<float>(v, u); z > 0) measured.push_back(z);
+  if (measured.empty()) return {};
+  const auto middle = measured.begin() + static_cast<std::ptrdiff_t>(measured.size() / 2);
+  std::nth_element(measured.begin(), middle, measured.end());
+  const auto median = static_cast<double>(*middle);
+  if (median > kMin && median < kMax) return {};
+  return fmt::format("the median depth of the first frame is {:.3g} m: check its unit (depth_scale, unit_m)",
+                     median);
 }
 
 std::optional<int64_t> number_in_name(const std::filesystem::path& path) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -75,14 +76,24 @@ class FileRecording : public Recording {
 
  private:
   const FrameFiles& files(size_t i) const;
-  void check_images() const;
+  void check_images();
   cv::Mat depth_of(const FrameFiles& from) const;
   void set_correction();
+  /// Of the first image that can be read.
+  std::optional<cv::Mat> first_depth() const;
 
   FileRecordingContent content_;
   std::vector<float> metres_from_raw_;  ///< by raw value, NaN = no measurement
   ImageCorrection correction_;
 };
+
+/// Reads the images of a frame whose camera is set; what cannot be read becomes its damage.
+void read_images(RgbdFrame& frame, const std::function<cv::Mat()>& depth,
+                 const std::function<cv::Mat()>& color);
+
+/// A line for RecordingInfo::problems where no room looks like this depth image (metres): its unit is
+/// probably another one. Empty otherwise.
+std::string implausible_because(const cv::Mat& depth);
 
 /// Depth in metres as 16-bit values of `unit_m`; 0 where there is none, or more than 16 bits hold.
 cv::Mat raw_from_depth(const cv::Mat& depth, double unit_m);

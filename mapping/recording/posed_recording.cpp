@@ -78,4 +78,12 @@ std::unique_ptr<Recording> with_up(std::unique_ptr<Recording> recording, const V
                                             Isometry3d::Identity());
 }
 
+std::unique_ptr<Recording> in_map(std::unique_ptr<Recording> recording,
+                                  const std::optional<Isometry3d>& map_from_input,
+                                  const std::string& map_frame) {
+  const RecordingInfo& info = recording->info();
+  if (!map_from_input || info.frames_with_pose == 0 || info.map_frame == map_frame) return recording;
+  return in_frame(std::move(recording), *map_from_input, map_frame);
+}
+
 }  // namespace loci::mapping

@@ -32,4 +32,10 @@ std::unique_ptr<Recording> with_up(std::unique_ptr<Recording> recording, const V
 std::vector<std::optional<Isometry3d>> read_poses_for(const Recording& recording,
                                                       const std::filesystem::path& file);
 
+/// In the frame of a map that was made from poses of their frame and levelled, as its `map_from_input` says;
+/// unchanged where the poses are in the frame of the map already, or there is nothing to move.
+std::unique_ptr<Recording> in_map(std::unique_ptr<Recording> recording,
+                                  const std::optional<Isometry3d>& map_from_input,
+                                  const std::string& map_frame);
+
 }  // namespace loci::mapping

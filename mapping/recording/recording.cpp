@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "mapping/recording/formats/layouts.h"
 #include "mapping/recording/formats/scannet.h"
 #include "mapping/recording/gravity.h"
@@ -36,6 +37,29 @@ std::string recording_below(const fs::path& folder) {
   return {};
 }
 
+/// A file of rosbag2 that is compressed as a whole.
+bool is_compressed_bag(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return name.ends_with(".mcap.zstd") || name.ends_with(".db3.zstd");
+}
+
+/// Files that would be read in another form: Error that says in which.
+void refuse_unread_files(const fs::path& folder) {
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (is_compressed_bag(entry.path()))
+      throw Error("the files of this bag are compressed as a whole, which is not read",
+                  {folder.string(), 0, {}},
+                  fmt::format("unpack them: zstd -d {}", (folder / "*.zstd").string()));
+  const fs::path depth = folder / "depth";
+  if (!fs::is_directory(depth)) return;
+  for (const auto& entry : fs::directory_iterator(depth))
+    for (const char* ending : {".tif", ".tiff", ".exr", ".npy", ".pfm"})
+      if (lower_case(entry.path().extension().string()) == ending)
+        throw Error(fmt::format("depth as {} is not read", ending), {entry.path().string(), 0, {}},
+                    "write 16-bit PNG in millimetres, e.g. in Python: cv2.imwrite(\"NAME.png\", (1000 * "
+                    "depth).astype(\"uint16\"))");
+}
+
 Error nothing_fits(const fs::path& folder) {
   const std::string below = recording_below(folder);
   return Error(fs::is_empty(folder) ? "the folder is empty" : "the folder holds no recording",
@@ -63,6 +87,13 @@ void refuse_foreign_format(const fs::path& file) {
         "a recording of Record3D is not read as it is", location,
         "export it from the app as 'EXR + RGB' and convert it with nerfstudio: ns-process-data record3d "
         "--data FOLDER --output-dir OUT");
+  if (head == "\x28\xb5\x2f\xfd")
+    throw Error("this file is compressed as a whole, which is not read", location,
+                fmt::format("unpack it: zstd -d {}", name));
+  if (head.starts_with("\x1f\x8b"))
+    throw Error("this file is compressed", location,
+                fmt::format("unpack it: {} {}",
+                            name.find(".t") != std::string::npos ? "tar xzf" : "gunzip -k", name));
   if (head.starts_with("PK"))
     throw Error("this is an archive", location, fmt::format("unpack it: unzip {} -d FOLDER", name));
 }
@@ -77,6 +108,7 @@ std::unique_ptr<Recording> open_format(const fs::path& path, const RecordingOpti
       return std::make_unique<RosRecording>(folder, options);
     if (is_pcd_series(folder)) return std::make_unique<PcdSeries>(folder);
     if (is_sens(folder)) return std::make_unique<SensRecording>(folder);
+    if (fs::is_empty(folder)) throw Error("the file is empty", {path.string(), 0, {}});
     refuse_foreign_format(folder);
     throw Error("this file is no recording", {path.string(), 0, {}},
                 "a recording is a folder, a bag of ROS, a .sens file or an organised PCD");
@@ -90,6 +122,7 @@ std::unique_ptr<Recording> open_format(const fs::path& path, const RecordingOpti
   if (is_stray_scanner(folder)) return std::make_unique<FileRecording>(read_stray_scanner(folder));
   if (is_replica(folder)) return std::make_unique<FileRecording>(read_replica(folder));
   if (is_redwood(folder)) return std::make_unique<FileRecording>(read_redwood(folder));
+  refuse_unread_files(folder);
   throw nothing_fits(folder);
 }
 

@@ -55,8 +55,8 @@ class Recording {
   virtual ~Recording() = default;
   virtual const RecordingInfo& info() const = 0;
   virtual size_t size() const = 0;
-  /// Frame number `i` in [0, size()), not its index in the recording. Error when an image is missing or
-  /// broken.
+  /// Frame number `i` in [0, size()), not its index in the recording. An image that is missing or broken is
+  /// left out, and RgbdFrame::damage says why: one of thousands does not end a run.
   virtual RgbdFrame frame(size_t i) const = 0;
   /// Time and index without reading images.
   virtual TimeNs time_of(size_t i) const = 0;

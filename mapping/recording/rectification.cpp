@@ -80,8 +80,8 @@ Vector2d Distortion::distorted(const Vector2d& ray) const {
   const double radial =
       (1 + r2 * (k(0) + r2 * (k(1) + r2 * k(4)))) / (1 + r2 * (k(5) + r2 * (k(6) + r2 * k(7))));
   const double x = ray.x(), y = ray.y();
-  return {x * radial + 2 * k(2) * x * y + k(3) * (r2 + 2 * x * x),
-          y * radial + k(2) * (r2 + 2 * y * y) + 2 * k(3) * x * y};
+  return {x * radial + 2 * k(2) * x * y + k(3) * (r2 + 2 * x * x) + r2 * (k(8) + r2 * k(9)),
+          y * radial + k(2) * (r2 + 2 * y * y) + 2 * k(3) * x * y + r2 * (k(10) + r2 * k(11))};
 }
 
 Distortion distortion_from(const std::string& model, const std::vector<double>& coefficients,
@@ -98,13 +98,13 @@ Distortion distortion_from(const std::string& model, const std::vector<double>& 
     min = 4, max = 5;
   } else if (name == "rational_polynomial") {
     distortion.model = Distortion::Model::rational_polynomial;
-    min = 5, max = 8;
+    min = 5, max = 12;
   } else if (name == "equidistant" || name == "fisheye" || name == "kannala_brandt4") {
     distortion.model = Distortion::Model::equidistant;
     min = max = 4;
   } else {
     throw Error(fmt::format("distortion of model '{}' is not read", model), location,
-                "plumb_bob, rational_polynomial and equidistant are");
+                "plumb_bob, rational_polynomial and equidistant are; undistort the images, or leave it out");
   }
   // Longer lists, as some drivers write, end in zeros.
   distortion.coefficients = coefficients;

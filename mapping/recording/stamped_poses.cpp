@@ -1,5 +1,7 @@
 #include "mapping/recording/stamped_poses.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdlib>
 
@@ -19,6 +21,27 @@ std::vector<std::optional<size_t>> nearest_in_time(const std::vector<TimeNs>& ti
     result.push_back(nearest);
   }
   return result;
+}
+
+std::string unmatched_because(const std::vector<TimeNs>& depths, const std::vector<TimeNs>& colors) {
+  if (depths.empty() || colors.empty()) return {};
+  std::vector<TimeNs> delays;
+  for (const TimeNs time : depths) {
+    const auto after = std::lower_bound(colors.begin(), colors.end(), time);
+    const auto before = after == colors.begin() ? after : after - 1;
+    const bool is_before = after == colors.end() || time - *before < *after - time;
+    delays.push_back((is_before ? *before : *after) - time);
+  }
+  std::ranges::sort(delays);
+  const TimeNs median = delays[delays.size() / 2];
+  if (std::abs(median) <= kSameMoment) return {};
+  const auto same =
+      std::ranges::count_if(delays, [&](TimeNs delay) { return std::abs(delay - median) <= kSameMoment; });
+  if (2 * static_cast<size_t>(same) < delays.size()) return {};
+  const double seconds = static_cast<double>(median) / static_cast<double>(kSecond);
+  return fmt::format(
+      "colour is stamped {:.3f} s {} than depth: if it was taken with it, give --color-delay-s={:.3f}",
+      std::abs(seconds), seconds > 0 ? "later" : "earlier", seconds);
 }
 
 std::optional<Isometry3d> pose_at(const std::vector<StampedPose>& poses, TimeNs time_ns) {

@@ -21,6 +21,10 @@ inline constexpr TimeNs kLongestGap = kSecond / 2;
 std::vector<std::optional<size_t>> nearest_in_time(const std::vector<TimeNs>& times,
                                                    const std::vector<TimeNs>& others);
 
+/// A line for RecordingInfo::problems where the stamps of colour are off those of depth by the same for most
+/// frames, and by too much to be matched: what to set. Empty otherwise.
+std::string unmatched_because(const std::vector<TimeNs>& depths, const std::vector<TimeNs>& colors);
+
 struct StampedPose {
   TimeNs time_ns = 0;
   Isometry3d pose = Isometry3d::Identity();

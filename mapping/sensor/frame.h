@@ -20,7 +20,13 @@ struct RgbdFrame {
   cv::Mat color;  ///< CV_8UC3, BGR; camera.color.height × width; may be empty
   std::optional<Isometry3d> map_from_camera;  ///< pose of the depth camera; unset = unknown
   JointState joints;                          ///< of the map's articulated parts, at this time
+  std::string damage;  ///< why an image could not be read: depth is NaN or colour empty then; else empty
 };
+
+/// Whether anything was measured.
+inline bool has_depth(const RgbdFrame& frame) {
+  return !frame.depth.empty() && cv::countNonZero(frame.depth > 0) > 0;
+}
 
 /// The colour image as the depth camera would see it (CV_8UC3, depth resolution): each depth pixel takes
 /// the colour of the colour pixel that its point projects to; black where there is no depth or no colour.

@@ -47,7 +47,8 @@ Matrix6d with_prediction(const Matrix6d& information) {
 FrameResult Tracker::add(PreparedFrame frame) {
   FrameResult result;
   if (frame.images.measured < kMinMeasured) {
-    result.objection = "there is hardly any depth in range";
+    result.objection =
+        frame.is_damaged ? "the depth image cannot be read" : "there is hardly any depth in range";
     return result;
   }
   if (keyframes_.empty()) return begin_region(std::move(frame));

@@ -18,6 +18,7 @@ struct PreparedFrame {
   FrameImages images;
   Features features;
   std::optional<Isometry3d> given;  ///< a pose to refine
+  bool is_damaged = false;          ///< its depth image cannot be read
 };
 
 /// Where a frame is relative to a keyframe, or why that is not known.

@@ -9,6 +9,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text.h"
 #include "mapping/recording/gravity.h"
 #include "mapping/recording/posed_recording.h"
 #include "mapping/tracking/depth_calibration.h"
@@ -23,6 +24,7 @@ PreparedFrame prepared(const Recording& recording, size_t number, bool refine, c
   const RgbdFrame frame = recording.frame(number);
   PreparedFrame result{number, frame.time_ns, frame_images(frame, offsets), {}, {}};
   result.features = features_of(result.images);
+  result.is_damaged = !frame.damage.empty() && !has_depth(frame);
   if (refine) result.given = frame.map_from_camera;
   return result;
 }
@@ -174,8 +176,10 @@ size_t TrackingResult::good() const {
 
 std::string TrackingResult::summary() const {
   std::string text = fmt::format("{} of {} frames tracked", good(), frames.size());
-  text += still ? "; the camera stands still"
-                : fmt::format(", {} keyframes, {} loop{}", keyframes, loops, loops == 1 ? "" : "s");
+  if (still && good() > 1)  // One frame shows neither motion nor rest.
+    text += "; the camera stands still";
+  else if (!still)
+    text += fmt::format(", {}, {}", counted(keyframes, "keyframe"), counted(loops, "loop"));
   if (depth_offset > 0)
     text += fmt::format("; the depth camera's own error of {:.0f} mm at 2 m was found and left out",
                         4e3 * depth_offset);

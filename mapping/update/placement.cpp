@@ -11,7 +11,6 @@
 #include "mapping/registration/pair.h"
 #include "mapping/update/epoch.h"
 #include "mapping/update/parameters.h"
-#include "mapping/world/semantic_map.h"
 
 namespace loci::mapping {
 namespace {
@@ -148,6 +147,14 @@ ScanSet scans_to_place(const Recording& recording, int threads, Progress& progre
   return fuse(recording, fusion, progress).scans;
 }
 
+ScanSet read_scans_of_map(const std::filesystem::path& folder, const SemanticMap& map, Warnings& warnings) {
+  ScanSet scans = read_registered_scans(folder, warnings);
+  if (scans.levelled || !map.map_from_input) return scans;
+  for (Scan& scan : scans.scans) scan.map_from_scan = *map.map_from_input * scan.map_from_scan;
+  scans.levelled = true;
+  return scans;
+}
+
 void require_trusted(const Placement& placement, const std::string& path) {
   if (!placement.trusted)
     throw Error("the recording cannot be placed in the map: " + placement.reason, {path, 0, {}},
@@ -165,14 +172,16 @@ std::unique_ptr<Recording> placed_in_map(std::unique_ptr<Recording> tracked, con
     return tracked;
   }
   const ScanSet scans = scans_to_place(*tracked, threads, progress);
-  const Placement placement = place_scans(read_registered_scans(folder, warnings), scans, threads, progress);
+  const SemanticMap semantics = read_semantic_map(sidecar_path(map));
+  const Placement placement =
+      place_scans(read_scans_of_map(folder, semantics, warnings), scans, threads, progress);
   require_trusted(placement, location.file);
   const Vector3d at = placement.map_from_scans.translation();
   warnings.add(
       fmt::format("the recording was placed in the map: it begins at x {:.2f} y {:.2f} z {:.2f} m ({})",
                   at.x(), at.y(), at.z(), placement.reason),
       location);
-  return in_frame(std::move(tracked), placement.map_from_scans, read_semantic_map(sidecar_path(map)).frame);
+  return in_frame(std::move(tracked), placement.map_from_scans, semantics.frame);
 }
 
 }  // namespace loci::mapping

@@ -8,6 +8,7 @@
 #include "mapping/base/progress.h"
 #include "mapping/recording/recording.h"
 #include "mapping/sensor/scan.h"
+#include "mapping/world/semantic_map.h"
 
 namespace loci::mapping {
 
@@ -20,6 +21,10 @@ struct Placement {
   bool trusted = false;
   std::string reason;  ///< why trusted or not
 };
+
+/// The scans that a map was made from, in its frame: those that were not level are moved by its
+/// map_from_input.
+ScanSet read_scans_of_map(const std::filesystem::path& folder, const SemanticMap& map, Warnings& warnings);
 
 /// Places scans whose frame has z up, such as those of a tracked recording, in a map's frame, of which
 /// nothing else is known: heights of horizontal surfaces give candidates for z, a search over the whole room

@@ -57,7 +57,7 @@ void describe(const perception::LiftedRegion& lifted, const perception::LiftFram
 std::optional<Reason> useless_because(const std::optional<mapping::RgbdFrame>& frame) {
   if (!frame) return Reason::no_matching_frame;
   if (!frame->map_from_camera) return Reason::no_pose;
-  if (cv::countNonZero(frame->depth > 0) == 0) return Reason::no_depth;
+  if (!has_depth(*frame)) return frame->damage.empty() ? Reason::no_depth : Reason::damaged;
   return std::nullopt;
 }
 

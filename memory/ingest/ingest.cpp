@@ -9,6 +9,8 @@
 #include "mapping/base/files.h"
 #include "mapping/base/hash.h"
 #include "mapping/base/json.h"
+#include "mapping/recording/posed_recording.h"
+#include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/ingest/detection_lifter.h"
@@ -241,7 +243,12 @@ struct Input {
 Input open_input(const fs::path& file, const IngestOptions& options, Warnings& warnings) {
   Input input;
   if (!options.recording.empty()) {
-    input.recording = mapping::open_recording(options.recording);
+    input.recording = mapping::open_recording(options.recording, options.reading);
+    if (!options.map.empty() && fs::exists(mapping::sidecar_path(options.map))) {
+      const mapping::SemanticMap semantics = mapping::read_semantic_map(mapping::sidecar_path(options.map));
+      input.recording = in_map(std::move(input.recording), semantics.map_from_input, semantics.frame);
+    }
+    for (const std::string& problem : input.recording->info().problems) warnings.add(problem);
     input.lifter = std::make_unique<DetectionLifter>(*input.recording, options.map, warnings);
   }
   if (!is_detection_set(file)) return input;

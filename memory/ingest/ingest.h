@@ -7,19 +7,21 @@
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
 #include "mapping/base/tally.h"
+#include "mapping/recording/recording.h"
 #include "memory/belief/options.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {
 
 struct IngestOptions {
-  bool strict = false;              ///< refuse the whole file for one bad line
-  bool resume = false;              ///< continue a file that the memory has in part
-  double noise_m = 0;               ///< of positions; 0 = estimate it from the file
-  std::filesystem::path map;        ///< URDF; empty = none
-  std::filesystem::path recording;  ///< that was detected in; empty = none, all detections have positions
-  bool keep_people = false;         ///< store faces, which are blurred otherwise
-  std::string default_time_zone;    ///< of a new memory when nothing else names one; empty = UTC
+  bool strict = false;                ///< refuse the whole file for one bad line
+  bool resume = false;                ///< continue a file that the memory has in part
+  double noise_m = 0;                 ///< of positions; 0 = estimate it from the file
+  std::filesystem::path map;          ///< URDF; empty = none
+  std::filesystem::path recording;    ///< that was detected in; empty = none, all detections have positions
+  mapping::RecordingOptions reading;  ///< of it
+  bool keep_people = false;           ///< store faces, which are blurred otherwise
+  std::string default_time_zone;      ///< of a new memory when nothing else names one; empty = UTC
   belief::BeliefOptions belief;
   std::string program = "loci-memory ingest";
 

@@ -45,12 +45,20 @@ std::optional<Reason> no_depth_because(const cv::Mat& depth) {
   return std::nullopt;
 }
 
-/// Whether an annotator of the pipeline looked for supports: it logs what it found.
-bool looked_for_supports(const types::SceneCas& scene) {
-  if (!scene.scene().log.is_set()) return false;
+/// What an annotator logged about the scene.
+std::vector<types::LogEntry> log_of(const types::SceneCas& scene, const std::string& annotator) {
+  std::vector<types::LogEntry> entries;
+  if (!scene.scene().log.is_set()) return entries;
   for (const types::LogEntry& entry : scene.scene().log.get().entries)
-    if (entry.annotator.get() == PlaneClusterExtractor::kName) return true;
-  return false;
+    if (entry.annotator.get() == annotator) entries.push_back(entry);
+  return entries;
+}
+
+/// What the reader of the recording could not read of it; empty where nothing was wrong.
+std::string damage_of(const types::SceneCas& scene) {
+  for (const types::LogEntry& entry : log_of(scene, "RecordingReader"))
+    if (entry.level.get() == "error") return entry.text.get();
+  return {};
 }
 
 Reason no_object_in_map_because(const types::SceneCas& scene) {
@@ -89,8 +97,8 @@ std::optional<Reason> no_object_because(const types::SceneCas& scene, bool remem
   }
   if (!scene.scene().map_from_camera.is_set()) return Reason::no_pose;
   const cv::Mat depth = types::view_image(scene, types::SceneCas::kDepth);
-  if (const auto reason = no_depth_because(depth)) return reason;
-  if (!looked_for_supports(scene)) return Reason::nothing_new;
+  if (const auto reason = no_depth_because(depth)) return damage_of(scene).empty() ? reason : Reason::damaged;
+  if (log_of(scene, PlaneClusterExtractor::kName).empty()) return Reason::nothing_new;
   if (scene.has(kMapDepthView)) return no_object_in_map_because(scene);
   if (!scene.supports().empty()) return Reason::support_empty;
   std::optional<Vector3d> up;

@@ -25,7 +25,8 @@ bool is_seven_scenes(const std::filesystem::path& folder);
 /// them or one folder above. Without cameras.yaml the cameras are taken as a Kinect's.
 FileRecordingContent read_seven_scenes(const std::filesystem::path& folder);
 
-/// Whether a folder has the lists of the TUM RGB-D benchmark: depth.txt, and rgb.txt or groundtruth.txt.
+/// Whether a folder has the lists of the TUM RGB-D benchmark: depth.txt, and rgb.txt or groundtruth.txt; or
+/// associations.txt.
 bool is_tum(const std::filesystem::path& folder);
 
 /// Reads the TUM RGB-D layout: `depth.txt` and `rgb.txt` (stamp, file), `groundtruth.txt` (stamp, x y z qx qy
@@ -56,6 +57,8 @@ class PcdSeries : public FrameListRecording {
  private:
   void find_frames(const std::filesystem::path& path);
   void fit_camera();
+  /// Depth of a cloud, and its colours where it has some.
+  cv::Mat images_of(const FrameFiles& from, cv::Mat& color) const;
 
   bool backwards_ = false;  ///< z points backwards and y up
 };

@@ -173,32 +173,38 @@ void PcdSeries::fit_camera() {
 
 RgbdFrame PcdSeries::frame(size_t i) const {
   const FrameFiles& from = frames_.at(i);
-  const PcdCloud cloud = read_pcd(from.depth);
-  const auto [x, y, z] = coordinates_of(cloud, from.depth);
   RgbdFrame frame;
   frame.index = from.index;
   frame.name = from.depth.stem().string();
   frame.time_ns = from.time_ns;
   frame.camera = info_.camera;
   frame.map_from_camera = from.map_from_camera;
+  cv::Mat color;
+  read_images(
+      frame, [&] { return images_of(from, color); }, [&] { return color; });
+  return frame;
+}
+
+cv::Mat PcdSeries::images_of(const FrameFiles& from, cv::Mat& color) const {
+  const PcdCloud cloud = read_pcd(from.depth);
+  const auto [x, y, z] = coordinates_of(cloud, from.depth);
   const PinholeCamera& camera = info_.camera.depth;
   if (cloud.width != static_cast<size_t>(camera.width) || cloud.height != static_cast<size_t>(camera.height))
     throw Error(fmt::format("the cloud is {} x {}, the first of the series {} x {}", cloud.width,
                             cloud.height, camera.width, camera.height),
                 from.location);
-  const PcdField* color = cloud.find("rgb") != nullptr ? cloud.find("rgb") : cloud.find("rgba");
-  frame.depth.create(camera.height, camera.width, CV_32F);
-  if (color != nullptr) frame.color.create(camera.height, camera.width, CV_8UC3);
+  const PcdField* field = cloud.find("rgb") != nullptr ? cloud.find("rgb") : cloud.find("rgba");
+  cv::Mat depth(camera.height, camera.width, CV_32F);
+  if (field != nullptr) color.create(camera.height, camera.width, CV_8UC3);
   for (size_t p = 0; p < cloud.size(); ++p) {
-    const double depth = backwards_ ? -cloud.number(p, *z) : cloud.number(p, *z);
-    frame.depth.ptr<float>()[p] =
-        depth > 0 ? static_cast<float>(depth) : std::numeric_limits<float>::quiet_NaN();
-    if (color == nullptr) continue;
-    const uint32_t bits = cloud.bits(p, *color);
-    frame.color.ptr<cv::Vec3b>()[p] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8),
-                                       static_cast<uint8_t>(bits >> 16)};
+    const double value = backwards_ ? -cloud.number(p, *z) : cloud.number(p, *z);
+    depth.ptr<float>()[p] = value > 0 ? static_cast<float>(value) : std::numeric_limits<float>::quiet_NaN();
+    if (field == nullptr) continue;
+    const uint32_t bits = cloud.bits(p, *field);
+    color.ptr<cv::Vec3b>()[p] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8),
+                                 static_cast<uint8_t>(bits >> 16)};
   }
-  return frame;
+  return depth;
 }
 
 }  // namespace loci::mapping

@@ -42,12 +42,25 @@ fs::path file_below(const fs::path& folder, const Json& frame, const char* key,
   return folder / relative;
 }
 
-Distortion nerfstudio_distortion(const Json& json, const FileLocation& location) {
+/// Distortion of the frame, or else of all frames.
+Distortion nerfstudio_distortion(const Json& json, const Json& frame, const FileLocation& location) {
   const std::string model = json.value("camera_model", std::string("OPENCV"));
-  const auto k = [&](const char* key) { return json.contains(key) ? number_of(json[key]) : 0; };
+  const auto k = [&](const char* key) {
+    for (const Json* source : {&frame, &json})
+      if (source->contains(key)) return number_of((*source)[key]);
+    return 0.0;
+  };
   if (model == "OPENCV_FISHEYE")
     return distortion_from("equidistant", {k("k1"), k("k2"), k("k3"), k("k4")}, location);
-  return distortion_from("plumb_bob", {k("k1"), k("k2"), k("p1"), k("p2"), k("k3")}, location);
+  if (model == "FULL_OPENCV")
+    return distortion_from("rational_polynomial",
+                           {k("k1"), k("k2"), k("p1"), k("p2"), k("k3"), k("k4"), k("k5"), k("k6")},
+                           location);
+  for (const char* known : {"OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "RADIAL", "SIMPLE_RADIAL"})
+    if (model == known)
+      return distortion_from("plumb_bob", {k("k1"), k("k2"), k("p1"), k("p2"), k("k3")}, location);
+  throw Error(fmt::format("camera_model {} is not read", model), {location.file, 0, "camera_model"},
+              "undistort the images and write PINHOLE");
 }
 
 /// The value of a key in the frame, or else for all frames.
@@ -102,7 +115,7 @@ FileRecordingContent read_nerfstudio(const fs::path& folder) {
   camera.color = checked_camera(
       {int(value("w")), int(value("h")), value("fl_x"), value("fl_y"), value("cx") - 0.5, value("cy") - 0.5},
       location);
-  content.color_distortion = nerfstudio_distortion(json, location);
+  content.color_distortion = nerfstudio_distortion(json, first, location);
   const ImageHeader depth = read_image_header(content.frames[0].depth);
   camera.depth = scaled_camera(camera.color, depth.width, depth.height);
   content.depth_distortion = content.color_distortion;
@@ -170,7 +183,9 @@ FileRecordingContent read_stray_scanner(const fs::path& folder) {
   if (content.frames.empty()) throw Error("the recording has no frames", {folder.string(), 0, {}});
   content.min_confidence = 1;  // ARKit: 0 low, 1 medium, 2 high.
   cv::Size size(1920, 1440);
-  if (fs::exists(video)) {
+  if (!fs::exists(video)) {
+    content.info.guesses.emplace_back("no rgb.mp4: camera_matrix.csv is taken as that of 1920 x 1440 pixels");
+  } else {
     content.video = std::make_shared<Video>(video);
     size = content.video->frame(0).size();
   }

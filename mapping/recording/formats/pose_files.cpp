@@ -154,6 +154,7 @@ std::vector<std::optional<Isometry3d>> read_poses_for(const Recording& recording
   if (lines.empty()) throw Error("the file has no poses", {file.string(), 0, {}});
   const size_t words = lines[0].words.size();
   Poses poses;
+  std::string range;
   if (colmap || words == 10) {
     poses = from_colmap(lines, recording);
   } else if (lines = without_empty(std::move(lines));
@@ -164,6 +165,8 @@ std::vector<std::optional<Isometry3d>> read_poses_for(const Recording& recording
   } else if (words == 8) {
     const std::vector<StampedPose> stamped = read_tum_poses(file);
     for (size_t i = 0; i < recording.size(); ++i) poses.push_back(pose_at(stamped, recording.time_of(i)));
+    range = fmt::format("the poses from {} to {}, ", format_time(stamped.front().time_ns),
+                        format_time(stamped.back().time_ns));
   } else if (words == 3) {
     const std::vector<Isometry3d> log = read_trajectory_log(file);
     if (log.size() != recording.size()) throw wrong_count(log.size(), recording, file);
@@ -173,10 +176,10 @@ std::vector<std::optional<Isometry3d>> read_poses_for(const Recording& recording
                 "TUM has 8 numbers in a line, KITTI 12, g2o VERTEX_SE3:QUAT, COLMAP is images.txt");
   }
   if (std::none_of(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); }))
-    throw Error(
-        "no frame of the recording has a pose here", {file.string(), 0, {}},
-        fmt::format("the frames go from {} to {}, the first is {}", format_time(recording.info().first_time),
-                    format_time(recording.info().last_time), recording.name_of(0)));
+    throw Error("no frame of the recording has a pose here", {file.string(), 0, {}},
+                fmt::format("{}the frames go from {} to {}, the first is {}", range,
+                            format_time(recording.info().first_time), format_time(recording.info().last_time),
+                            recording.name_of(0)));
   return poses;
 }
 

@@ -72,6 +72,7 @@ void set_cameras_of_folder(const fs::path& folder, const fs::path& depth, const 
                            FileRecordingContent& content) {
   if (const fs::path cameras = beside_or_above(folder, "cameras.yaml"); !cameras.empty())
     return read_cameras(cameras, content);
+  content.info.guesses.emplace_back("no cameras.yaml: depth is taken as millimetres");
   RgbdCamera& camera = content.info.camera;
   const auto scannet = scannet_camera(folder / "intrinsic/intrinsic_depth.txt", depth);
   const auto open3d = scannet ? scannet : open3d_camera(folder);

@@ -149,28 +149,37 @@ RgbdFrame SensRecording::frame(size_t i) const {
   frame.time_ns = from.time_ns;
   frame.camera = info_.camera;
   frame.map_from_camera = from.map_from_camera;
-  const int width = info_.camera.depth.width, height = info_.camera.depth.height;
-  const size_t bytes = 2 * static_cast<size_t>(width) * static_cast<size_t>(height);
+  read_images(
+      frame, [&] { return depth_image(images, from.location); },
+      [&] { return from.color.empty() ? cv::Mat() : color_image(images, from.location); });
+  return frame;
+}
+
+cv::Mat SensRecording::depth_image(const Images& images, const FileLocation& location) const {
+  cv::Mat depth(info_.camera.depth.height, info_.camera.depth.width, CV_32F);
+  const size_t bytes = 2 * depth.total();
   std::string raw = read(images.depth_at, images.depth_size);
   try {
     if (zlib_depth_) raw = decompress("zlib", raw, bytes);
   } catch (const Error& error) {
-    throw Error(error.message(), from.location);
+    throw Error(error.message(), location);
   }
-  if (raw.size() != bytes) throw Error("the depth image has another size than its camera", from.location);
-  frame.depth.create(height, width, CV_32F);
-  for (size_t p = 0; p < frame.depth.total(); ++p) {
+  if (raw.size() != bytes) throw Error("the depth image has another size than its camera", location);
+  for (size_t p = 0; p < depth.total(); ++p) {
     const auto value = number_at<uint16_t>(std::string_view(raw).substr(2 * p));
-    frame.depth.ptr<float>()[p] = value == 0 || value == 65535 ? std::numeric_limits<float>::quiet_NaN()
-                                                               : static_cast<float>(value) / depth_shift_;
+    depth.ptr<float>()[p] = value == 0 || value == 65535 ? std::numeric_limits<float>::quiet_NaN()
+                                                         : static_cast<float>(value) / depth_shift_;
   }
-  if (from.color.empty()) return frame;
+  return depth;
+}
+
+cv::Mat SensRecording::color_image(const Images& images, const FileLocation& location) const {
   const std::string packed = read(images.color_at, images.color_size);
-  frame.color = decode_image({packed.begin(), packed.end()}, from.location.file);
-  if (frame.color.type() != CV_8UC3 || frame.color.cols != info_.camera.color.width ||
-      frame.color.rows != info_.camera.color.height)
-    throw Error("the colour image is not what its camera takes", from.location);
-  return frame;
+  cv::Mat color = decode_image({packed.begin(), packed.end()}, location.text());
+  if (color.type() != CV_8UC3 || color.cols != info_.camera.color.width ||
+      color.rows != info_.camera.color.height)
+    throw Error("the colour image is not what its camera takes", location);
+  return color;
 }
 
 }  // namespace loci::mapping

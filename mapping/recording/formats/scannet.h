@@ -27,6 +27,8 @@ class SensRecording : public FrameListRecording {
   std::string read(uint64_t at, uint64_t count) const;
   void read_header();
   bool read_frame(int64_t index);
+  cv::Mat depth_image(const Images& images, const FileLocation& location) const;
+  cv::Mat color_image(const Images& images, const FileLocation& location) const;
 
   std::filesystem::path path_;
   mutable std::mutex mutex_;

@@ -94,6 +94,45 @@ void set_cameras(const fs::path& folder, FileRecordingContent& content) {
       "no cameras.yaml: f 525, centre 319.5 239.5, depth in 1/5000 m, as the benchmark recommends");
 }
 
+/// The file that lists both images of each frame, as ORB-SLAM takes it; empty where there is none.
+fs::path associations_in(const fs::path& folder) {
+  for (const char* name : {"associations.txt", "associated.txt", "associate.txt", "association.txt"})
+    if (fs::is_regular_file(folder / name)) return folder / name;
+  return {};
+}
+
+struct ImageLists {
+  std::vector<Row> depths, colors;
+};
+
+/// "1305031102.175304 rgb/1305031102.175304.png 1305031102.160407 depth/1305031102.160407.png", or depth
+/// first.
+ImageLists read_associations(const fs::path& path) {
+  ImageLists lists;
+  for (const Row& row : read_list(path, 3)) {
+    const std::optional<TimeNs> time = parse_seconds(row.words[1]);
+    if (!time) throw Error(fmt::format("'{}' is no stamp in seconds", row.words[1]), row.location);
+    const Row first{row.time_ns, {row.words[0]}, row.location}, second{*time, {row.words[2]}, row.location};
+    const bool is_first = row.words[0].find("depth") != std::string::npos;
+    if (is_first == (row.words[2].find("depth") != std::string::npos))
+      throw Error("which of the two images is depth is not clear", row.location,
+                  "one of their paths has 'depth' in it");
+    lists.depths.push_back(is_first ? first : second);
+    lists.colors.push_back(is_first ? second : first);
+  }
+  for (std::vector<Row>* rows : {&lists.depths, &lists.colors})
+    std::ranges::stable_sort(*rows, {}, &Row::time_ns);
+  return lists;
+}
+
+ImageLists read_lists(const fs::path& folder) {
+  if (!fs::is_regular_file(folder / "depth.txt")) return read_associations(associations_in(folder));
+  ImageLists lists;
+  lists.depths = read_list(folder / "depth.txt", 1);
+  if (fs::is_regular_file(folder / "rgb.txt")) lists.colors = read_list(folder / "rgb.txt", 1);
+  return lists;
+}
+
 }  // namespace
 
 std::vector<StampedPose> read_tum_poses(const fs::path& path) {
@@ -101,20 +140,23 @@ std::vector<StampedPose> read_tum_poses(const fs::path& path) {
 }
 
 bool is_tum(const fs::path& folder) {
-  return fs::is_regular_file(folder / "depth.txt") &&
-         (fs::is_regular_file(folder / "rgb.txt") || fs::is_regular_file(folder / "groundtruth.txt"));
+  const bool has_depth = fs::is_regular_file(folder / "depth.txt");
+  return (has_depth &&
+          (fs::is_regular_file(folder / "rgb.txt") || fs::is_regular_file(folder / "groundtruth.txt"))) ||
+         !associations_in(folder).empty();
 }
 
 FileRecordingContent read_tum(const fs::path& folder, double color_delay_s) {
   FileRecordingContent content = content_in_world("tum", folder, false);
   set_cameras(folder, content);
-  const std::vector<Row> depths = read_list(folder / "depth.txt", 1);
-  const bool has_color = fs::is_regular_file(folder / "rgb.txt");
-  const std::vector<Row> colors = has_color ? read_list(folder / "rgb.txt", 1) : std::vector<Row>();
+  const auto [depths, colors] = read_lists(folder);
   const std::vector<StampedPose> poses = fs::is_regular_file(folder / "groundtruth.txt")
                                              ? poses_in(folder / "groundtruth.txt")
                                              : std::vector<StampedPose>();
-  const auto matches = nearest_in_time(times_of(depths), times_of(colors, color_delay_s));
+  const std::vector<TimeNs> depth_times = times_of(depths), color_times = times_of(colors, color_delay_s);
+  const auto matches = nearest_in_time(depth_times, color_times);
+  if (const std::string why = unmatched_because(depth_times, color_times); !why.empty())
+    content.info.problems.push_back(why);
   for (size_t i = 0; i < depths.size(); ++i) {
     FrameFiles frame;
     frame.index = static_cast<int64_t>(i);

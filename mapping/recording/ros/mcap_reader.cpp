@@ -129,7 +129,7 @@ class McapReader : public BagReader {
     return bytes;
   }
 
-  /// The records of the file up to its summary, or to where it is damaged.
+  /// The records of the file, its summary only if chunks are damaged, or to where it is damaged.
   void walk() {
     uint64_t at = kMagic.size();
     try {
@@ -138,7 +138,7 @@ class McapReader : public BagReader {
         const std::string head = read(at, kRecordHead);
         const auto op = static_cast<Op>(head[0]);
         const auto length = RecordFields(std::string_view(head).substr(1)).take<uint64_t>();
-        if (op == Op::data_end || op == Op::footer) return;
+        if (op == Op::data_end || op == Op::footer) break;
         if (length > size_ - at - kRecordHead)
           throw Error(fmt::format("the file ends within a record that claims {} bytes", length));
         take_record(op, at, length);
@@ -148,6 +148,23 @@ class McapReader : public BagReader {
       problems_.push_back(
           fmt::format("{}: truncated or damaged at byte {} of {} ({}); what stands before it is used",
                       path_.string(), at, size_, error.message()));
+    }
+    if (bad_chunks_ > 0) read_summary(at);
+  }
+
+  /// Channels and schemas stand in the chunk where they are used first, and once more behind the data: what
+  /// a damaged chunk took with it comes from there.
+  void read_summary(uint64_t at) {
+    try {
+      while (size_ - at > kRecordHead) {
+        const std::string head = read(at, kRecordHead);
+        const auto op = static_cast<Op>(head[0]);
+        const auto length = RecordFields(std::string_view(head).substr(1)).take<uint64_t>();
+        if (op == Op::footer || length > size_ - at - kRecordHead) return;
+        if (op == Op::schema || op == Op::channel) take_record(op, at, length);
+        at += kRecordHead + length;
+      }
+    } catch (const Error&) {  // It is a second copy: what it lacks is in the list of problems already.
     }
   }
 

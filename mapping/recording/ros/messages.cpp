@@ -303,7 +303,11 @@ RosCamera read_ros_camera(const RosMessage& message) {
   if (c.width < 1 || c.height < 1 || c.width >= int(kMaxSide) || c.height >= int(kMaxSide) || !(c.fx > 0) ||
       !(c.fy > 0) || !std::isfinite(c.fx + c.fy + c.cx + c.cy))
     throw Error("the camera is not calibrated", bytes.location());
-  camera.distortion = distortion_from(model, coefficients, bytes.location());
+  try {
+    camera.distortion = distortion_from(model, coefficients, bytes.location());
+  } catch (const Error& error) {  // Focal length and centre are worth more than the rest.
+    camera.distortion_problem = error.what();
+  }
   return camera;
 }
 

@@ -45,9 +45,10 @@ cv::Mat read_ros_color(const RosMessage& message, bool compressed);
 
 /// sensor_msgs/CameraInfo.
 struct RosCamera {
-  PinholeCamera raw;        ///< K: of the image as it was taken
-  Distortion distortion;    ///< of that image
-  PinholeCamera rectified;  ///< P, or K where P is not set: of the rectified image
+  PinholeCamera raw;               ///< K: of the image as it was taken
+  Distortion distortion;           ///< of that image
+  std::string distortion_problem;  ///< why its distortion cannot be undone; empty where it can
+  PinholeCamera rectified;         ///< P, or K where P is not set: of the rectified image
 };
 RosCamera read_ros_camera(const RosMessage& message);
 

@@ -28,6 +28,13 @@ bool is_used(const BagTopic& topic) {
   return is_tf(topic);
 }
 
+/// Images of transports that are not read.
+bool is_video(const BagTopic& topic) {
+  for (const char* type : {"FFMPEGPacket", "CompressedVideo", "theora_image_transport", "H264Packet"})
+    if (topic.type.find(type) != std::string::npos) return true;
+  return false;
+}
+
 std::string parent_of(const std::string& topic) {
   const size_t slash = topic.rfind('/');
   return slash == std::string::npos ? std::string() : topic.substr(0, slash);
@@ -152,7 +159,7 @@ RosRecording::Content RosRecording::read_content() {
   content.transforms.finish();
   info_.problems = bag_.problems();
   if (broken > 0)
-    info_.problems.push_back(fmt::format("{} are left out ({})", counted(broken, "message"), first_broken));
+    info_.problems.push_back(fmt::format("left out: {} ({})", counted(broken, "message"), first_broken));
   for (auto& [name, stream] : content.images)
     std::stable_sort(stream.when.begin(), stream.when.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -229,11 +236,14 @@ std::vector<const RosRecording::Stream*> RosRecording::depths_of_camera(const Co
 
 void RosRecording::choose_streams(const Content& content, const RecordingOptions& options) {
   const std::vector<const Stream*> depths = depths_of_camera(content, options);
-  // Depth that was warped to the colour camera is second to the depth that it was made of.
+  // Depth that was warped to the colour camera is second to the depth that it was made of, even where a few
+  // messages of that were lost.
+  size_t most = 0;
+  for (const Stream* depth : depths) most = std::max(most, depth->when.size());
   const auto rank = [&](const Stream* depth) {
     const Stream* color = color_for(*depth, content);
-    return std::tuple(depth->when.size(), color == nullptr || color->frame != depth->frame,
-                      !depth->compressed);
+    return std::tuple(4 * depth->when.size() >= 3 * most, color == nullptr || color->frame != depth->frame,
+                      !depth->compressed, depth->when.size());
   };
   const std::vector<std::string> wanted =
       options.topics.empty() ? std::vector<std::string>() : split(options.topics, ',');
@@ -242,6 +252,11 @@ void RosRecording::choose_streams(const Content& content, const RecordingOptions
   if (color != nullptr) color_ = *color;
   info_.guesses.push_back(fmt::format("depth from {}, colour from {}", depth_.topic,
                                       color != nullptr ? color_.topic : "nowhere"));
+  if (color == nullptr)
+    for (const BagTopic& topic : bag_.topics())
+      if (is_video(topic))
+        info_.problems.push_back(fmt::format(
+            "{} is not read: it is {}; record image_raw or compressed (JPEG)", topic.name, topic.type));
   std::vector<std::string> others;
   for (const Stream* depth : depths)
     if (depth->topic != depth_.topic) others.push_back(depth->topic);
@@ -266,6 +281,9 @@ void RosRecording::set_cameras(const Content& content) {
                        Rectifier& rectifier) {
     const bool rectified = stream.topic.find("rect") != std::string::npos;
     pinhole = rectified ? camera.rectified : camera.raw;
+    if (!rectified && !camera.distortion_problem.empty())
+      info_.problems.push_back(
+          fmt::format("images of {} keep their distortion: {}", stream.topic, camera.distortion_problem));
     if (rectified || camera.distortion.model == Distortion::Model::none) return;
     rectifier = Rectifier(camera.raw, camera.distortion);
     info_.guesses.push_back(fmt::format("images of {} are undistorted on reading", stream.topic));
@@ -275,12 +293,11 @@ void RosRecording::set_cameras(const Content& content) {
   if (const auto depth = camera_of(depth_, content))
     set(depth_, *depth, info_.camera.depth, correction_.depth);
   else
-    info_.guesses.emplace_back("no camera_info of depth: a Kinect v1 is assumed");
-  std::string bytes;
-  const size_t first = depth_.when.front().second;
-  const cv::Mat image = read_ros_depth(message_of(depth_, first, bytes), depth_.compressed, depth_unit_m_);
-  check_image_size(image, info_.camera.depth, where(depth_.topic, first));
-  correction_.close_grid_holes = has_grid_holes(image);
+    info_.problems.emplace_back(
+        "no camera_info of depth: a Kinect v1 is assumed; record its camera_info, too");
+  const cv::Mat first = first_depth_image();
+  if (const std::string why = implausible_because(first); !why.empty()) info_.problems.push_back(why);
+  correction_.close_grid_holes = has_grid_holes(first);
   if (correction_.close_grid_holes)
     info_.guesses.emplace_back("depth was warped to another camera: the grid of holes is closed");
   info_.camera.color = info_.camera.depth;
@@ -288,8 +305,27 @@ void RosRecording::set_cameras(const Content& content) {
   if (const auto color = camera_of(color_, content)) {
     set(color_, *color, info_.camera.color, correction_.color);
   } else {
-    info_.guesses.emplace_back("no camera_info of colour: taken as that of depth");
+    info_.problems.emplace_back("no camera_info of colour: taken as that of depth");
   }
+}
+
+cv::Mat RosRecording::depth_image(size_t message) const {
+  std::string bytes;
+  cv::Mat image = read_ros_depth(message_of(depth_, message, bytes), depth_.compressed, depth_unit_m_);
+  check_image_size(image, info_.camera.depth, where(depth_.topic, message));
+  return image;
+}
+
+cv::Mat RosRecording::first_depth_image() const {
+  std::optional<Error> first;
+  for (const auto& [time, message] : depth_.when) {
+    try {
+      return depth_image(message);
+    } catch (const Error& error) {
+      if (!first) first = error;
+    }
+  }
+  throw Error(*first);
 }
 
 void RosRecording::set_color_pose(const Content& content, TimeNs time) {
@@ -327,6 +363,8 @@ void RosRecording::add_frames(const Content& content, double color_delay_s) {
   for (const auto& [time, message] : color_.when)
     color_times.push_back(time - static_cast<TimeNs>(color_delay_s * static_cast<double>(kSecond)));
   const auto matches = nearest_in_time(depth_times, color_times);
+  if (const std::string why = unmatched_because(depth_times, color_times); !why.empty())
+    info_.problems.push_back(why);
   size_t most = 0;
   for (const auto& [time, message] : depth_.when) most = std::max(most, message);
   color_of_.resize(most + 1);
@@ -387,13 +425,16 @@ RgbdFrame RosRecording::frame(size_t i) const {
   frame.camera = info_.camera;
   frame.map_from_camera = from.map_from_camera;
   frame.joints = from.joints;
-  std::string bytes;
-  frame.depth = read_ros_depth(message_of(depth_, message, bytes), depth_.compressed, depth_unit_m_);
-  check_image_size(frame.depth, info_.camera.depth, where(depth_.topic, message));
-  if (const std::optional<size_t> color = color_of_.at(message)) {
-    frame.color = read_ros_color(message_of(color_, *color, bytes), color_.compressed);
-    check_image_size(frame.color, info_.camera.color, where(color_.topic, *color));
-  }
+  read_images(
+      frame, [&] { return depth_image(message); },
+      [&]() -> cv::Mat {
+        const std::optional<size_t> number = color_of_.at(message);
+        if (!number) return {};
+        std::string bytes;
+        cv::Mat color = read_ros_color(message_of(color_, *number, bytes), color_.compressed);
+        check_image_size(color, info_.camera.color, where(color_.topic, *number));
+        return color;
+      });
   correction_.apply(frame);
   return frame;
 }

@@ -61,6 +61,9 @@ class RosRecording : public FrameListRecording {
   void set_joints(std::vector<RosJoints> joints);
   void set_up(const Content& content);
   std::string where(const std::string& topic, size_t message) const;
+  cv::Mat depth_image(size_t message) const;
+  /// Of the first message that can be read; Error when none can.
+  cv::Mat first_depth_image() const;
   RosMessage message_of(const Stream& stream, size_t message, std::string& bytes) const;
 
   RosBag bag_;

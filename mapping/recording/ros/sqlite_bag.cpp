@@ -30,11 +30,14 @@ std::string file_uri(const fs::path& path) {
 
 class SqliteBag : public BagReader {
  public:
-  explicit SqliteBag(const fs::path& path)
+  /// With `cut_off` also a file that is shorter than its head says, which SQLite refuses unless the schema
+  /// may be repaired.
+  explicit SqliteBag(const fs::path& path, bool cut_off = false)
       : path_(path), database_(file_uri(path), SQLite::OPEN_READONLY | SQLite::OPEN_URI) {
     sqlite3* handle = database_.getHandle();
     sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-    sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, cut_off ? 0 : 1, nullptr);
+    sqlite3_db_config(handle, SQLITE_DBCONFIG_WRITABLE_SCHEMA, cut_off ? 1 : 0, nullptr);
     sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
     sqlite3_limit(handle, SQLITE_LIMIT_LENGTH, kMaxBytes);
     read_topics();
@@ -119,7 +122,12 @@ class SqliteBag : public BagReader {
 
 std::unique_ptr<BagReader> open_sqlite_bag(const fs::path& path) {
   try {
-    return std::make_unique<SqliteBag>(path);
+    try {
+      return std::make_unique<SqliteBag>(path);
+    } catch (const SQLite::Exception& error) {
+      if (error.getErrorCode() != SQLITE_CORRUPT) throw;
+      return std::make_unique<SqliteBag>(path, true);
+    }
   } catch (const SQLite::Exception& error) {
     throw Error(fmt::format("the database cannot be read as a rosbag2 recording: {}", error.what()),
                 {path.string(), 0, {}}, "it has the tables topics and messages");

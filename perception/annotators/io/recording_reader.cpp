@@ -30,6 +30,10 @@ Isometry3d pose_over_first_support(const mapping::Recording& recording, const st
   Tally tries;
   for (size_t i = 0; i < std::min(recording.size(), kTries); ++i) {
     const mapping::RgbdFrame frame = recording.frame(i);
+    if (!frame.damage.empty() && !mapping::has_depth(frame)) {
+      tries.add(Reason::damaged, frame.damage);
+      continue;
+    }
     const cv::Mat depth = smooth_depth(frame.depth, frame.camera.depth, NormalOptions::for_objects());
     const cv::Mat points = points_from_depth(depth, frame.camera.depth);
     const cv::Mat normals = normals_from_depth(depth, frame.camera.depth, NormalOptions::for_objects());
@@ -54,11 +58,6 @@ void set_joints(const types::Scene& scene, const JointState& joints) {
   const auto state = scene.joint_state.get_or_create();
   state.names.set(names);
   state.positions.set(positions);
-}
-
-/// Depth is positive where something was measured.
-bool measures_anything(const cv::Mat& depth) {
-  return cv::countNonZero(depth > 0) > 0;
 }
 
 }  // namespace
@@ -112,7 +111,10 @@ void RecordingReader::read_next(cas::Cas& cas, Context& context) {
   const mapping::RecordingInfo& info = recording_->info();
   const types::SceneCas facade(cas);
   const types::Scene scene = facade.create_scene();
-  if (!measures_anything(frame.depth)) {
+  if (!frame.damage.empty()) {
+    facade.log("RecordingReader", "error", frame.damage);
+    context.warnings.add("frame " + std::to_string(frame.index) + ": " + frame.damage);
+  } else if (!mapping::has_depth(frame)) {
     facade.log("RecordingReader", "warning", "the depth image is empty");
     context.warnings.add("frame " + std::to_string(frame.index) +
                          ": the depth image is empty; nothing is found there, nor missed");

@@ -21,6 +21,16 @@ TEST(Tally, NamesTheReasonsByFrequency) {
   EXPECT_EQ(tally.report().dump(), R"({"total":6,"used":1,"reasons":{"no_pose":2,"no_plane":3}})");
 }
 
+TEST(Tally, GivesTheFirstExampleOfAReason) {
+  Tally tally, other;
+  tally.add(Reason::no_pose);
+  other.add(Reason::damaged, "a.png: the image is truncated");
+  other.add(Reason::damaged, "b.png: the image is truncated");
+  tally.add(other);
+  EXPECT_EQ(tally.reasons(),
+            "an image that cannot be read in 2 (a.png: the image is truncated), no pose of the camera in 1");
+}
+
 TEST(Tally, FewerThanATenthOfUsableFramesIsAnError) {
   Tally tally;
   tally.add(Reason::no_plane, 91);

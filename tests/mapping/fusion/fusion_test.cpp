@@ -1,6 +1,7 @@
 #include "mapping/fusion/fusion.h"
 #include "mapping/base/math.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -48,6 +49,10 @@ class SmallRecording : public Recording {
         const bool box = i < box_until_ && std::abs(top.x()) < 0.2 && std::abs(top.y()) < 0.2;
         frame.depth.at<float>(v, u) = static_cast<float>((box ? 1.3 : 1.5) + random.normal(0.002));
       }
+    if (i < color_damaged_) {
+      frame.color.release();
+      frame.damage = fmt::format("{}.jpg: the image is damaged", i);
+    }
     if (i < without_pose_) return frame;
     frame.map_from_camera = pose;
     return frame;
@@ -55,6 +60,7 @@ class SmallRecording : public Recording {
 
   RecordingInfo info_;
   size_t without_pose_ = 0;
+  size_t color_damaged_ = 0;
   size_t box_until_ = 1000;  ///< then it is taken away
   double brightness_of_odd_frames_ = 1;
 };
@@ -87,7 +93,17 @@ TEST(Fusion, FramesWithoutPoseAreLeftOutAndCounted) {
   const FusionResult result = fused(recording);
   EXPECT_EQ(result.frames.used(), 6U);
   EXPECT_EQ(result.frames.count(Reason::no_pose), 4U);
-  EXPECT_THAT(result.summary(), testing::HasSubstr("left out: no pose of the camera in 4"));
+  EXPECT_EQ(result.frames.reasons(), "no pose of the camera in 4");
+  EXPECT_THAT(result.summary(), testing::StartsWith("6 frames became 1 scan with "));
+}
+
+TEST(Fusion, ColourThatCannotBeReadIsCounted) {
+  SmallRecording recording(10);
+  recording.color_damaged_ = 3;
+  const FusionResult result = fused(recording);
+  EXPECT_EQ(result.frames.used(), 10U);
+  EXPECT_EQ(result.without_color.reasons(),
+            "an image that cannot be read in 3 (0.jpg: the image is damaged)");
 }
 
 TEST(Fusion, RefusesARecordingWithoutAnyPoseWithTheReason) {

@@ -158,6 +158,17 @@ TEST_F(Formats, TransformsJsonIsTurnedFromOpenGlAndDepthMayBeSmaller) {
   EXPECT_THAT(refusal(root_), HasSubstr("outside of the folder"));
   write("transforms.json", head + R"({"file_path": "images/1.jpg"}]})");
   EXPECT_THAT(refusal(root_), HasSubstr("names no depth images"));
+  const auto with_model = [&](const std::string& model) {
+    write("transforms.json",
+          R"({"fl_x": 60, "fl_y": 62, "cx": 32, "cy": 24, "w": 64, "h": 48, "camera_model": ")" + model +
+              R"(", "frames": [{"file_path": "images/1.jpg", "depth_file_path": "depth/1.png", "k1": 0.1,
+                 "transform_matrix": [[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]]}]})");
+  };
+  with_model("FISHEYE624");
+  EXPECT_THAT(refusal(root_), HasSubstr("camera_model FISHEYE624 is not read"));
+  with_model("SIMPLE_RADIAL");
+  EXPECT_THAT(open_as_is(root_)->info().guesses, Contains(HasSubstr("are undistorted")))
+      << "distortion may stand in the frames";
 }
 
 // Stray Scanner
@@ -262,6 +273,10 @@ TEST_F(Sens, TruncatedGivesWhatIsWholeAndLiesAreRefused) {
     write("scene.sens", whole.substr(0, size));
     EXPECT_THAT(refusal(root_ / "scene.sens"), HasSubstr("scene.sens"));
   }
+  std::string damaged = whole;
+  std::memset(damaged.data() + damaged.size() - 12, 0xff, 12);
+  write("scene.sens", damaged);
+  EXPECT_THAT(open_as_is(root_ / "scene.sens")->frame(1).damage, HasSubstr("scene.sens"));
   std::string lie = whole;
   std::memset(lie.data() + 4, 0xff, 8);
   write("scene.sens", lie);
@@ -278,6 +293,19 @@ TEST_F(Formats, ForeignFormatsAreRefusedWithTheCommandThatConvertsThem) {
   EXPECT_THAT(refusal(root_ / "a.r3d"), HasSubstr("ns-process-data record3d"));
   write("a.zip", "PK\3\4");
   EXPECT_THAT(refusal(root_ / "a.zip"), HasSubstr("unzip"));
+  write("a.mcap.zstd", "\x28\xb5\x2f\xfd");
+  EXPECT_THAT(refusal(root_ / "a.mcap.zstd"), HasSubstr("zstd -d"));
+  EXPECT_THAT(refusal(root_), HasSubstr("zstd -d"));
+  write("a.tar.gz", "\x1f\x8b\x08\x01");
+  EXPECT_THAT(refusal(root_ / "a.tar.gz"), HasSubstr("tar xzf"));
+  write("a.mcap", "");
+  EXPECT_THAT(refusal(root_ / "a.mcap"), HasSubstr("the file is empty"));
+}
+
+TEST_F(Formats, DepthImagesOfOtherKindsAreNamed) {
+  write_color("color/0.png");
+  write("depth/0.tiff", "II*");
+  EXPECT_THAT(refusal(root_), HasSubstr("0.tiff: depth as .tiff is not read; write 16-bit PNG"));
 }
 
 // Poses from elsewhere
@@ -469,7 +497,7 @@ TEST_F(Formats, ConvertedRecordingsComeBackEqual) {
   for (const auto format : {RecordingFormat::loci, RecordingFormat::mcap, RecordingFormat::tum}) {
     const fs::path out =
         root_ / (format == RecordingFormat::mcap ? "copy.mcap" : std::to_string(int(format)));
-    EXPECT_EQ(convert_recording(*original, out, {.format = format, .inputs = {source}}, progress), 6U);
+    EXPECT_EQ(convert_recording(*original, out, {.format = format, .inputs = {source}}, progress).used(), 6U);
     const auto copy = open_recording(out);
     ASSERT_EQ(copy->size(), 6U);
     EXPECT_TRUE(

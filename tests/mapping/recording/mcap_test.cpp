@@ -190,7 +190,7 @@ TEST(Mcap, AConvertedRecordingHoldsItsMarkersWhenTheyChange) {
                             }});
   const FrameRecording recording({mcap_frame(kSecond), mcap_frame(2 * kSecond), mcap_frame(3 * kSecond)});
   NoProgress progress;
-  EXPECT_EQ(convert_recording(recording, file, options, progress), 3U);
+  EXPECT_EQ(convert_recording(recording, file, options, progress).used(), 3U);
   const RosBag bag(file);
   ASSERT_NE(bag.find("/objects"), nullptr);
   EXPECT_EQ(bag.find("/objects")->type, "visualization_msgs/MarkerArray");

@@ -92,6 +92,34 @@ TEST_F(Tum, ADelayOfTheColourCameraIsTakenOff) {
   EXPECT_FALSE(recording->frame(1).color.empty());
 }
 
+TEST_F(Tum, ADelayThatLeavesFramesWithoutColourIsProposed) {
+  write_file_atomically(root_ / "rgb.txt",
+                        "1305031102.210407 rgb/1305031102.160407.png\n"
+                        "1305031102.310000 rgb/1305031102.260000.png\n");
+  EXPECT_THAT(
+      open_recording(root_)->info().problems,
+      testing::Contains(HasSubstr("colour is stamped 0.050 s later than depth: if it was taken with it, "
+                                  "give --color-delay-s=0.050")));
+}
+
+TEST_F(Tum, OneListOfBothImagesIsRead) {
+  const auto lists = open_recording(root_);
+  for (const char* name : {"depth.txt", "rgb.txt"}) fs::remove(root_ / name);
+  for (const char* row :
+       {"1305031102.175304 rgb/1305031102.160407.png 1305031102.160407 depth/1305031102.160407.png\n",
+        "1305031102.160407 depth/1305031102.160407.png 1305031102.175304 rgb/1305031102.160407.png\n"}) {
+    write_file_atomically(root_ / "associations.txt", row);
+    const auto recording = open_recording(root_);
+    EXPECT_EQ(recording->info().format, "tum");
+    EXPECT_EQ(recording->time_of(0), lists->time_of(0));
+    EXPECT_FLOAT_EQ(recording->frame(0).depth.at<float>(0, 0), 1.5F);
+    EXPECT_FALSE(recording->frame(0).color.empty());
+    EXPECT_TRUE(recording->frame(0).map_from_camera);
+  }
+  write_file_atomically(root_ / "associations.txt", "1 a.png 1 b.png\n");
+  EXPECT_THAT(refusal(root_), HasSubstr("associations.txt:1: which of the two images is depth is not clear"));
+}
+
 TEST_F(Tum, BadListsAreNamedWithTheirLine) {
   write_file_atomically(root_ / "groundtruth.txt", "1305031102.1 0 0 1 0 0 0\n");
   EXPECT_THAT(refusal(root_), HasSubstr("groundtruth.txt:1"));
@@ -186,10 +214,11 @@ std::string color_pixels() {
   return pixels;
 }
 
-RawMessage camera_info(const std::string& frame, double f) {
+RawMessage camera_info(const std::string& frame, double f, const std::string& model = "plumb_bob",
+                       double k1 = 0) {
   MessageBytes bytes;
-  bytes.header(0, frame).add(uint32_t{kHeight}).add(uint32_t{kWidth}).text("plumb_bob").add(uint32_t{5});
-  for (int i = 0; i < 5; ++i) bytes.add(0.0);
+  bytes.header(0, frame).add(uint32_t{kHeight}).add(uint32_t{kWidth}).text(model).add(uint32_t{5}).add(k1);
+  for (int i = 1; i < 5; ++i) bytes.add(0.0);
   for (const double k : {f, 0.0, 6.0, 0.0, f, 5.0, 0.0, 0.0, 1.0}) bytes.add(k);
   for (int i = 0; i < 9; ++i) bytes.add(i % 4 == 0 ? 1.0 : 0.0);
   for (int i = 0; i < 12; ++i) bytes.add(0.0);
@@ -270,6 +299,37 @@ TEST_F(Bag, BrokenMessagesAreLeftOutAndNamed) {
   const auto recording = open_recording(bag_);
   EXPECT_EQ(recording->size(), 3U);
   EXPECT_THAT(recording->info().problems, testing::Contains(HasSubstr("/cam/depth/image[0]")));
+}
+
+TEST_F(Bag, ADistortionThatIsNotReadLeavesTheFocalLength) {
+  std::vector<BagEntry> all = entries();
+  all[2].message = camera_info("depth_frame", 20, "inverse_brown_conrady", 0.1);
+  write_bag(bag_, all);
+  const auto recording = open_recording(bag_);
+  EXPECT_DOUBLE_EQ(recording->info().camera.depth.fx, 20);
+  EXPECT_THAT(recording->info().problems,
+              testing::Contains(testing::AllOf(HasSubstr("images of /cam/depth/image keep their distortion"),
+                                               HasSubstr("'inverse_brown_conrady' is not read"))));
+}
+
+TEST_F(Bag, ACameraThatIsAssumedIsAProblem) {
+  std::vector<BagEntry> all = entries();
+  std::erase_if(all, [](const BagEntry& entry) { return entry.topic == "/cam/rgb/camera_info"; });
+  write_bag(bag_, all);
+  EXPECT_THAT(open_recording(bag_)->info().problems,
+              testing::Contains(HasSubstr("no camera_info of colour: taken as that of depth")));
+}
+
+TEST_F(Bag, ColourInAVideoTopicIsNamed) {
+  std::vector<BagEntry> all = entries();
+  for (BagEntry& entry : all)
+    if (entry.topic == "/cam/rgb/image") {
+      entry.topic += "/ffmpeg";
+      entry.message = {"ffmpeg_image_transport_msgs/FFMPEGPacket", "", "x"};
+    }
+  write_bag(bag_, all);
+  EXPECT_THAT(open_recording(bag_)->info().problems,
+              testing::Contains(HasSubstr("/cam/rgb/image/ffmpeg is not read")));
 }
 
 TEST_F(Bag, ReadsAsTheFolderThatItWasMadeOf) {

@@ -217,24 +217,39 @@ TEST_F(RecordingFiles, SlightlyLongQuaternionIsNormalised) {
   EXPECT_TRUE(open_recording(rec_)->frame(0).map_from_camera->linear().isIdentity(1e-12));
 }
 
-TEST_F(RecordingFiles, TruncatedImageIsNamedWhenOpening) {
+TEST_F(RecordingFiles, ATruncatedImageIsNamedWhenOpeningAndCostsItsFrameOnly) {
   write_small();
   const fs::path image = rec_ / "frames/000001_depth.png";
   const std::string bytes = read_file(image);
   write_file_atomically(image, bytes.substr(0, bytes.size() / 2));
-  EXPECT_THAT(refusal(), HasSubstr("000001_depth.png: the image is truncated"));
+  const auto recording = open_recording(rec_);
+  EXPECT_THAT(recording->info().problems,
+              testing::ElementsAre(testing::AllOf(HasSubstr("1 of 3 frames have images that cannot be read"),
+                                                  HasSubstr("000001_depth.png: the image is truncated"))));
+  EXPECT_THAT(recording->frame(1).damage, HasSubstr("000001_depth.png: the image is truncated"));
+  EXPECT_FALSE(has_depth(recording->frame(1)));
+  EXPECT_FALSE(recording->frame(1).color.empty());
+  EXPECT_TRUE(recording->frame(2).damage.empty());
+  for (const char* name : {"000000", "000002"})
+    fs::remove(rec_ / "frames" / (std::string(name) + "_depth.png"));
+  EXPECT_THAT(refusal(), HasSubstr("000000_depth.png: no such image"));
 }
 
-TEST_F(RecordingFiles, ImageThatBreaksLaterIsNamedWhenAskedFor) {
+TEST_F(RecordingFiles, AnImageThatBreaksLaterIsNamedWithItsFrame) {
   write_small();
   const auto recording = open_recording(rec_);
   fs::remove(rec_ / "frames/000001_color.png");
-  try {
-    recording->frame(1);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("000001_color.png"));
-  }
+  const RgbdFrame frame = recording->frame(1);
+  EXPECT_THAT(frame.damage, HasSubstr("000001_color.png"));
+  EXPECT_TRUE(frame.color.empty());
+  EXPECT_TRUE(has_depth(frame));
+}
+
+TEST_F(RecordingFiles, DepthThatNoRoomHasIsPointedAt) {
+  write_small();
+  replace_in("recording.yaml", "depth_scale: 0.001", "depth_scale: 0.01");
+  EXPECT_THAT(open_recording(rec_)->info().problems,
+              testing::Contains(HasSubstr("the median depth of the first frame is 15 m: check its unit")));
 }
 
 TEST_F(RecordingFiles, ImagesOfAnotherSizeDoNotBelong) {

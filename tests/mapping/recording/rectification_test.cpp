@@ -27,6 +27,10 @@ TEST(Distortion, ModelsFollowTheirDefinition) {
   const auto rational = distortion_from("rational_polynomial", {0.1, -0.2, 0, 0, 0.05, 0.3, 0.1, 0.2}, {});
   EXPECT_NEAR(rational.distorted(ray).x(), 0.5 * radial / (1 + 0.3 * r2 + 0.1 * r2 * r2 + 0.2 * r2 * r2 * r2),
               1e-12);
+  const auto prism =
+      distortion_from("rational_polynomial", {0, 0, 0, 0, 0, 0, 0, 0, 0.1, 0.2, 0.3, 0.4, 0, 0}, {});
+  EXPECT_NEAR(prism.distorted(ray).x(), 0.5 + 0.1 * r2 + 0.2 * r2 * r2, 1e-12);
+  EXPECT_NEAR(prism.distorted(ray).y(), 0.25 + 0.3 * r2 + 0.4 * r2 * r2, 1e-12);
   const auto fisheye = distortion_from("equidistant", {0.1, 0, 0, 0}, {});
   const double angle = std::atan(std::sqrt(r2));
   EXPECT_NEAR(fisheye.distorted(ray).norm(), angle * (1 + 0.1 * angle * angle), 1e-12);

@@ -213,6 +213,45 @@ TEST_F(Ros2, ADamagedChunkIsLeftOut) {
   EXPECT_THAT(recording->info().problems[0], HasSubstr("1 of 47 chunks are damaged"));
 }
 
+TEST_F(Ros2, WhatADamagedChunkDeclaredIsStillRead) {
+  // Channels are declared in the chunk that uses them first; the summary declares them again.
+  const auto recording = open_recording(changed_copy([](std::string& bytes) {
+    constexpr size_t kFirstChunk = 400;
+    for (size_t i = kFirstChunk; i < 60 * kFirstChunk; i += 100) bytes[i] ^= 0x55;
+  }));
+  const RecordingInfo& info = recording->info();
+  EXPECT_THAT(info.problems, Contains(HasSubstr("1 of 47 chunks are damaged")));
+  EXPECT_GE(recording->size(), 23U);
+  EXPECT_THAT(info.problems, testing::Not(Contains(HasSubstr("no camera_info"))));
+  EXPECT_THAT(info.guesses,
+              Contains("depth from /camera/depth/image_rect_raw, colour from /camera/color/image_raw"));
+}
+
+TEST_F(Ros2, ADamagedImageCostsItsFrameOnly) {
+  std::string bytes = read_file(kData / "redkitchen_ros2_db3/redkitchen_ros2_db3_0.db3");
+  const size_t first = bytes.find("IDAT");
+  for (size_t i = 0; i < 3000; i += 100) bytes[first + 500 + i] ^= 0x55;
+  write_file_atomically(root_ / "copy.db3", bytes);
+  const auto recording = open_recording(root_ / "copy.db3");
+  size_t damaged = 0, whole = 0;
+  for (size_t i = 0; i < recording->size(); ++i) {
+    const RgbdFrame frame = recording->frame(i);
+    (frame.damage.empty() ? whole : damaged) += 1;
+    EXPECT_EQ(has_depth(frame), frame.damage.empty());
+  }
+  EXPECT_EQ(damaged, 1U);
+  EXPECT_EQ(whole, 5U);
+}
+
+TEST_F(Ros2, ATruncatedDatabaseGivesWhatIsWhole) {
+  const std::string bytes = read_file(kData / "redkitchen_ros2_db3/redkitchen_ros2_db3_0.db3");
+  write_file_atomically(root_ / "copy.db3", bytes.substr(0, bytes.size() * 6 / 10));
+  const auto recording = open_recording(root_ / "copy.db3");
+  EXPECT_GE(recording->size(), 2U);
+  EXPECT_THAT(recording->info().problems, Contains(HasSubstr("damaged")));
+  EXPECT_TRUE(has_depth(recording->frame(0)));
+}
+
 TEST_F(Ros2, WithoutItsIndexAFileReadsTheSame) {
   // The summary and footer are gone, as after a crash of the recorder.
   const auto recording = open_recording(changed_copy([](std::string& bytes) {

@@ -227,5 +227,28 @@ TEST_F(UpdateTest, ScansOfAnotherRoomAreRefused) {
   EXPECT_THAT(placement.reason, testing::HasSubstr("of the"));
 }
 
+TEST(ScansOfAMap, AreMovedByWhatLevelledTheMap) {
+  const fs::path folder = fs::path(testing::TempDir()) / fmt::format("loci_scans_of_map_{}", getpid());
+  ScanSet set;
+  set.sensor = "kinect";
+  set.levelled = false;
+  set.scans.emplace_back();
+  set.scans[0].name = "scan_000";
+  set.scans[0].origins = {Eigen::Vector3f::Zero()};
+  set.scans[0].points.emplace_back();
+  write_scan_set(set, folder);
+  SemanticMap map;
+  Warnings warnings;
+  EXPECT_FALSE(read_scans_of_map(folder, map, warnings).levelled);
+  map.map_from_input = Isometry3d(Eigen::Translation3d(0, 0, -5));
+  const ScanSet moved = read_scans_of_map(folder, map, warnings);
+  EXPECT_TRUE(moved.levelled);
+  EXPECT_NEAR(moved.scans[0].map_from_scan.translation().z(), -5, 1e-9);
+  set.levelled = true;
+  write_scan_set(set, folder);
+  EXPECT_NEAR(read_scans_of_map(folder, map, warnings).scans[0].map_from_scan.translation().z(), 0, 1e-9);
+  fs::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace loci::mapping

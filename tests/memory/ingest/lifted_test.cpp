@@ -94,6 +94,20 @@ TEST_F(Lifted, BoxOfALineBecomesAnObjectWithPlaceSizeAndColour) {
   EXPECT_TRUE(row.mask.has_value());
 }
 
+TEST_F(Lifted, PosesAreMovedIntoTheFrameOfTheMap) {
+  const fs::path yaml = folder_ / "recording/recording.yaml";
+  std::string text = read_file(yaml);
+  text.replace(text.find("map_frame: map"), 14, "map_frame: odom");
+  write_file_atomically(yaml, text);
+  options_.map = folder_ / "map.urdf";
+  write_file_atomically(options_.map, "<robot name=\"room\"><link name=\"map\"/></robot>");
+  write_file_atomically(
+      folder_ / "map.semantic.json",
+      R"({"version": 1, "frame": "map", "links": {}, "map_from_input": [0, 0, 1.5, 0, 0, 0, 1]})");
+  take("d.jsonl", line(0, bbox()));
+  EXPECT_NEAR(first_observation().position->z(), 1.5 + 0.745, 0.015);
+}
+
 TEST_F(Lifted, MaskIsTighterThanItsBox) {
   const cv::Rect2d box = box_in_image();
   const std::string polygon =
