@@ -452,6 +452,7 @@ std::vector<Question> environment_questions() {
                      {"order: describe|show room"},
                      {"howmany: <part> [contain|know]", Asks::number, "How many drawers are there?"},
                      {"howmany: <part> room [contain]", Asks::number},
+                     {"what: which<part> [room|know]", Asks::objects, "Which drawers are there?"},
                      {"what: furniture [know|room]"}}},
       {.name = "opens",
        .group = QuestionGroup::inspect,
