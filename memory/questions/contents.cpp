@@ -79,12 +79,13 @@ const Record<PlaceContents>& place_contents_record() {
   return record;
 }
 
-/// Sets what the point is.
-void locate(const Snapshot& snapshot, const std::string& subject, NearAnswer& answer) {
+/// What the point may be, one answer for each: of objects that are called so those that have not gone, else
+/// one that has.
+std::vector<NearAnswer> located(const Snapshot& snapshot, const std::string& subject, NearAnswer answer) {
   if (const auto numbers = read_point(subject); !numbers.empty()) {
     answer.level = numbers.size() == 2;
     answer.point = {numbers[0], numbers[1], answer.level ? 0 : numbers[2]};
-    return;
+    return {answer};
   }
   const std::vector<PlaceRow> places = snapshot.places_called(subject);
   if (answer.on_top && !places.empty())
@@ -96,16 +97,20 @@ void locate(const Snapshot& snapshot, const std::string& subject, NearAnswer& an
     answer.around = places[0].name;
     answer.point = *centre;
     answer.level = true;
-    return;
+    return {answer};
   }
-  for (const Id object : snapshot.find_objects(subject)) {
-    const BeliefRow& belief = *snapshot.belief(object);
-    if (!belief.position) continue;
-    answer.around = object_name(object);
-    answer.point = *belief.position;
-    return;
-  }
-  throw Error(fmt::format("the position of '{}' is not known", subject));
+  std::vector<NearAnswer> answers;
+  const std::vector<Id> objects = snapshot.find_objects(subject);
+  for (const bool gone : {false, true})
+    for (const Id object : objects) {
+      const BeliefRow& belief = *snapshot.belief(object);
+      if (!belief.position || (belief.status == ObjectStatus::gone) != gone) continue;
+      answer.around = object_name(object);
+      answer.point = *belief.position;
+      if (!gone || answers.empty()) answers.push_back(answer);
+    }
+  if (answers.empty()) throw Error(fmt::format("the position of '{}' is not known", subject));
+  return answers;
 }
 
 /// Whether what is `offset` away stands on the object asked about.
@@ -115,6 +120,24 @@ bool is_on_top(const Vector3d& offset, const BeliefRow& belief, const Snapshot& 
   const BeliefRow* support = below ? snapshot.belief(*below) : nullptr;
   return support != nullptr && support->size && support->place == belief.place && offset.z() > 0 &&
          offset.head<2>().norm() <= support->size->head<2>().maxCoeff() / 2;
+}
+
+/// Adds what is near the point. `meant`: only these; unset = all.
+void add_near(const Snapshot& snapshot, const NearQuestion& question,
+              const std::optional<std::set<Id>>& meant, NearAnswer& answer) {
+  for (const BeliefRow& belief : snapshot.beliefs()) {
+    if (meant && !meant->contains(belief.object)) continue;
+    if (!belief.position || belief.status == ObjectStatus::gone ||
+        object_name(belief.object) == answer.around)
+      continue;
+    Vector3d offset = *belief.position - answer.point;
+    if (question.on_top && !is_on_top(offset, belief, snapshot, answer)) continue;
+    if (answer.level) offset.z() = 0;
+    if (offset.norm() <= question.radius_m)
+      answer.objects.push_back({snapshot.object_belief(belief), offset.norm()});
+  }
+  std::ranges::stable_sort(answer.objects, {}, &NearObject::distance_m);
+  if (question.count > 0 && answer.objects.size() > question.count) answer.objects.resize(question.count);
 }
 
 }  // namespace
@@ -177,27 +200,20 @@ NearAnswer ask(const Store& store, const NearQuestion& question) {
     throw Error(fmt::format("a radius of {} m is not positive", question.radius_m), {},
                 "give metres above 0");
   const Snapshot snapshot(store, question.as_of);
-  NearAnswer answer{.asked = question.subject, .radius_m = question.radius_m, .on_top = question.on_top};
-  locate(snapshot, question.subject, answer);
   std::optional<std::set<Id>> meant;
   if (!question.only.empty()) {
     const std::vector<Id> objects = snapshot.find_objects(question.only);
     meant.emplace(objects.begin(), objects.end());
   }
-  for (const BeliefRow& belief : snapshot.beliefs()) {
-    if (meant && !meant->contains(belief.object)) continue;
-    if (!belief.position || belief.status == ObjectStatus::gone ||
-        object_name(belief.object) == answer.around)
-      continue;
-    Vector3d offset = *belief.position - answer.point;
-    if (question.on_top && !is_on_top(offset, belief, snapshot, answer)) continue;
-    if (answer.level) offset.z() = 0;
-    if (offset.norm() <= question.radius_m)
-      answer.objects.push_back({snapshot.object_belief(belief), offset.norm()});
+  std::vector<NearAnswer> answers =
+      located(snapshot, question.subject,
+              {.asked = question.subject, .radius_m = question.radius_m, .on_top = question.on_top});
+  for (NearAnswer& answer : answers) {
+    add_near(snapshot, question, meant, answer);
+    // Of several boxes the one with something on it is meant.
+    if (!answer.objects.empty()) return answer;
   }
-  std::ranges::stable_sort(answer.objects, {}, &NearObject::distance_m);
-  if (question.count > 0 && answer.objects.size() > question.count) answer.objects.resize(question.count);
-  return answer;
+  return answers.front();
 }
 
 std::string to_text(const NearAnswer& answer, const TimeWriter& times) {

@@ -180,12 +180,12 @@ void add_motions(const Snapshot& snapshot, std::vector<EnvironmentPart>& parts) 
     if (part.motion) motions[part.motion->map_joint] = &*part.motion;
   if (motions.empty()) return;
   const Store& store = snapshot.store();
-  if (const std::optional<SceneRow> latest = store.latest_scene(snapshot.as_of()))
-    for (const auto& [name, position] : latest->joints)
-      if (const auto found = motions.find(name); found != motions.end()) {
-        found->second->position = position;
-        found->second->seen = snapshot.scene_ref(*latest);
-      }
+  for (const auto& [name, motion] : motions) {
+    const std::optional<SceneRow> latest = store.latest_scene_of_joint(name, snapshot.as_of());
+    if (!latest) continue;
+    motion->position = latest->joints.at(name);
+    motion->seen = snapshot.scene_ref(*latest);
+  }
   for (const EventRow& event : store.events(snapshot.as_of())) {
     const auto found =
         event.kind == EventKind::joint_changed && event.joint ? motions.find(*event.joint) : motions.end();
@@ -452,6 +452,7 @@ std::vector<Question> environment_questions() {
                      {"order: describe|show room"},
                      {"howmany: <part> [contain|know]", Asks::number, "How many drawers are there?"},
                      {"howmany: <part> room [contain]", Asks::number},
+                     {"what: which<part> [room|know]", Asks::objects, "Which drawers are there?"},
                      {"what: furniture [know|room]"}}},
       {.name = "opens",
        .group = QuestionGroup::inspect,

@@ -19,9 +19,9 @@ using namespace format;
 namespace {
 
 const std::vector<std::string> kChangeKinds = {
-    "appeared",      "came",       "closed",          "gone",  "handled", "hidden",
-    "joint_changed", "left",       "looks_different", "moved", "opened",  "place_handled",
-    "place_moved",   "reappeared", "relocated"};
+    "appeared",      "came",        "closed",          "gone",     "handled", "hidden",
+    "joint_changed", "left",        "looks_different", "moved",    "new",     "opened",
+    "place_handled", "place_moved", "reappeared",      "relocated"};
 
 bool is_at(const std::set<Id>& places, const std::optional<PlaceRef>& place) {
   return place && places.contains(place->id);
@@ -37,6 +37,9 @@ bool is_of_kind(const Change& change, const std::string& kind, const std::set<Id
     return ((change.kind == EventKind::appeared || change.kind == EventKind::reappeared) &&
             (places.empty() || is_at(places, change.place))) ||
            (moved && is_at(places, change.place) && !is_at(places, change.from_place));
+  if (kind == "new")  // What was elsewhere in the room is new at a place only; what was hidden there is not.
+    return is_of_kind(change, "came", places) &&
+           (change.kind == EventKind::appeared || (!places.empty() && !is_at(places, came_from)));
   if (kind == "handled" || kind == "relocated")
     return moved || change.kind == EventKind::reappeared ||
            (change.kind == EventKind::gone && kind == "handled");
@@ -124,13 +127,19 @@ ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
   const auto is_one_of = [](const std::set<Id>& ids, std::optional<Id> id) {
     return id && ids.contains(*id);
   };
+  const auto is_still_there = [&](const Change& change) {
+    const BeliefRow* now = change.object ? snapshot.belief(change.object->id) : nullptr;
+    return now != nullptr && now->status != ObjectStatus::gone &&
+           (places.empty() || is_one_of(places, now->place));
+  };
   for (const EventRow& event : store.events(question.as_of, question.from, question.to)) {
     if (!question.subject.empty() && !is_one_of(objects, event.object)) continue;
     const bool at_place = is_one_of(places, event.place) || is_one_of(places, event.from_place) ||
                           (event.joint && joints.contains(*event.joint));
     if (!question.place.empty() && !at_place) continue;
     const Change change = snapshot.change(event);
-    if (is_of_kind(change, question.kind, places) && (question.other.empty() || is_between(change)))
+    if (is_of_kind(change, question.kind, places) && (question.other.empty() || is_between(change)) &&
+        (question.kind != "new" || is_still_there(change)))
       answer.changes.push_back(change);
   }
   return answer;
@@ -339,10 +348,11 @@ std::vector<SentenceForm> changes_sentences() {
       {"what: come <place> [thing]", objects, "", came},
       {"when: come <object> <place> [last]", last_time, "", came},
       {"yes: come <object> <place>", verdict, "", came},
-      {"what: new at<place> [thing]", objects, "What is new on the table?", came},
+      {"what: new at<place> [thing]", objects, "What is new on the table?", kind("new")},
+      {"what: new [thing|everything]", objects, "What is new today?", kind("new")},
       {"yes|bare: thing new at<place>", verdict, "", came},
-      {"what: change|happen|new [thing|miss|everything]", objects, "What changed since this morning?"},
-      {"what: change|happen|new at<place> [thing|everything]", objects,
+      {"what: change|happen [thing|new|miss|everything]", objects, "What changed since this morning?"},
+      {"what: change|happen at<place> [thing|new|everything]", objects,
        "What changed on the table since nine?"},
       {"what: miss person did|have", objects},
       {"bare|order: change [show|list|name|everything]", objects},
@@ -366,6 +376,7 @@ std::vector<SentenceForm> changes_sentences() {
       {"who: move|take|get <object> from<place> [last|away]", agent, "", handled},
       {"who: open|opened|close <place> [last]", agent, "", opened},
       {"who: empty|clean <place> [last]", agent, "Who cleared the table?", left},
+      {"who: move <place> [last]", agent, "Who moved the table?", kind("place_handled")},
       {"howmany: move [thing]", number, "How many objects were moved?", kind("relocated")},
       {"howmany: vanish|go|leave|take|move from<place> [thing|away]", number, "", left},
       {"howmany: leave <place> [thing]", number, "", left},
@@ -384,16 +395,18 @@ std::vector<Question> event_questions() {
   return {
       {.name = "changes",
        .description = "What happened in a period",
-       .parameters = {{.name = "object", .type = ParameterType::object, .help = "Only of these objects"},
-                      {.name = "place", .type = ParameterType::place, .help = "Only at this place"},
-                      {.name = "kind",
-                       .help = "Only these; came and left include moves to or from the place, handled: "
-                               "moved, gone or reappeared; relocated: moved or reappeared; "
-                               "place_handled: opened, or furniture that was moved",
-                       .choices = kChangeKinds},
-                      {.name = "other",
-                       .type = ParameterType::place,
-                       .help = "Only moves between --place and this place; with --kind came from there"}},
+       .parameters =
+           {{.name = "object", .type = ParameterType::object, .help = "Only of these objects"},
+            {.name = "place", .type = ParameterType::place, .help = "Only at this place"},
+            {.name = "kind",
+             .help =
+                 "Only these; came and left include moves to or from the place, handled: "
+                 "moved, gone or reappeared; relocated: moved or reappeared; new: came and is still there; "
+                 "place_handled: opened, or furniture that was moved",
+             .choices = kChangeKinds},
+            {.name = "other",
+             .type = ParameterType::place,
+             .help = "Only moves between --place and this place; with --kind came from there"}},
        .period = true,
        .examples = {"", "--between 08:00 10:00"},
        .answer = format::schema_by<changes_record>,

@@ -28,7 +28,6 @@ void Recorder::load() {
   last_map_.reset();
   last_places_.clear();
   if (const std::optional<SceneRow> last = store_.last_scene()) {
-    last_joints_ = last->joints;
     last_map_ = last->map;
     if (std::optional<SceneReasoning> reasoning = load_reasoning(store_, last->id))
       last_places_ = std::move(reasoning->evidence.places);

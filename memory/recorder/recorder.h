@@ -62,7 +62,7 @@ class Recorder {
   std::map<Id, BeliefRow> stored_beliefs_;  ///< last row of each believed object
   Id max_object_ = 0;                       ///< of the memory
   BeliefCheckpoint checkpoint_;
-  std::map<std::string, double> last_joints_;   ///< of the scene before
+  std::map<std::string, double> last_joints_;   ///< as they were seen last, of those seen in this run
   std::optional<Id> last_map_;                  ///< of the room in the scene before
   std::vector<belief::PlacePose> last_places_;  ///< in the scene before
   std::map<std::string, PlaceRow> places_;      ///< of the memory

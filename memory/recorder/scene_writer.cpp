@@ -91,7 +91,7 @@ class Recorder::SceneWriter {
     recorder_.checkpoint_.committed();
     update_last(recorder_.stored_beliefs_, rows_, state_);
     recorder_.state_ = std::move(state_);
-    recorder_.last_joints_ = record_.row.joints;
+    for (const auto& [joint, position] : record_.row.joints) recorder_.last_joints_[joint] = position;
     recorder_.last_map_ = recorder_.map_of(record_.row);
     recorder_.last_places_ = std::move(places);
     recorder_.places_.merge(new_places_);
@@ -210,12 +210,24 @@ class Recorder::SceneWriter {
     for (const PlaceRow& place_row : record_.places) add_place_visibility(place_row);
   }
 
+  /// The latest scene before this one that knows a joint: few scenes show all fronts.
+  std::optional<SceneRow> scene_before(const std::string& joint) const {
+    return recorder_.store_.latest_scene_of_joint(joint, {}, result_.scene);
+  }
+
+  double position_before(const std::string& joint) const {
+    if (const auto known = recorder_.last_joints_.find(joint); known != recorder_.last_joints_.end())
+      return known->second;
+    const std::optional<SceneRow> before = scene_before(joint);
+    return before ? before->joints.at(joint) : 0.0;
+  }
+
   void add_joint_events() {
     if (!recorder_.state_.last_scene) return;  // nothing to compare with
     for (const auto& [joint, position] : record_.row.joints) {
-      const auto before = recorder_.last_joints_.find(joint);
-      const double from = before == recorder_.last_joints_.end() ? 0.0 : before->second;
+      const double from = position_before(joint);
       if (!joint_moved(from, position)) continue;
+      const std::optional<SceneRow> before = scene_before(joint);
       EventRow row;
       row.scene = result_.scene;
       row.kind = EventKind::joint_changed;
@@ -224,7 +236,7 @@ class Recorder::SceneWriter {
       row.from_joint_position = from;
       for (const PlaceRow& candidate : record_.places)
         if (candidate.joint == joint) row.place = place(candidate.name);
-      row.since = recorder_.state_.last_scene;
+      row.since = before ? before->time : recorder_.state_.last_scene;
       row.clock = clock();
       transaction_.add_event(row);
     }

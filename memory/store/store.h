@@ -189,6 +189,9 @@ class Store {
   std::optional<TimeNs> last_scene_time() const;
   /// The latest scene as of a time.
   std::optional<SceneRow> latest_scene(const AsOf& as_of) const;
+  /// The latest scene that knows the position of a joint, of those added before `before` (unset = of all).
+  std::optional<SceneRow> latest_scene_of_joint(const std::string& joint, const AsOf& as_of = {},
+                                                std::optional<Id> before = {}) const;
   std::vector<ObservationRow> observations(Id scene) const;
   ObservationRow observation(Id id) const;
   Id max_observation_id() const;  ///< 0 = there is none

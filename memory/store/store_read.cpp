@@ -90,6 +90,14 @@ std::optional<SceneRow> Store::latest_scene(const AsOf& as_of) const {
   return select_first<SceneRow>(*connection_, Where().added("time", as_of), "time DESC, id DESC");
 }
 
+std::optional<SceneRow> Store::latest_scene_of_joint(const std::string& joint, const AsOf& as_of,
+                                                     std::optional<Id> before) const {
+  Where where("EXISTS (SELECT 1 FROM json_each(scene.joints) WHERE key = ?1)", {sql(joint)});
+  where.added("time", as_of);
+  if (before) where.and_also("id < " + where.bind(sql(*before)));
+  return select_first<SceneRow>(*connection_, where, "time DESC, id DESC");
+}
+
 std::optional<TimeNs> Store::last_scene_time() const {
   return connection_->value<TimeNs>("SELECT time FROM scene ORDER BY time DESC LIMIT 1");
 }

@@ -46,5 +46,33 @@ scenes:
   EXPECT_EQ(size["tables"]["scene"]["rows"], 1);
 }
 
+TEST(Joints, ADrawerThatIsShutAgainIsSeenToBeShut) {
+  const std::string folder = fresh_folder();
+  write_file_atomically(fs::path(folder) / "drawer.yaml", R"(
+world: )" LOCI_SOURCE_DIR R"(/apps/samples/kitchen.urdf
+scenes:
+  - time: "2026-05-01T08:00:00Z"
+    view: {from: [1.62, 1.0, 1.50], at: [1.60, 2.20, 0.72]}
+  - time: "2026-05-01T08:05:00Z"
+    view: {from: [1.62, 1.0, 1.50], at: [1.60, 2.20, 0.72]}
+    do:
+      - {open: drawer_2, to: 0.42}
+  - time: "2026-05-01T08:10:00Z"
+    view: {from: [1.62, 1.0, 1.50], at: [1.60, 2.20, 0.72]}
+    do:
+      - {close: drawer_2}
+)");
+  ASSERT_EQ(run("loci-simulate record " + folder + "/drawer.yaml --quiet -o " + folder + "/drawer").exit_code,
+            0);
+  fs::remove(folder + "/drawer/joints.csv");
+  const std::string memory = folder + "/memory.loci";
+  ASSERT_EQ(run("loci-perceive run " + folder +
+                "/drawer --quiet --map " LOCI_SOURCE_DIR "/apps/samples/kitchen.urdf -m " + memory)
+                .exit_code,
+            0);
+  const std::string answer = run("loci-memory ask 'Is drawer_2 open?' -m " + memory).out;
+  EXPECT_EQ(answer.substr(0, answer.find('\n')), "No: drawer_2 is closed, as of 08:10.");
+}
+
 }  // namespace
 }  // namespace loci::apps::test

@@ -345,13 +345,15 @@ namespace {
 void state_evidence(const std::vector<EnvironmentPart>& parts, const ReplyContext& context, Reply& reply) {
   for (const EnvironmentPart& part : parts) {
     if (!part.motion) continue;
-    std::string line = part.name + ":";
+    std::vector<std::string> known;
     if (part.motion->seen)
-      line += fmt::format(" {} at {}", part.motion->open() ? "open" : "closed",
-                          context.times.text(part.motion->seen->time));
-    if (part.motion->opened) line += ", last opened by " + context.times.text(part.motion->opened->time);
-    if (part.motion->closed) line += ", last closed by " + context.times.text(part.motion->closed->time);
-    reply.evidence.push_back(line);
+      known.push_back(fmt::format("{} at {}", part.motion->open() ? "open" : "closed",
+                                  context.times.text(part.motion->seen->time)));
+    if (part.motion->opened)
+      known.push_back("last opened by " + context.times.text(part.motion->opened->time));
+    if (part.motion->closed)
+      known.push_back("last closed by " + context.times.text(part.motion->closed->time));
+    if (!known.empty()) reply.evidence.push_back(fmt::format("{}: {}", part.name, fmt::join(known, ", ")));
   }
 }
 
@@ -384,7 +386,8 @@ void opens_verdict(const OpensAnswer& answer, bool asks_open, const ReplyContext
     (!part.motion->position ? unknown : part.motion->open() ? open : closed).push_back(part.name);
   if (open.empty() && !unknown.empty()) {
     reply.verdict = Verdict::not_observed;
-    reply.text = fmt::format("Not observed: no look showed how {} stands.", list_of(unknown));
+    reply.text = fmt::format("Not observed: no look showed how {} {}.", list_of(unknown),
+                             unknown.size() == 1 ? "stands" : "stand");
     return;
   }
   reply.verdict = open.empty() == asks_open ? Verdict::no : Verdict::yes;
@@ -418,8 +421,7 @@ void write_reply(const OpensAnswer& answer, const ReplyContext& context, Reply& 
     opens_verdict(answer, asks == Asks::open, context, reply);
   } else {
     reply.number = parts.size();
-    reply.text = fmt::format(
-        "{}: {}.", counted(parts.size(), "part") + (parts.size() == 1 ? " opens" : " open"), list_of(parts));
+    reply.text = fmt::format("{} can be opened: {}.", counted(parts.size(), "part"), list_of(parts));
   }
 }
 

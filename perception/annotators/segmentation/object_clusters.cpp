@@ -222,6 +222,7 @@ class ClusterMaker {
     std::vector<cv::Point2f> footprint;
     for (const Vector3f& p : object.in_plane) footprint.emplace_back(p.x(), p.y());
     const cv::Size2f sides = cv::minAreaRect(footprint).size;
+    if (is_drawer_side(object, sides, cluster.top)) return std::nullopt;
     const double height = (std::min(sides.width, sides.height) > kWide ? 0.5 : 1) * options_.min_height_m;
     const double least = std::max(height, 3 * depth_noise(depth)) + support_.uncertainty;
     if (cluster.top < least) return std::nullopt;
@@ -230,6 +231,19 @@ class ClusterMaker {
     if (!over_support(object, cluster)) return std::nullopt;
     set_box(cluster);
     return cluster;
+  }
+
+  /// Whether an object on the bottom of a drawer is one of its sides. Maps have the box of a drawer by
+  /// assumption, so its upright boards are seen some centimetres from where the map has them.
+  bool is_drawer_side(const Standing& object, const cv::Size2f& footprint, double top) const {
+    constexpr float kMaxThickness = 0.02f, kMinLength = 0.1f;
+    constexpr double kMinHeight = 0.03;  // cutlery lies lower
+    constexpr double kMaxOff = 0.06;
+    const auto [thickness, length] = std::minmax(footprint.width, footprint.height);
+    return support_.in_drawer && thickness < kMaxThickness && length > kMinLength && top > kMinHeight &&
+           std::ranges::all_of(object.in_plane, [&](const Vector3f& p) {
+             return outline_.inside(p.head<2>().cast<double>()) < kMaxOff;
+           });
   }
 
   /// Adds what is enclosed by the object in the image, or a gap in it, and lies within its footprint, though

@@ -59,6 +59,7 @@ SupportPlane support_of_region(const types::PlanarSupport& known, int label, con
     plane->uncertainty = kMapHeightError;
   }
   plane->region = label;
+  plane->in_drawer = known.support_class.get().starts_with("drawer");
   plane->outline.clear();
   for (const Vector3d& corner : types::points_from_values(known.outline.get()))
     plane->outline.push_back(plane->in_plane(camera_from_map * corner).head<2>());

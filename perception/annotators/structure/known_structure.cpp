@@ -391,9 +391,11 @@ void KnownStructureFilter::fit_joints(const types::SceneCas& scene, const cv::Ma
   if (!fit_joints_) return;
   JointState fitted = joints;
   for (const FrontState& front : fronts_->estimate(points, camera, pose, joints, threads)) {
-    if (front.determined) annotate_joint(scene, front);
-    if (!front.moved || joints.contains(front.joint)) continue;
-    fitted[front.joint] = front.position;
+    if (!front.determined) continue;
+    annotate_joint(scene, front);
+    if (joints.contains(front.joint)) continue;
+    fitted[front.joint] = front.position;  // Also where it is assumed: that a drawer is shut again is seen.
+    if (!front.moved) continue;
     scene.log("KnownStructureFilter", "info",
               fmt::format("{} stands at {:.3f}: {} of {} points of its front", front.joint, front.position,
                           front.on, front.in_view));

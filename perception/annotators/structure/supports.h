@@ -61,6 +61,7 @@ struct SupportPlane {
   int inliers = 0;         ///< pixels
   double uncertainty = 0;  ///< of the height, beyond the noise of the depth, metres
   int region = 0;  ///< value of the region label image that it was refined in; 0 = found without a map
+  bool in_drawer = false;  ///< the bottom of a drawer of the map
 
   /// Position in the plane's frame with z = height over the (bent) surface.
   Vector3d in_plane(const Vector3d& point) const {

@@ -94,6 +94,21 @@ TEST_F(Room, OpensWhatHasAJointAsItStoodAtThatTime) {
   EXPECT_FALSE(then.parts[1].motion->closed);
 }
 
+TEST_F(Room, AJointStandsAsItWasSeenLastThoughLaterScenesDoNotShowIt) {
+  store_.reset();
+  {
+    Store store = Store::open_write(file_);
+    SceneTransaction scene(store, store.begin_run("test", "{}"));
+    scene.add_scene({.time = 10 * 3600 * kSecond, .map = store.maps().at(0).id});
+    scene.commit();
+  }
+  store_.emplace(Store::open_read(file_));
+  const OpensAnswer answer = ask(*store_, OpensQuestion{});
+  ASSERT_TRUE(answer.parts[1].motion->position);
+  EXPECT_FALSE(answer.parts[1].motion->open());
+  EXPECT_EQ(answer.parts[1].motion->seen->time, 9 * 3600 * kSecond);
+}
+
 TEST_F(Room, PartsAreCalledByNameClassOrAppliance) {
   const auto called = [&](const char* part) { return names(ask(*store_, OpensQuestion{part, {}}).parts); };
   EXPECT_THAT(called("drawer 1"), ElementsAre("drawer_1_front"));

@@ -335,7 +335,33 @@ TEST_F(Questions, ChangesOfAKindKnowWhatLeftAndWhatCame) {
   EXPECT_THAT(told("counter", "came"), ElementsAre("appeared object_3", "moved object_1"));
   EXPECT_THAT(told("counter", "left"), ElementsAre());
   EXPECT_THAT(told("", "moved"), ElementsAre("moved object_1"));
+  EXPECT_THAT(told("table", "new"), ElementsAre("appeared object_2")) << "object_1 went to the counter";
+  EXPECT_THAT(told("counter", "new"), ElementsAre("appeared object_3", "moved object_1"));
   EXPECT_THAT(message([&] { told("", "flew"); }), HasSubstr("no kind of change"));
+}
+
+TEST_F(Questions, NearOneOfSeveralIsNearTheOneThatHasSomethingThere) {
+  store_.reset();
+  {
+    Store store = Store::open_write(file_);
+    const Id run = store.begin_run("user", "{}");
+    for (const Id cup : {2, 3})
+      store.add_fact({.object = cup, .key = "class", .value = "cup", .clock = {.source = "user"}}, run);
+    store.finish_run(run);
+  }
+  store_.emplace(Store::open_read(file_));
+  ASSERT_TRUE(ask(*store_, NearQuestion{.subject = "object_2"}).objects.empty());
+  const NearAnswer answer = ask(*store_, NearQuestion{.subject = "cup"});
+  EXPECT_EQ(answer.around, "object_3");
+  ASSERT_EQ(answer.objects.size(), 1U);
+  EXPECT_EQ(answer.objects[0].object.object.id, 1);
+  const Query query{.question = "near",
+                    .arguments = {{"around", "cup"}, {"radius", "0.1"}, {"relation", "on"}},
+                    .asks = Asks::verdict};
+  const TimeWriter times(*store_);
+  EXPECT_EQ(
+      ask(*store_, query, {}).reply({.store = *store_, .query = query, .as_of = {}, .times = times}).text,
+      "No: nothing is on any 'cup'.");
 }
 
 TEST_F(Questions, WhatWasNotSeenSinceATime) {

@@ -114,6 +114,27 @@ TEST_F(RecorderTest, MemoryIsSoundAndTellsWhatHappened) {
   EXPECT_GT(store.visibility_of_place(store.places().front().id).front().fraction.value_or(0), 0.8);
 }
 
+TEST_F(RecorderTest, AJointIsComparedWithWhereItWasSeenLastHoweverLongAgo) {
+  using Joints = std::map<std::string, double>;
+  const std::vector<Joints> seen = {{{"drawer", 0.0}}, {{"drawer", 0.3}}, {}, {{"drawer", 0.3}}, {},
+                                    {{"drawer", 0.0}}};
+  for (const bool stopped : {false, true}) {
+    SetUp();
+    Store store = Store::open_write(folder / (stopped ? "stopped.loci" : "whole.loci"));
+    std::optional<Recorder> recorder(std::in_place, store, store.begin_run("test", "{}"));
+    for (size_t n = 0; n < seen.size(); ++n) {
+      if (stopped) recorder.emplace(store, store.begin_run("test", "{}"));
+      SceneRecord scene = record(100.0 * static_cast<double>(n + 1));
+      scene.row.joints = seen[n];
+      recorder->record(scene);
+    }
+    std::vector<std::pair<double, TimeNs>> moved;
+    for (const EventRow& event : store.events())
+      if (event.kind == EventKind::joint_changed) moved.emplace_back(*event.joint_position, *event.since);
+    EXPECT_THAT(moved, ElementsAre(std::pair(0.3, 100 * kSecond), std::pair(0.0, 400 * kSecond)));
+  }
+}
+
 TEST_F(RecorderTest, FailedSceneLeavesMemoryAndBeliefAsTheyWere) {
   Store store = Store::open_write(folder / "day.loci");
   Recorder recorder(store, store.begin_run("test", "{}"));

@@ -170,6 +170,12 @@ TEST_F(NaturalLanguage, TheReplyAnswersWhatWasAsked) {
   }
 }
 
+TEST_F(NaturalLanguage, WhoMovedFurnitureIsNotWhoOpenedIt) {
+  const NaturalLanguageAnswer answer = say("Who moved the table?");
+  EXPECT_EQ(answer.query->text(), "changes --kind place_handled --place table");
+  EXPECT_EQ(answer.reply->text, "Not known: no change was seen.");
+}
+
 TEST_F(NaturalLanguage, WhoMovedItNamesTheLastSceneWithAPerson) {
   store_.reset();
   {

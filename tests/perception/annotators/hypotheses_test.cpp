@@ -349,6 +349,31 @@ TEST(Clusters, WhatIsFlushWithTheMapIsNoObject) {
 }
 
 /// The labelled scenes of the Object Segmentation Database: label / 10 is the object, from 2 on.
+/// Maps have the box of a drawer by assumption: its boards are seen beside where they are in the map. What
+/// is thick, and what stands apart from the sides, is an object.
+TEST(Clusters, AnUprightBoardAlongTheSideOfADrawerIsItsOwn) {
+  SyntheticTable table;
+  table.boxes = {{{0, 0.36, 0.05}, {0.5, 0.012, 0.1}},
+                 {{0.2, 0.1, 0.05}, {0.3, 0.012, 0.1}},
+                 {{-0.2, 0.1, 0.05}, {0.1, 0.1, 0.1}}};
+  Found found = find(table, 0.05, table.up());
+  ASSERT_EQ(found.clusters.size(), 3U);
+  SupportPlane& drawer = found.supports.at(0);
+  drawer.in_drawer = true;
+  drawer.outline.clear();
+  for (const auto& [x, y] : {std::pair(-0.6, -0.4), {0.6, -0.4}, {0.6, 0.4}, {-0.6, 0.4}})
+    drawer.outline.push_back(drawer.in_plane(table.map_from_camera.inverse() * Vector3d(x, y, 0)).head<2>());
+  const cv::Mat depth =
+      smooth_depth(table.render(0.05, found.labels), table.camera, NormalOptions::for_objects());
+  found.clusters = extract_clusters({points_from_depth(depth, table.camera),
+                                     normals_from_depth(depth, table.camera, NormalOptions::for_objects()),
+                                     {},
+                                     {}},
+                                    table.camera, {drawer}, ClusterOptions());
+  EXPECT_EQ(found.clusters.size(), 2U);
+  EXPECT_LT(best_overlap(found, 1), 0.1);
+}
+
 TEST(Clusters, MatchTheLabelledTableScenes) {
   const std::filesystem::path root = std::filesystem::path(LOCI_SHARED_DIR) / "data";
   if (!std::filesystem::exists(root / "osd_tabletop")) GTEST_SKIP() << "needs data/osd_tabletop";
