@@ -348,7 +348,6 @@ TEST(Clusters, WhatIsFlushWithTheMapIsNoObject) {
   EXPECT_GT(overlap(found, found.clusters[0], 2), 0.8);
 }
 
-/// The labelled scenes of the Object Segmentation Database: label / 10 is the object, from 2 on.
 /// Maps have the box of a drawer by assumption: its boards are seen beside where they are in the map. What
 /// is thick, and what stands apart from the sides, is an object.
 TEST(Clusters, AnUprightBoardAlongTheSideOfADrawerIsItsOwn) {
@@ -374,6 +373,7 @@ TEST(Clusters, AnUprightBoardAlongTheSideOfADrawerIsItsOwn) {
   EXPECT_LT(best_overlap(found, 1), 0.1);
 }
 
+/// The labelled scenes of the Object Segmentation Database: label / 10 is the object, from 2 on.
 TEST(Clusters, MatchTheLabelledTableScenes) {
   const std::filesystem::path root = std::filesystem::path(LOCI_SHARED_DIR) / "data";
   if (!std::filesystem::exists(root / "osd_tabletop")) GTEST_SKIP() << "needs data/osd_tabletop";
