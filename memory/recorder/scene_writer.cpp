@@ -210,15 +210,11 @@ class Recorder::SceneWriter {
     for (const PlaceRow& place_row : record_.places) add_place_visibility(place_row);
   }
 
-  /// The latest scene before this one that knows a joint: few scenes show all fronts.
-  std::optional<SceneRow> scene_before(const std::string& joint) const {
-    return recorder_.store_.latest_scene_of_joint(joint, {}, result_.scene);
-  }
-
+  /// Where a joint was seen last: few scenes show all fronts.
   double position_before(const std::string& joint) const {
     if (const auto known = recorder_.last_joints_.find(joint); known != recorder_.last_joints_.end())
       return known->second;
-    const std::optional<SceneRow> before = scene_before(joint);
+    const std::optional<SceneRow> before = recorder_.store_.latest_scene_of_joint(joint, {}, result_.scene);
     return before ? before->joints.at(joint) : 0.0;
   }
 
@@ -227,7 +223,6 @@ class Recorder::SceneWriter {
     for (const auto& [joint, position] : record_.row.joints) {
       const double from = position_before(joint);
       if (!joint_moved(from, position)) continue;
-      const std::optional<SceneRow> before = scene_before(joint);
       EventRow row;
       row.scene = result_.scene;
       row.kind = EventKind::joint_changed;
@@ -236,7 +231,7 @@ class Recorder::SceneWriter {
       row.from_joint_position = from;
       for (const PlaceRow& candidate : record_.places)
         if (candidate.joint == joint) row.place = place(candidate.name);
-      row.since = before ? before->time : recorder_.state_.last_scene;
+      row.since = recorder_.state_.last_scene;
       row.clock = clock();
       transaction_.add_event(row);
     }

@@ -128,10 +128,11 @@ TEST_F(RecorderTest, AJointIsComparedWithWhereItWasSeenLastHoweverLongAgo) {
       scene.row.joints = seen[n];
       recorder->record(scene);
     }
-    std::vector<std::pair<double, TimeNs>> moved;
+    std::vector<std::pair<double, TimeNs>> moved;  // to where, and in which scene that was seen
     for (const EventRow& event : store.events())
-      if (event.kind == EventKind::joint_changed) moved.emplace_back(*event.joint_position, *event.since);
-    EXPECT_THAT(moved, ElementsAre(std::pair(0.3, 100 * kSecond), std::pair(0.0, 400 * kSecond)));
+      if (event.kind == EventKind::joint_changed)
+        moved.emplace_back(*event.joint_position, event.clock.valid_from);
+    EXPECT_THAT(moved, ElementsAre(std::pair(0.3, 200 * kSecond), std::pair(0.0, 600 * kSecond)));
   }
 }
 
