@@ -89,7 +89,7 @@ class ProblemBuilder {
       problem_.move_prior.row(index(o)).setConstant(kNever);
       problem_.newview_prior.row(index(o)).setConstant(kNever);
     }
-    problem_.out_of_view.push_back(p.undetectable);
+    problem_.out_of_view.push_back(undetectable(o));
     problem_.disappear_prior.push_back(std::log(std::max(1e-6, 1 - p.here)) + absence.if_gone);
     problem_.missed_prior.push_back(std::log(std::max(1e-6, p.here)) + absence.if_there);
     problem_.hidden_prior.push_back(0.0);
@@ -107,14 +107,30 @@ class ProblemBuilder {
                             std::min(1e9, timing_.seconds), detection_, options_);
   }
 
+  /// Whether an observation may be the part of an object that is in view.
+  bool may_be_part(size_t o, size_t k) const {
+    return scene_.observations[k].partial && evidence_.log_proximity(index(o), index(k)) > 0;
+  }
+
+  /// Probability of not being detected if there. A part that is seen where the object should be shows that
+  /// not all of it is out of view.
+  double undetectable(size_t o) const {
+    constexpr double kMinInView = 1e-3;
+    for (size_t k = 0; k < scene_.observations.size(); ++k)
+      if (may_be_part(o, k)) return std::min(predicted_[o].undetectable, 1 - kMinInView);
+    return predicted_[o].undetectable;
+  }
+
   void add_stay_priors(size_t o) {
     const Prediction& p = predicted_[o];
-    // Where only the position is uncertain, an observation that is near shows that the object is in view.
-    const double in_view = state_.objects[o].has_size ? 1.0 : 1 - p.undetectable;
-    const double stays = std::max(1e-6, p.here) * detection_ / in_view;
-    problem_.stay_prior.row(index(o)).setConstant(std::log(stays * (1 - p.appearance_change)));
-    const double turns = std::log(stays * p.appearance_change);
+    const double in_view = 1 - undetectable(o);
     for (size_t k = 0; k < scene_.observations.size(); ++k) {
+      // Where only the position is uncertain, an observation that is near shows that the object is in view;
+      // so does the part of it that is not cut off.
+      const bool shows_it = !state_.objects[o].has_size || may_be_part(o, k);
+      const double stays = std::max(1e-6, p.here) * detection_ / (shows_it ? in_view : 1.0);
+      problem_.stay_prior(index(o), index(k)) = std::log(stays * (1 - p.appearance_change));
+      const double turns = std::log(stays * p.appearance_change);
       // Another side hardly has another size, and shares some colours. A detector without depth reports a
       // mean colour, which may be any where it changed, and a class, which hardly depends on the side.
       const double size = evidence_.log_size(index(o), index(k));

@@ -314,6 +314,25 @@ TEST_F(Belief, PartialViewAtTheBorderIsTheSameObject) {
   EXPECT_NEAR(state.find(1)->box.size.x(), 0.3, 0.01) << "pieces do not shrink what was seen whole";
 }
 
+TEST_F(Belief, AnEdgeInViewIsOfTheObjectThoughMostOfItIsNot) {
+  kitchen.objects = {{"mug", at(0, 0)}, {"box", at(-0.3, 0.1), {0.1, 0.1, 0.1}, kBlue}};
+  const int whole = kitchen.scene(0).observations.at(0).points;
+  observe(0);
+  // The camera turns away until so little is left in view that nothing would be expected to be detected.
+  Scene scene;
+  for (double x = 0; x > -1; x -= 0.002) {
+    kitchen.map_from_camera = SyntheticKitchen::look_from({0, -1, 1.4}, {x, 0, 0.72});
+    scene = kitchen.scene(600);
+    if (scene.observations.at(0).points < whole / 7) break;
+  }
+  ASSERT_EQ(scene.observations.size(), 2U);
+  ASSERT_TRUE(scene.observations[0].partial);
+  scene.observations[0].box = {at(-0.035, 0), {0.01, 0.08, 0.1}};
+  const BeliefUpdate update = advance(state, scene);
+  EXPECT_THAT(events(update), IsEmpty());
+  EXPECT_EQ(state.find(1)->last_seen, scene.time);
+}
+
 TEST_F(Belief, ObjectInADrawerMovesWithIt) {
   const auto drawer = [](double open) {
     PlacePose pose{"drawer_1_bottom", Isometry3d::Identity()};
