@@ -49,7 +49,7 @@ std::vector<Row> read_list(const fs::path& path, size_t words) {
     Row row;
     row.location = {path.string(), number, {}};
     const std::optional<TimeNs> time = parse_seconds(stamp);
-    if (!time) throw Error(fmt::format("'{}' is no stamp in seconds", stamp), row.location);
+    if (!time) throw Error(fmt::format("'{}' is not a stamp in seconds", stamp), row.location);
     row.time_ns = *time;
     for (std::string word; columns >> word;) row.words.push_back(word);
     if (row.words.size() < words)
@@ -111,7 +111,7 @@ ImageLists read_associations(const fs::path& path) {
   ImageLists lists;
   for (const Row& row : read_list(path, 3)) {
     const std::optional<TimeNs> time = parse_seconds(row.words[1]);
-    if (!time) throw Error(fmt::format("'{}' is no stamp in seconds", row.words[1]), row.location);
+    if (!time) throw Error(fmt::format("'{}' is not a stamp in seconds", row.words[1]), row.location);
     const Row first{row.time_ns, {row.words[0]}, row.location}, second{*time, {row.words[2]}, row.location};
     const bool is_first = row.words[0].find("depth") != std::string::npos;
     if (is_first == (row.words[2].find("depth") != std::string::npos))

@@ -51,7 +51,7 @@ double histogram_distance(const std::vector<float>& a, const std::vector<float>&
 double euclidean_distance(const std::vector<float>& a, const std::vector<float>& b);
 /// Root mean square of the log ratios of sorted positive extents: three, in metres, which three more values
 /// may follow: 1 where the extent is seen, 0 where it is a lower bound, since the object hides its far side
-/// itself. What such an extent lacks is no difference.
+/// itself. What such an extent lacks does not count as a difference.
 double extent_distance(const std::vector<float>& a, const std::vector<float>& b);
 
 /// Learned addition to a comparison's table: log-likelihood ratios at the middles of some distances.

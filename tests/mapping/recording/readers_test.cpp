@@ -124,7 +124,7 @@ TEST_F(Tum, BadListsAreNamedWithTheirLine) {
   write_file_atomically(root_ / "groundtruth.txt", "1305031102.1 0 0 1 0 0 0\n");
   EXPECT_THAT(refusal(root_), HasSubstr("groundtruth.txt:1"));
   write_file_atomically(root_ / "groundtruth.txt", "yesterday 0 0 1 0 0 0 1\n");
-  EXPECT_THAT(refusal(root_), HasSubstr("'yesterday' is no stamp"));
+  EXPECT_THAT(refusal(root_), HasSubstr("'yesterday' is not a stamp"));
   fs::remove(root_ / "groundtruth.txt");
   write_file_atomically(root_ / "depth.txt", "1305031102.1 depth/none.png\n");
   EXPECT_THAT(refusal(root_), HasSubstr("none.png"));
