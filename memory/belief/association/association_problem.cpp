@@ -123,14 +123,18 @@ class ProblemBuilder {
 
   void add_stay_priors(size_t o) {
     const Prediction& p = predicted_[o];
-    const double in_view = 1 - undetectable(o);
+    // Of staying with the same and with other looks.
+    const auto priors = [&](double in_view) {
+      const double stays = std::max(1e-6, p.here) * detection_ / in_view;
+      return std::pair(std::log(stays * (1 - p.appearance_change)), std::log(stays * p.appearance_change));
+    };
+    const auto of_whole = priors(1), of_part = priors(1 - undetectable(o));
     for (size_t k = 0; k < scene_.observations.size(); ++k) {
       // Where only the position is uncertain, an observation that is near shows that the object is in view;
       // so does the part of it that is not cut off.
       const bool shows_it = !state_.objects[o].has_size || may_be_part(o, k);
-      const double stays = std::max(1e-6, p.here) * detection_ / (shows_it ? in_view : 1.0);
-      problem_.stay_prior(index(o), index(k)) = std::log(stays * (1 - p.appearance_change));
-      const double turns = std::log(stays * p.appearance_change);
+      const auto [stays, turns] = shows_it ? of_part : of_whole;
+      problem_.stay_prior(index(o), index(k)) = stays;
       // Another side hardly has another size, and shares some colours. A detector without depth reports a
       // mean colour, which may be any where it changed, and a class, which hardly depends on the side.
       const double size = evidence_.log_size(index(o), index(k));
