@@ -85,13 +85,15 @@ double short_move_ratio(const Vector3d& offset, const BeliefOptions& options) {
 
 double log_proximity(const AxisBox& box, const PositionNoise& noise, bool box_partial,
                      const Observation& observation, const BeliefOptions& options) {
-  const double size = std::max(box.size.maxCoeff(), observation.box.size.maxCoeff());
-  // Most of a partial object is visible, so that its centre hardly shifts.
-  const double spread = square(size / 6);
+  // Most of a partial object is visible, so that its centre hardly shifts. Two parts shift by themselves, and
+  // are of something that is as large as both together.
+  const bool both = box_partial && observation.partial;
+  const double size =
+      (both ? join(box, observation.box).size : box.size.cwiseMax(observation.box.size).eval()).maxCoeff();
+  const double spread = (both ? 2 : 1) * square(size / 6);
   const double shift = (observation.box.centre - box.centre).head<2>().squaredNorm() /
                        (2 * (spread + noise.known + noise.stated));
-  if (box_partial && observation.partial)
-    return position_log_ratio(gap(box, observation.box), noise, spread, options.area_m2) - shift;
+  if (both) return position_log_ratio(gap(box, observation.box), noise, spread, options.area_m2) - shift;
   if (observation.partial)
     return position_log_ratio(excess(observation.box, box), noise, spread, options.area_m2) - shift;
   if (box_partial)

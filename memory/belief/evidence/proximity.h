@@ -31,7 +31,8 @@ double view_change_variance(const Isometry3d& from, const Isometry3d& to, double
 double short_move_ratio(const Vector3d& offset, const BeliefOptions& options);
 
 /// Log-likelihood ratio of the observation's position: "the object is still at `box`" against "anywhere on a
-/// place". Whole boxes are compared by their centres; a partial one only has to lie within the other.
+/// place". Whole boxes are compared by their centres; a partial one only has to lie within the other,
+/// and two partial ones beside each other.
 /// Extents depend on the visible side even where poses are accurate: their noise is the stated one.
 double log_proximity(const AxisBox& box, const PositionNoise& noise, bool box_partial,
                      const Observation& observation, const BeliefOptions& options);

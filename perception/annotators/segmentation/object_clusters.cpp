@@ -355,8 +355,10 @@ class ClusterMaker {
     const int cols = points_.cols;
     const auto* point = points_.ptr<cv::Vec3f>();
     const auto* shown = shows.ptr<uint8_t>();
-    // Edges are ragged and measured with gaps: a few pixels further are looked at.
+    // Edges are ragged and measured with gaps: a few pixels further are looked at, and across the shadow that
+    // something nearer casts in structured light.
     constexpr int kFar = 6;
+    constexpr int kShadow = 16;
     constexpr int kAside = 4;
     cv::Mat own = cv::Mat::zeros(cluster.box.height + 2 * kFar, cluster.box.width + 2 * kFar, CV_8U);
     const auto in_own = [&](int pixel) {
@@ -364,7 +366,6 @@ class ClusterMaker {
     };
     const auto own_at = [&](int pixel) { return own.ptr<unsigned char>()[in_own(pixel)] != 0; };
     for (const int pixel : cluster.pixels) own.ptr<unsigned char>()[in_own(pixel)] = 1;
-    int border = 0;
     int nearer = 0;
     int measured = 0;
     int open = 0;
@@ -377,16 +378,16 @@ class ClusterMaker {
         const int room = du < 0 ? col : du > 0 ? cols - 1 - col : dv < 0 ? row : points_.rows - 1 - row;
         if (room == 0) continue;
         const int behind = (du != 0 ? cols : points_.rows) - 1 - room;  // pixels up to the image's other edge
-        ++border;
-        for (int far = 1; far <= std::min(kFar, room); ++far) {
+        for (int far = 1; far <= std::min(kShadow, room); ++far) {
           const int other = pixel + far * (dv * cols + du);
           const float z = point[other][2];
           if (std::isnan(z)) continue;
-          if (here[far * (dv * own.cols + du)]) break;
+          if (far <= kFar && here[far * (dv * own.cols + du)]) break;
           if (z < point[pixel][2] - 0.03f) {
             ++nearer;
             break;
           }
+          if (far > kFar) break;
           ++measured;
           if (static_cast<Shows>(shown[other]) != Shows::surroundings) break;
           // Smoothing rounds the edge: the surfaces on either side of it are compared.
@@ -401,7 +402,8 @@ class ClusterMaker {
         }
       }
     }
-    cluster.partly_hidden = nearer > 0.1 * border;
+    // A tenth of the outline of something compact: what is long is cut across by less.
+    cluster.partly_hidden = nearer > 0.4 * std::sqrt(static_cast<double>(cluster.pixels.size()));
     cluster.open = measured == 0 ? 0 : static_cast<double>(open) / measured;
   }
 

@@ -259,6 +259,16 @@ TEST(Clusters, WhatTheImageCutsOffSaysSo) {
     EXPECT_EQ(cluster.at_image_border, cluster.box.x < 4) << cluster.box.x;
 }
 
+/// A tall box before the end of a long one: little of the long one's outline borders on it.
+TEST(Clusters, WhatSomethingNearerCoversSaysSo) {
+  SyntheticTable table;
+  table.boxes = {{{-0.05, 0.1, 0.02}, {0.3, 0.04, 0.04}}, {{0.1, -0.1, 0.1}, {0.08, 0.08, 0.2}}};
+  const Found found = find(table, 0, table.up());
+  ASSERT_EQ(found.clusters.size(), 2U);
+  for (const ObjectCluster& cluster : found.clusters)
+    EXPECT_EQ(cluster.partly_hidden, cluster.box.width > cluster.box.height) << cluster.box;
+}
+
 TEST(Clusters, AreTheSameEveryTime) {
   const Found one = find(table_with_boxes(), 0.1, table_with_boxes().up());
   const Found two = find(table_with_boxes(), 0.1, table_with_boxes().up());
