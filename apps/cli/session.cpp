@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "apps/cli/program.h"
 #include "mapping/base/json.h"
@@ -95,9 +98,15 @@ void Session::timing(const std::string& stage, double seconds) {
 void Session::show_warnings() {
   progress_.reset();
   if (flags_.quiet) return;
-  const auto& texts = warnings_.texts();
+  // What every frame says again is said once.
+  std::vector<std::string> texts;
+  std::map<std::string, size_t> times;
+  for (const std::string& text : warnings_.texts())
+    if (++times[text] == 1) texts.push_back(text);
   const size_t shown = flags_.verbose ? texts.size() : std::min<size_t>(texts.size(), 5);
-  for (size_t i = 0; i < shown; ++i) fmt::print(stderr, "warning: {}\n", terminal_text(texts[i]));
+  for (size_t i = 0; i < shown; ++i)
+    fmt::print(stderr, "warning: {}{}\n", terminal_text(texts[i]),
+               times[texts[i]] > 1 ? fmt::format(" ({} times)", times[texts[i]]) : "");
   if (shown < texts.size())
     fmt::print(stderr, "warning: {} more (--verbose shows all)\n", texts.size() - shown);
 }

@@ -74,5 +74,29 @@ scenes:
   EXPECT_EQ(answer.substr(0, answer.find('\n')), "No: drawer_2 is closed, as of 08:10.");
 }
 
+TEST(Joints, ThatTheMapLacksAreSaidOnce) {
+  const std::string folder = fresh_folder();
+  write_file_atomically(fs::path(folder) / "drawer.yaml", R"(
+world: )" LOCI_SOURCE_DIR R"(/apps/samples/kitchen.urdf
+scenes:
+  - time: "2026-05-01T08:00:00Z"
+    view: {from: [1.62, 1.0, 1.50], at: [1.60, 2.20, 0.72]}
+  - time: "2026-05-01T08:05:00Z"
+    view: {from: [1.62, 1.0, 1.50], at: [1.60, 2.20, 0.72]}
+)");
+  ASSERT_EQ(run("loci-simulate record " + folder + "/drawer.yaml --quiet -o " + folder + "/drawer").exit_code,
+            0);
+  write_file_atomically(
+      fs::path(folder) / "drawer/joints.csv",
+      "time_ns,joint,position\n1777622400000000000,flap_9,0\n1777622700000000000,flap_9,0\n");
+  const std::string said =
+      run("loci-perceive run " + folder + "/drawer --map " LOCI_SOURCE_DIR "/apps/samples/kitchen.urdf")
+          .error;
+  const size_t first =
+      said.find("the map has no joint 'flap_9', which the recording moves: it is left out (2 times)");
+  ASSERT_NE(first, std::string::npos) << said;
+  EXPECT_EQ(said.find("flap_9", said.find("flap_9") + 1), std::string::npos) << said;
+}
+
 }  // namespace
 }  // namespace loci::apps::test
