@@ -73,6 +73,31 @@ function(loci_unity target)
   endif()
 endfunction()
 
+# What most sources of libraries include is parsed once, in loci_headers. A build without unities, which shows that
+# every source includes what it needs, goes without.
+function(loci_precompile target)
+  if(NOT LOCI_UNITY)
+    return()
+  endif()
+  if(NOT TARGET loci_headers)
+    file(WRITE ${CMAKE_BINARY_DIR}/loci_headers.cpp "")
+    add_library(loci_headers STATIC EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/loci_headers.cpp)
+    target_link_libraries(loci_headers PRIVATE Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json)
+    target_precompile_headers(loci_headers PRIVATE <Eigen/Geometry> <fmt/format.h> <nlohmann/json.hpp> <algorithm>
+      <chrono> <filesystem> <fstream> <functional> <map> <memory> <numeric> <optional> <random> <set> <span> <sstream>
+      <string> <unordered_map> <variant> <vector>)
+    loci_precompiled(loci_headers)
+    loci_warnings(loci_headers)
+  endif()
+  loci_precompiled(${target})
+  target_precompile_headers(${target} REUSE_FROM loci_headers)
+endfunction()
+
+# ccache needs to know that a precompiled header is used.
+function(loci_precompiled target)
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+endfunction()
+
 function(loci_folder_name result)
   file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   string(REPLACE "/" "_" name ${folder})
@@ -99,6 +124,7 @@ function(loci_library)
   if(NOT ARG_NO_UNITY)
     loci_unity(loci_${name})
   endif()
+  loci_precompile(loci_${name})
   loci_warnings(loci_${name})
 endfunction()
 
@@ -158,10 +184,10 @@ function(loci_test_precompile target)
     target_link_libraries(loci_test_headers PRIVATE loci_mapping_base GTest::gmock)
     target_precompile_headers(loci_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry>
       <fmt/format.h> <nlohmann/json.hpp> <filesystem> <map> <optional> <random> <sstream> <string> <vector>)
-    target_compile_options(loci_test_headers PRIVATE -fpch-preprocess)
+    loci_precompiled(loci_test_headers)
     loci_test_options(loci_test_headers)
   endif()
-  target_compile_options(${target} PRIVATE -fpch-preprocess)
+  loci_precompiled(${target})
   target_precompile_headers(${target} REUSE_FROM loci_test_headers)
 endfunction()
 

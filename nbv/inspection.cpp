@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 #include "nbv/ray_casting.h"

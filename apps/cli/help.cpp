@@ -40,7 +40,7 @@ std::string wrapped(const std::string& text, const std::string& value, size_t in
     const bool first = result.empty();
     const bool fits = first || column + 1 + columns(word) <= kWidth;
     if (!fits) column = indent;
-    if (!first) result += fits ? " " : "\n" + std::string(indent, ' ');
+    if (!first) result += fits ? " " : fmt::format("\n{:{}}", "", indent);
     result += word;
     column += columns(word) + (fits && !first ? 1 : 0);
   }
@@ -64,11 +64,11 @@ class Sections {
         if (columns(row.label) <= kMaxLabel) width = std::max(width, columns(row.label));
     std::string text;
     for (const auto& [heading, rows] : sections_) {
-      text += "\n" + heading + ":\n";
+      text += fmt::format("\n{}:\n", heading);
       for (const Row& row : rows) {
         const size_t label = columns(row.label);
         text += "  " + row.label;
-        text += label > width ? "\n" + std::string(width + 4, ' ') : std::string(width + 2 - label, ' ');
+        text += label > width ? fmt::format("\n{:{}}", "", width + 4) : std::string(width + 2 - label, ' ');
         text += wrapped(row.text, row.value, width + 4) + "\n";
       }
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mapping/articulation/parameters.h"
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "mapping/base/random.h"
 

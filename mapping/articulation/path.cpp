@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mapping/articulation/parameters.h"
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "mapping/base/random.h"
 
@@ -283,6 +284,15 @@ size_t PathFit::outliers() const {
 
 namespace {
 
+/// Of a symmetric matrix without negative eigenvalues; directions that it does not determine map to 0.
+Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  const Eigen::VectorXd& values = solver.eigenvalues();
+  const double smallest = values.maxCoeff() * static_cast<double>(values.size()) * 2e-16;
+  const Eigen::VectorXd inverse = (values.array() > smallest).select(values.cwiseInverse(), 0.0);
+  return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+}
+
 /// Circle of least algebraic error (Kåsa) in the plane of least squares through all positions.
 Path algebraic_circle(const Positions& positions) {
   Vector3d mean = Vector3d::Zero();
@@ -298,7 +308,7 @@ Path algebraic_circle(const Positions& positions) {
     normal += row * row.transpose();
     right += row * (p - mean).squaredNorm();
   }
-  const Vector3d solution = normal.completeOrthogonalDecomposition().solve(right);
+  const Vector3d solution = pseudo_inverse(normal) * right;
   Path path;
   path.kind = Path::Kind::circle;
   path.centre = mean + solution[0] * u + solution[1] * v;
@@ -340,7 +350,7 @@ PathFit fit_path(Path::Kind kind, const std::vector<Vector3d>& positions, const 
   }
   const Eigen::MatrixXd j = jacobian(fit.path, positions);
   const Eigen::MatrixXd normal = j.transpose() * row_weights(fit.path, fit.weights).asDiagonal() * j;
-  fit.covariance = fit.sigma * fit.sigma * normal.completeOrthogonalDecomposition().pseudoInverse();
+  fit.covariance = fit.sigma * fit.sigma * pseudo_inverse(normal);
   return fit;
 }
 

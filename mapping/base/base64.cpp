@@ -51,8 +51,7 @@ std::string bytes_from_base64(std::string_view text) {
     }
     for (size_t k = 0; k < 3; ++k) bytes += static_cast<char>(group >> (16 - 8 * k) & 255U);
   }
-  bytes.resize(bytes.size() - padding);
-  return bytes;
+  return bytes.substr(0, text.size() / 4 * 3 - padding);
 }
 
 }  // namespace loci

@@ -71,4 +71,8 @@ Vector3d rpy_from_rotation(const Eigen::Matrix3d& r) {
   return {std::atan2(r(2, 1), r(2, 2)), pitch, std::atan2(r(1, 0), r(0, 0))};
 }
 
+Eigen::Matrix3d rotation_between(const Vector3d& from, const Vector3d& to) {
+  return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+}
+
 }  // namespace loci

@@ -12,6 +12,9 @@ namespace loci {
 using Eigen::Isometry3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+/// Over the six parameters of a rigid motion.
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// Positions of joints by name, metres or radians; a joint that is not named is at 0.
 using JointState = std::map<std::string, double>;
@@ -36,5 +39,7 @@ Isometry3d pose_from_exact(const std::array<double, 12>& values);
 /// Fixed-axis roll, pitch, yaw (URDF): R = Rz(yaw) Ry(pitch) Rx(roll).
 Eigen::Matrix3d rotation_from_rpy(const Vector3d& rpy);
 Vector3d rpy_from_rotation(const Eigen::Matrix3d& rotation);
+/// The smallest rotation that turns one direction (of any length) into another.
+Eigen::Matrix3d rotation_between(const Vector3d& from, const Vector3d& to);
 
 }  // namespace loci

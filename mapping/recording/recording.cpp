@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "mapping/base/json.h"
+#include "mapping/base/pose.h"
 #include "mapping/base/text.h"
 #include "mapping/recording/formats/layouts.h"
 #include "mapping/recording/formats/scannet.h"
@@ -149,7 +150,8 @@ std::unique_ptr<Recording> levelled(std::unique_ptr<Recording> recording, const 
     return in_frame(std::move(recording), Isometry3d::Identity(), frame,
                     "which way is up is not known: z of the poses is taken (choose with --up)");
   if (automatic && up->z() > kLevelEnough) return recording;
-  const Isometry3d level(Eigen::Quaterniond::FromTwoVectors(*up, Vector3d::UnitZ()));
+  Isometry3d level = Isometry3d::Identity();
+  level.linear() = rotation_between(*up, Vector3d::UnitZ());
   return in_frame(
       std::move(recording), level, frame,
       fmt::format("the poses were turned upright: up was {:.2f} {:.2f} {:.2f}", up->x(), up->y(), up->z()));

@@ -8,8 +8,6 @@
 namespace loci::mapping::registration {
 namespace {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-
 struct Normal {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();

@@ -1,10 +1,9 @@
 #pragma once
 
+#include "mapping/base/pose.h"
 #include "mapping/registration/surfels.h"
 
 namespace loci::mapping::registration {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 enum class Metric { kPoint, kPlane, kGeneralised };
 

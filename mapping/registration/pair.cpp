@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "mapping/registration/icp.h"
 #include "mapping/registration/parameters.h"
@@ -76,7 +76,8 @@ double degeneracy(const Matrix6d& hessian, const Vector3d& about, double lever, 
   Eigen::VectorXd values;
   if (planar) {
     const std::array<int, 3> free = {0, 1, 5};
-    values = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scaled(free, free)).eigenvalues();
+    values =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Matrix3d(scaled(free, free))).eigenvalues();
   } else {
     values = Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled).eigenvalues();
   }
@@ -245,7 +246,8 @@ class PairAligner {
     pair.degeneracy = registration::degeneracy(best.hessian, centre, lever, planar_);
     const double sigma = std::max(best.rmse, kPairs.min_sigma_m);
     const double strongest =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(best.hessian.topLeftCorner<3, 3>()).eigenvalues()[2];
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Matrix3d(best.hessian.topLeftCorner<3, 3>()))
+            .eigenvalues()[2];
     const double fit = std::max(1.0, best.rmse / kPairs.good_rmse_m);
     const double systematic = kPairs.systematic_m * fit * fit;
     pair.information =

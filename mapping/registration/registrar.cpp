@@ -8,13 +8,13 @@
 #include <cmath>
 
 #include "mapping/base/parallel.h"
+#include "mapping/base/pose.h"
 #include "mapping/registration/icp.h"
 #include "mapping/registration/parameters.h"
 
 namespace loci::mapping::registration {
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// A change of a pose: shift and rotation vector, both along the map's axes, about the node's own position.
 using Change = std::array<double, 6>;
 

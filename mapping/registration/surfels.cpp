@@ -1,9 +1,9 @@
 #include "mapping/registration/surfels.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/eigenvalues.h"
 #include "mapping/registration/parameters.h"
 
 namespace loci::mapping::registration {

@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
+
+#include "mapping/base/eigenvalues.h"
 
 namespace loci::mapping::tracking {
 namespace {
@@ -298,7 +299,8 @@ bool is_determined(const Alignment& alignment) {
   if (!covariance) return false;
   const auto largest = [&](Eigen::Index at) {
     return std::sqrt(
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance->block<3, 3>(at, at)).eigenvalues()[2]);
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(Eigen::Matrix3d(covariance->block<3, 3>(at, at)))
+            .eigenvalues()[2]);
   };
   return largest(0) <= kVerdict.max_position_sigma && largest(3) <= kVerdict.max_rotation_sigma;
 }

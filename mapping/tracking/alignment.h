@@ -3,12 +3,10 @@
 #include <span>
 #include <string>
 
+#include "mapping/base/pose.h"
 #include "mapping/tracking/keyframe.h"
 
 namespace loci::mapping::tracking {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// A keyframe and where it is.
 struct Reference {

@@ -6,8 +6,6 @@
 
 namespace loci::mapping::tracking {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
 /// What was measured between two poses, or (to = none) of one pose in the map.
 struct PoseConstraint {
   static constexpr size_t kMap = SIZE_MAX;

@@ -1,10 +1,10 @@
 #include "mapping/tracking/tracker.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
+
+#include "mapping/base/eigenvalues.h"
 
 namespace loci::mapping::tracking {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
+#include "mapping/base/pose.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/text.h"
 #include "mapping/recording/gravity.h"
@@ -159,7 +160,8 @@ std::unique_ptr<Recording> with_tracked_poses(std::unique_ptr<Recording> recordi
                  {recording->info().path, 0, {}});
     return recording;
   }
-  const Isometry3d level(Eigen::Quaterniond::FromTwoVectors(*up, Vector3d::UnitZ()));
+  Isometry3d level = Isometry3d::Identity();
+  level.linear() = rotation_between(*up, Vector3d::UnitZ());
   return in_frame(std::move(recording), level, "odom");
 }
 

@@ -394,11 +394,10 @@ std::string questions_reference() {
       std::vector<std::string> examples;
       for (const SentenceForm& sentence : question.sentences)
         if (!sentence.example.empty()) examples.push_back(sentence.example);
-      std::string command = question.name + " " + usage(question);
-      for (size_t pipe = command.find('|'); pipe != std::string::npos; pipe = command.find('|', pipe + 2))
-        command.insert(pipe, "\\");  // a cell of a table
-      text += fmt::format("| `{}` | {} | {} |\n", trimmed(command), question.description,
-                          fmt::join(examples, "<br>"));
+      std::string command;
+      for (const char c : trimmed(question.name + " " + usage(question)))
+        command += c == '|' ? std::string("\\|") : std::string(1, c);  // a cell of a table
+      text += fmt::format("| `{}` | {} | {} |\n", command, question.description, fmt::join(examples, "<br>"));
     }
   }
   return text;

@@ -1,6 +1,5 @@
 #include "perception/classification/household_features.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "mapping/base/random.h"
 

@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
+#include "mapping/base/pose.h"
 
 namespace loci::perception {
 namespace {
@@ -571,8 +573,7 @@ std::optional<PrimitiveShape> fit_primitive(const SurfacePoints& surface, const 
   middle /= count;
   const Vector3d up = ground.up.normalized();
   const Vector3d origin = middle - (up.dot(middle) - ground.height / ground.up.norm()) * up;
-  const Eigen::Matrix3d upright =
-      Eigen::Quaterniond::FromTwoVectors(up, Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::Matrix3d upright = rotation_between(up, Vector3d::UnitZ());
   const Samples samples = samples_of(surface, upright, origin, options);
   if (samples.points.empty()) return std::nullopt;
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "mapping/base/csv.h"
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/json.h"
 #include "mapping/base/random.h"
 

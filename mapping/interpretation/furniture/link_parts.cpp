@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "mapping/base/math.h"
+#include "mapping/base/pose.h"
 
 namespace loci::mapping {
 namespace {
@@ -37,8 +38,7 @@ LinkPart rod_part(const Vector3d& from, const Vector3d& to, double radius, doubl
   LinkPart part{Cylinder{radius, (to - from).norm()}};
   part.density = density;
   part.link_from_part.translation() = (from + to) / 2;
-  part.link_from_part.linear() =
-      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), to - from).toRotationMatrix();
+  part.link_from_part.linear() = rotation_between(Vector3d::UnitZ(), to - from);
   return part;
 }
 

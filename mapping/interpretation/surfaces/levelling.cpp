@@ -1,12 +1,13 @@
 #include "mapping/interpretation/surfaces/levelling.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "mapping/base/moments.h"
+#include "mapping/base/pose.h"
 #include "mapping/interpretation/surfaces/parameters.h"
 
 namespace loci::mapping {
@@ -113,7 +114,7 @@ std::optional<Isometry3d> level_by_floor(const Surface& surface, const Vector3d&
   }
   if (!best) return std::nullopt;
   Isometry3d levelled = Isometry3d::Identity();
-  levelled.linear() = Eigen::Quaterniond::FromTwoVectors(best->normal, Vector3d::UnitZ()).toRotationMatrix();
+  levelled.linear() = rotation_between(best->normal, Vector3d::UnitZ());
   levelled.translation().z() = -best->offset;
   return levelled;
 }

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/error.h"
 #include "mapping/base/moments.h"
 #include "mapping/base/parallel.h"

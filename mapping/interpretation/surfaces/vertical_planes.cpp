@@ -1,11 +1,11 @@
 #include "mapping/interpretation/surfaces/vertical_planes.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "mapping/base/cell_index.h"
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "mapping/interpretation/surfaces/parameters.h"
 

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/moments.h"
 #include "mapping/base/parallel.h"
 #include "mapping/interpretation/surfaces/parameters.h"

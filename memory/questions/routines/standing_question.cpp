@@ -60,9 +60,9 @@ std::string standing_question_forms() {
 }
 
 StandingQuestion parse_standing_question(const std::string& text) {
-  const std::string sentence = " " + lower_case(trimmed(text)) + " ";
+  const std::string sentence = fmt::format(" {} ", lower_case(trimmed(text)));
   for (const Verb& verb : kVerbs) {
-    const std::string words = " " + std::string(verb.words) + " ";
+    const std::string words = fmt::format(" {} ", verb.words);
     const size_t at = sentence.find(words);
     if (at == std::string::npos) continue;
     const std::string subject = without_article(trimmed(sentence.substr(0, at)));

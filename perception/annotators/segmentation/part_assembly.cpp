@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "perception/annotators/segmentation/convex_parts.h"
 #include "perception/annotators/segmentation/object_piece.h"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "mapping/base/moments.h"
 #include "mapping/base/text.h"
@@ -78,7 +79,8 @@ class ColorDivision {
     }
     const auto count = static_cast<float>(part_.size());
     const Vector3f mean = sum / count;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver(squares / count - mean * mean.transpose());
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver(
+        Eigen::Matrix3f(squares / count - mean * mean.transpose()));
     const Vector3f axis = solver.eigenvectors().col(2);
     const float spread = std::sqrt(std::max(0.0F, solver.eigenvalues()[2]));
     std::array<Vector3f, 2> means = {mean - spread * axis, mean + spread * axis};

@@ -2,20 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/annotators/structure/supports.h"
 
 namespace loci::perception {
 namespace {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kStride = 4;           ///< pixels between points
 constexpr int kSteps = 12;           ///< at most

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "mapping/base/random.h"
 #include "perception/annotators/scene_data.h"
@@ -12,7 +13,6 @@
 namespace loci::perception {
 namespace {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 constexpr double kGridCell = 0.02;  ///< of the top-down grid in which area and outline are found, metres
 
 /// So many points, spread over a surface, determine its plane as well as all do.
@@ -68,7 +68,8 @@ bool fit_plane(const std::vector<PlaneSample>& samples, double reach, Vector3d& 
   }
   if (count < 50 || weight <= 0) return false;
   const Vector3d mean = sum / weight;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments - weight * mean * mean.transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+      Eigen::Matrix3d(moments - weight * mean * mean.transpose()));
   const Vector3d fitted = solver.eigenvectors().col(0);
   normal = fitted.dot(normal) < 0 ? Vector3d(-fitted) : fitted;
   offset = normal.dot(origin + mean);

@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "perception/classification/features/delegates.h"
 #include "perception/classification/features/pcl_clouds.h"

@@ -1,8 +1,7 @@
 #include "mapping/interpretation/furniture/furniture_links.h"
+#include "mapping/base/eigenvalues.h"
 
 #include <gmock/gmock.h>
-
-#include <Eigen/Eigenvalues>
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
