@@ -337,14 +337,16 @@ ConvexParts parts_of(const Standing& all, const ClusterOptions& options, int thr
 std::vector<cv::Vec3b> lab_colors(const std::vector<Vector3f>& points, const ClusterImages& images) {
   if (images.color.empty() || points.empty()) return {};
   const Eigen::Isometry3f color_from_depth = images.color_from_depth.cast<float>();
-  cv::Mat colors(static_cast<int>(points.size()), 1, CV_8UC3, cv::Scalar::all(0));
-  const cv::Rect image({}, images.color.size());
+  cv::Mat colors(1, static_cast<int>(points.size()), CV_8UC3, cv::Scalar::all(0));
+  const auto fx = static_cast<float>(images.color_camera.fx), fy = static_cast<float>(images.color_camera.fy);
+  const auto cx = static_cast<float>(images.color_camera.cx), cy = static_cast<float>(images.color_camera.cy);
   for (size_t i = 0; i < points.size(); ++i) {
-    const Vector3d p = (color_from_depth * points[i]).cast<double>();
-    if (p.z() <= 0) continue;
-    const Vector2d at = images.color_camera.project(p);
-    const cv::Point pixel(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
-    if (image.contains(pixel)) colors.at<cv::Vec3b>(static_cast<int>(i)) = images.color.at<cv::Vec3b>(pixel);
+    const Vector3f p = color_from_depth * points[i];
+    const float u = fx * p.x() / p.z() + cx + 0.5f, v = fy * p.y() / p.z() + cy + 0.5f;
+    if (!(p.z() > 0 && u >= 0 && v >= 0) || u >= static_cast<float>(images.color.cols) ||
+        v >= static_cast<float>(images.color.rows))
+      continue;
+    colors.ptr<cv::Vec3b>()[i] = images.color.ptr<cv::Vec3b>(static_cast<int>(v))[static_cast<int>(u)];
   }
   colors = lab_of(colors);
   return {colors.begin<cv::Vec3b>(), colors.end<cv::Vec3b>()};

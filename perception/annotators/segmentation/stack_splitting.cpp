@@ -56,20 +56,19 @@ class LineFit {
 
 /// A point of an object as seen from the viewpoint.
 struct Seen {
-  float across = 0;    ///< bearing times the object's distance, metres
+  float across = 0;    ///< bearing from the object's middle times its distance, to the left, metres
   float distance = 0;  ///< in the plane, metres
   float height = 0;
-  size_t point = 0;   ///< index into the cloud
-  bool wall = false;  ///< rather upright than level
+  size_t point = 0;  ///< index into the cloud
 };
 
 /// What is seen of an object between two heights.
 struct Slice {
-  size_t begin = 0, end = 0;                   ///< its points
+  size_t points = 0;
+  size_t wall_begin = 0, wall_end = 0;         ///< its points of walls
+  size_t points_below = 0;                     ///< in all slices before it
   float left = 0, right = 0;                   ///< where it ends, as Seen::across
   bool left_free = false, right_free = false;  ///< its own edge, not that of something nearer
-
-  size_t points() const { return end - begin; }
 };
 
 /// The walls on either side of a step, in columns of one bearing.
@@ -130,10 +129,10 @@ class FrontColumns {
   void measure(const std::vector<cv::Vec3b>& lab) {
     for (const size_t side : {size_t{0}, size_t{1}}) {
       for (const Seen& s : sides_[side])
-        if (s.wall) half_of(s, side).nearest = std::min(half_of(s, side).nearest, s.distance);
+        half_of(s, side).nearest = std::min(half_of(s, side).nearest, s.distance);
       for (const Seen& s : sides_[side]) {
         Half& half = half_of(s, side);
-        if (!s.wall || !at_front(s, half)) continue;
+        if (!at_front(s, half)) continue;
         ++half.count;
         half.height += s.height;
         half.distance += s.distance;
@@ -148,7 +147,7 @@ class FrontColumns {
     float zz = kRidge, zd = 0;
     for (const Seen& s : sides_[side]) {
       const Half& half = half_of(s, side);
-      if (!s.wall || !at_front(s, half)) continue;
+      if (!at_front(s, half)) continue;
       const float up = s.height - half.height / half.n();
       zz += up * up;
       zd += up * (s.distance - half.distance / half.n());
@@ -166,8 +165,8 @@ class FrontColumns {
 class Profile {
  public:
   Profile(const StackCloud& cloud, const std::vector<size_t>& members) : cloud_(cloud) {
+    measure_size(members);
     place(members);
-    cut_into_slices();
   }
 
   size_t slices() const { return slices_.size(); }
@@ -179,8 +178,9 @@ class Profile {
   static constexpr size_t kGap = 1;
   static constexpr size_t kWindow = 7;  ///< slices compared on either side
 
+  void measure_size(const std::vector<size_t>& members);
   void place(const std::vector<size_t>& members);
-  void cut_into_slices();
+  void set_outline(Slice& slice, std::vector<Seen>& seen) const;
   bool is_free(int pixel, int direction) const;
   float middle(size_t slice) const { return low_ + (static_cast<float>(slice) + 0.5f) * thickness_; }
   std::span<const Slice> below(size_t boundary) const {
@@ -191,72 +191,90 @@ class Profile {
     const size_t begin = std::min(slices_.size(), boundary + kGap);
     return std::span(slices_).subspan(begin, std::min(kWindow, slices_.size() - begin));
   }
-  std::span<const Seen> seen_in(std::span<const Slice> slices) const {
+  std::span<const Seen> walls_in(std::span<const Slice> slices) const {
     if (slices.empty()) return {};
-    return std::span(seen_).subspan(slices.front().begin, slices.back().end - slices.front().begin);
+    return std::span(walls_).subspan(slices.front().wall_begin,
+                                     slices.back().wall_end - slices.front().wall_begin);
   }
   LineFit outline(std::span<const Slice> slices, bool left) const;
   void compare_outlines(StackStep& step, size_t boundary) const;
 
   const StackCloud& cloud_;
-  std::vector<Seen> seen_;  ///< by slice
+  std::vector<Seen> walls_;  ///< by slice
   std::vector<Slice> slices_;
+  size_t total_ = 0;  ///< points in all slices
+  Vector2f middle_ = Vector2f::Zero();
   float low_ = 0, high_ = 0;
   float thickness_ = 0;  ///< of a slice, metres
   float pixel_m_ = 0;    ///< what a pixel covers there
   float noise_m_ = 0;    ///< of the depth there
 };
 
-void Profile::place(const std::vector<size_t>& members) {
-  Vector2f mean = Vector2f::Zero();
+void Profile::measure_size(const std::vector<size_t>& members) {
   std::vector<float> heights, depths;
+  heights.reserve(members.size());
+  depths.reserve(members.size());
   for (const size_t i : members) {
-    mean += cloud_.points[i].head<2>();
+    middle_ += cloud_.points[i].head<2>();
     heights.push_back(cloud_.points[i].z());
     depths.push_back(cloud_.image_points.ptr<cv::Vec3f>()[cloud_.pixels[i]][2]);
   }
-  mean /= static_cast<float>(members.size());
+  middle_ /= static_cast<float>(members.size());
   std::tie(low_, high_) = quantiles(heights, 0.005, 0.995);
   const auto depth = static_cast<double>(median(std::move(depths)));
   pixel_m_ = static_cast<float>(depth / cloud_.focal_px);
   noise_m_ = static_cast<float>(mapping::depth_noise(depth));
   constexpr float kMinThickness = 0.003f, kPixels = 1.6f;  // a row of pixels in nearly every slice
   thickness_ = std::max({kMinThickness, kPixels * pixel_m_, noise_m_});
-  const Vector2f to = mean - cloud_.viewpoint;
+}
+
+void Profile::place(const std::vector<size_t>& members) {
+  const Vector2f to = middle_ - cloud_.viewpoint;
   const Vector2f ahead = to.normalized(), across(-ahead.y(), ahead.x());
+  slices_.resize(static_cast<size_t>(std::ceil((high_ - low_) / thickness_)));
+  // A few thousand points of the walls measure them well enough.
+  constexpr size_t kMaxWalls = 10000;
+  const size_t stride = std::max<size_t>(1, members.size() / kMaxWalls);
   constexpr float kWall = 0.6f;
-  for (const size_t i : members) {
-    const Vector2f p = cloud_.points[i].head<2>() - cloud_.viewpoint;
-    seen_.push_back({to.norm() * std::atan2(across.dot(p), ahead.dot(p)), p.norm(), cloud_.points[i].z(), i,
-                     std::abs(cloud_.normals[i].z()) < kWall});
+  std::vector<std::vector<Seen>> seen(slices_.size()), walls(slices_.size());
+  for (size_t k = 0; k < members.size(); ++k) {
+    const size_t i = members[k];
+    const Vector3f& p = cloud_.points[i];
+    const int slice = static_cast<int>(std::floor((p.z() - low_) / thickness_));
+    if (slice < 0 || slice >= static_cast<int>(slices_.size())) continue;
+    const Vector2f from = p.head<2>() - cloud_.viewpoint;
+    const float forward = ahead.dot(from);
+    const Seen point{to.norm() * std::atan2(across.dot(from), forward), from.norm(), p.z(), i};
+    seen[static_cast<size_t>(slice)].push_back(point);
+    if (k % stride == 0 && std::abs(cloud_.normals[i].z()) < kWall)
+      walls[static_cast<size_t>(slice)].push_back(point);
+  }
+  for (size_t s = 0; s < slices_.size(); ++s) {
+    Slice& slice = slices_[s];
+    slice.points_below = total_;
+    slice.points = seen[s].size();
+    total_ += slice.points;
+    slice.wall_begin = walls_.size();
+    walls_.insert(walls_.end(), walls[s].begin(), walls[s].end());
+    slice.wall_end = walls_.size();
+    if (slice.points > 0) set_outline(slice, seen[s]);
   }
 }
 
-void Profile::cut_into_slices() {
-  const auto slice_of = [&](const Seen& s) {
-    return static_cast<int>(std::floor((s.height - low_) / thickness_));
+/// Its ends, of which 2 % of the points are left out on either side. Reorders `seen`.
+void Profile::set_outline(Slice& slice, std::vector<Seen>& seen) const {
+  const auto tail = static_cast<std::ptrdiff_t>(seen.size() / 50);
+  const auto to_the_right = [](const Seen& a, const Seen& b) {
+    return std::tie(a.across, a.point) < std::tie(b.across, b.point);
   };
-  const int count = static_cast<int>(std::ceil((high_ - low_) / thickness_));
-  std::erase_if(seen_, [&](const Seen& s) { return slice_of(s) < 0 || slice_of(s) >= count; });
-  std::sort(seen_.begin(), seen_.end(), [&](const Seen& a, const Seen& b) {
-    return std::tuple(slice_of(a), a.across, a.point) < std::tuple(slice_of(b), b.across, b.point);
-  });
-  slices_.resize(static_cast<size_t>(count));
-  size_t next = 0;
-  for (size_t s = 0; s < slices_.size(); ++s) {
-    Slice& slice = slices_[s];
-    slice.begin = next;
-    while (next < seen_.size() && slice_of(seen_[next]) == static_cast<int>(s)) ++next;
-    slice.end = next;
-    if (slice.points() == 0) continue;
-    const size_t tail = slice.points() / 50;
-    const Seen& right = seen_[slice.begin + tail];
-    const Seen& left = seen_[slice.end - 1 - tail];
-    slice.right = right.across;
-    slice.left = left.across;
-    slice.left_free = is_free(cloud_.pixels[left.point], -1);
-    slice.right_free = is_free(cloud_.pixels[right.point], 1);
-  }
+  std::nth_element(seen.begin(), seen.begin() + tail, seen.end(), to_the_right);
+  const Seen right = seen[static_cast<size_t>(tail)];
+  std::nth_element(seen.begin(), seen.end() - 1 - tail, seen.end(), to_the_right);
+  const Seen left = seen[seen.size() - 1 - static_cast<size_t>(tail)];
+  slice.right = right.across;
+  slice.left = left.across;
+  slice.left_free = is_free(cloud_.pixels[left.point], -1);
+  slice.right_free = is_free(cloud_.pixels[right.point], 1);
 }
 
 /// Whether the object ends at an outermost pixel: what the image shows beside it lies behind it. What hides
@@ -283,7 +301,7 @@ LineFit Profile::outline(std::span<const Slice> slices, bool left) const {
   constexpr size_t kMinPoints = 4;
   LineFit fit(2e-5f);
   for (const Slice& slice : slices)
-    if (slice.points() >= kMinPoints && (left ? slice.left_free : slice.right_free))
+    if (slice.points >= kMinPoints && (left ? slice.left_free : slice.right_free))
       fit.add(middle(static_cast<size_t>(&slice - slices_.data())), left ? slice.left : -slice.right);
   return fit;
 }
@@ -309,7 +327,7 @@ float median_width(std::span<const Slice> slices) {
   constexpr size_t kMinPoints = 4;
   std::vector<float> widths;
   for (const Slice& slice : slices)
-    if (slice.points() >= kMinPoints) widths.push_back(slice.left - slice.right);
+    if (slice.points >= kMinPoints) widths.push_back(slice.left - slice.right);
   return widths.empty() ? 0.0f : median(std::move(widths));
 }
 
@@ -318,15 +336,15 @@ StackStep Profile::step_at(size_t boundary) const {
   step.height = low_ + static_cast<float>(boundary) * thickness_;
   step.below = step.height - low_;
   step.above = high_ - step.height;
-  step.points_below = static_cast<int>(slices_[boundary].begin);
-  step.points_above = static_cast<int>(seen_.size() - slices_[boundary].begin);
+  step.points_below = static_cast<int>(slices_[boundary].points_below);
+  step.points_above = static_cast<int>(total_) - step.points_below;
   step.width_below = median_width(below(boundary));
   step.width_above = median_width(above(boundary));
   compare_outlines(step, boundary);
   constexpr float kColumn = 2.5f;  // pixels
   constexpr float kSkin = 0.012f;
   constexpr float kShared = 1.2f;  // neighbouring columns share most of their noise
-  FrontColumns columns({seen_in(below(boundary)), seen_in(above(boundary))}, kColumn * pixel_m_,
+  FrontColumns columns({walls_in(below(boundary)), walls_in(above(boundary))}, kColumn * pixel_m_,
                        kSkin + 2 * noise_m_);
   if (columns.compare(cloud_.lab, step)) step.front_sigmas = std::abs(step.front) / (kShared * noise_m_);
   return step;

@@ -10,7 +10,7 @@ namespace loci::perception {
 
 /// When objects that stand upon each other are taken apart.
 struct StackOptions {
-  double stack_probability = 0.6;
+  double stack_probability = 0.65;
   double layer_m = 0.012;
   double lid_m = 0.035;
   double cap_m = 0.05;
