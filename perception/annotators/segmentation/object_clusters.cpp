@@ -348,7 +348,11 @@ std::vector<cv::Vec3b> lab_colors(const std::vector<Vector3f>& points, const Clu
       continue;
     colors.ptr<cv::Vec3b>()[i] = images.color.ptr<cv::Vec3b>(static_cast<int>(v))[static_cast<int>(u)];
   }
-  colors = lab_of(colors);
+  constexpr int kBlock = 1 << 15;  // OpenCV starts threads for more, which costs more than the conversion
+  for (int begin = 0; begin < colors.cols; begin += kBlock) {
+    cv::Mat block = colors.colRange(begin, std::min(colors.cols, begin + kBlock));
+    lab_of(block).copyTo(block);
+  }
   return {colors.begin<cv::Vec3b>(), colors.end<cv::Vec3b>()};
 }
 
