@@ -55,7 +55,7 @@ std::map<std::string, Segmentation> ours(const std::shared_ptr<mapping::Recordin
   add_annotators(registry);
   perception::Pipeline pipeline =
       pipeline_file.empty() ? perception::Pipeline::parse(
-                                  "reader: RecordingReader\nflow: [NormalEstimator, PlaneClusterExtractor]\n",
+                                  fmt::format("reader: RecordingReader\nflow: {}\n", perception::kObjectFlow),
                                   "the tabletop pipeline", registry)
                             : perception::Pipeline::parse(Config::read(pipeline_file), registry);
   perception::Resources resources;

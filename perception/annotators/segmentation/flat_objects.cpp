@@ -10,6 +10,7 @@
 #include "mapping/base/error.h"
 #include "mapping/base/math.h"
 #include "perception/annotators/scene_data.h"
+#include "perception/annotators/segmentation/color_contrast.h"
 #include "perception/annotators/segmentation/flat_surface.h"
 #include "perception/annotators/segmentation/object_clusters.h"
 #include "perception/annotators/segmentation/plane_cluster_extractor.h"
@@ -195,6 +196,8 @@ class FlatSearch {
   void leave_out(const std::vector<FlatObject>& objects);
   /// Depth pixels that are looked at, CV_8U.
   const cv::Mat& open_ground() const { return open_; }
+  /// The same in the colour image.
+  cv::Mat ground_in_color() const { return registration_.seen_by_color(open_, 0); }
 
  private:
   double pixel_area(const cv::Point& pixel) const;
@@ -484,14 +487,22 @@ std::vector<FlatObject> find_flat_objects(const cv::Mat& depth, const cv::Mat& c
   FlatSearch search(part.depth, part.color, part.camera, part.surface, options);
   std::vector<FlatObject> objects =
       search.find(heights.uneven, certain_height(part.depth, part.camera.depth, part.surface, options));
-  if (options.thin_m > 0) {
-    search.leave_out(objects);
+  search.leave_out(objects);
+  const auto rises = [&](const FlatObject& object) {
+    return !object.pixels.empty() &&
+           rises_all_around(heights.raw, object.pixels, search.open_ground(),
+                            min_step(part.depth, part.camera.depth, surface, object.pixels, options));
+  };
+  // Neighbouring pixels share the noise of their depth: what is as high as an object for a few centimetres
+  // may be nothing else, unless it looks different, too.
+  const cv::Mat ground = search.ground_in_color();
+  std::erase_if(objects, [&](const FlatObject& object) {
+    return color_contrast(part.color, object.box, object.mask, ground) < options.min_contrast &&
+           !rises(object);
+  });
+  if (options.thin_m > 0)
     for (FlatObject& thin : search.find(heights.bent, options.thin_m))
-      if (!thin.pixels.empty() &&
-          rises_all_around(heights.raw, thin.pixels, search.open_ground(),
-                           min_step(part.depth, part.camera.depth, surface, thin.pixels, options)))
-        objects.push_back(std::move(thin));
-  }
+      if (rises(thin)) objects.push_back(std::move(thin));
   for (FlatObject& object : objects) part.to_whole(object, depth.cols);
   return objects;
 }

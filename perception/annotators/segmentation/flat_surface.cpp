@@ -323,6 +323,11 @@ void FlatOptions::declare(OptionTable& table) {
                "Maximum distance by which colour extends an object beyond its certain pixels.", 0, 0.2);
   table.number("min_area_m2", min_area_m2, "m2", "Minimum area of an object.", 0, 0.1);
   table.number("max_extent_m", max_extent_m, "m", "Maximum extent of an object.", 0.01, 5);
+  table.number(
+      "min_contrast", min_contrast, "",
+      "Minimum difference in colour from the surface around it, in standard deviations of a pixel, of "
+      "what does not rise along its whole border.",
+      0, 100);
   table.integer("bins", bins, "", "Number of histogram bins for hue and for saturation.", 2, 180);
 }
 

@@ -22,6 +22,7 @@ struct FlatOptions {
   double reach_m = 0.02;
   double min_area_m2 = 0.0003;
   double max_extent_m = 0.5;
+  double min_contrast = 1;
   int bins = 32;
 
   void declare(OptionTable& table);

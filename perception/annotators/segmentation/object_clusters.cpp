@@ -10,6 +10,8 @@
 #include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 #include "perception/annotators/scene_data.h"
+#include "perception/annotators/segmentation/standing_points.h"
+#include "perception/recognition/image_features.h"
 
 namespace loci::perception {
 
@@ -41,148 +43,6 @@ using Eigen::Vector3f;
 /// and the distortion of depth cameras in standard deviations of the depth.
 constexpr double kFlush = 0.02;
 constexpr double kDistortion = 7;
-
-/// Everything that stands over one support, before it is taken apart.
-struct Standing {
-  std::vector<int> pixels;
-  std::vector<Vector3f> points;    ///< camera frame
-  std::vector<Vector3f> normals;   ///< camera frame
-  std::vector<Vector3f> in_plane;  ///< z = height over the support
-  std::vector<Vector3f> normals_in_plane;
-  std::vector<float> areas;  ///< of a pixel on the surface, m²
-
-  void add(const Standing& other, size_t i) {
-    pixels.push_back(other.pixels[i]);
-    points.push_back(other.points[i]);
-    normals.push_back(other.normals[i]);
-    in_plane.push_back(other.in_plane[i]);
-    normals_in_plane.push_back(other.normals_in_plane[i]);
-    areas.push_back(other.areas[i]);
-  }
-  void reserve(size_t count) {
-    pixels.reserve(count);
-    areas.reserve(count);
-    for (auto* each : {&points, &normals, &in_plane, &normals_in_plane}) each->reserve(count);
-  }
-};
-
-/// A support made ready to be asked about many points.
-struct SupportGround {
-  const SupportPlane& plane;
-  ConvexOutline outline;
-  Eigen::Matrix3f plane_from_camera;  ///< rotation
-
-  explicit SupportGround(const SupportPlane& support)
-      : plane(support),
-        outline(support.outline),
-        plane_from_camera(support.camera_from_plane.linear().transpose().cast<float>()) {}
-};
-
-constexpr int kNoSupport = -1;  ///< below a point
-constexpr int kOnSupport = -2;  ///< it is the support itself
-
-/// The highest support below a point, or one of the two above, and the point in its frame.
-int support_below(const Vector3f& p, int label, const std::vector<SupportGround>& grounds,
-                  const ClusterOptions& options, Vector3d& position) {
-  // Beyond the outline by this much objects are still looked at, to tell what merely reaches over the
-  // support.
-  constexpr double kAround = 0.15;
-  int best = kNoSupport;
-  for (size_t s = 0; s < grounds.size(); ++s) {
-    const SupportPlane& support = grounds[s].plane;
-    if (support.region != label) continue;
-    const Vector3d at = support.in_plane(p.cast<double>());
-    if (at.z() > options.max_height_m || at.z() < -0.03) continue;
-    const double floor =
-        options.floor_m + support.uncertainty + 1.5 * depth_noise(static_cast<double>(p.z()));
-    if (at.z() < -floor || (best >= 0 && at.z() > floor && at.z() >= position.z())) continue;
-    const double inside = grounds[s].outline.inside(at.head<2>());
-    if (inside < -kAround) continue;
-    if (std::abs(at.z()) <= floor) return kOnSupport;
-    if (at.z() <= floor) continue;
-    best = static_cast<int>(s);
-    position = at;
-  }
-  return best;
-}
-
-/// What a pixel shows, as the outlines of objects are judged by it.
-enum class Shows : uint8_t { nothing, support, candidate, surroundings };
-
-/// Gives every pixel to the highest support below it. `shows`: CV_8U, of every pixel.
-std::vector<Standing> stand_on_supports(const ClusterImages& images, const mapping::PinholeCamera& camera,
-                                        const std::vector<SupportGround>& grounds,
-                                        const ClusterOptions& options, int threads, cv::Mat& shows) {
-  const cv::Mat& points = images.points;
-  const auto* point = points.ptr<cv::Vec3f>();
-  const auto* normal = images.normals.ptr<cv::Vec3f>();
-  const auto* label_of = images.region.empty() ? nullptr : images.region.ptr<uint16_t>();
-  const auto focal_squared = static_cast<float>(camera.fx * camera.fy);
-  shows = cv::Mat::zeros(points.size(), CV_8U);
-  constexpr int kRows = 16;
-  const auto blocks = static_cast<size_t>((points.rows + kRows - 1) / kRows);
-  std::vector<std::vector<Standing>> of_block(blocks, std::vector<Standing>(grounds.size()));
-  parallel_each(blocks, threads, [&](size_t block) {
-    const int end = std::min(points.rows, static_cast<int>(block + 1) * kRows) * points.cols;
-    for (int i = static_cast<int>(block) * kRows * points.cols; i < end; ++i) {
-      if (std::isnan(point[i][2])) continue;
-      const Vector3f p = to_vector3f(point[i]);
-      Vector3d position;
-      const int best = label_of && label_of[i] == 0
-                           ? kNoSupport
-                           : support_below(p, label_of ? label_of[i] : 0, grounds, options, position);
-      shows.ptr<uint8_t>()[i] = static_cast<uint8_t>(best >= 0            ? Shows::candidate
-                                                     : best == kOnSupport ? Shows::support
-                                                                          : Shows::surroundings);
-      if (best < 0) continue;
-      const auto s = static_cast<size_t>(best);
-      Standing& target = of_block[block][s];
-      target.pixels.push_back(i);
-      target.points.push_back(p);
-      target.normals.push_back(to_vector3f(normal[i]));
-      target.in_plane.push_back(position.cast<float>());
-      target.normals_in_plane.push_back(grounds[s].plane_from_camera * target.normals.back());
-      target.areas.push_back(p.z() * p.z() / focal_squared);
-    }
-  });
-  std::vector<Standing> standing(grounds.size());
-  for (size_t s = 0; s < standing.size(); ++s) {
-    size_t count = 0;
-    for (const auto& part : of_block) count += part[s].pixels.size();
-    standing[s].reserve(count);
-    for (const auto& part : of_block)
-      for (size_t i = 0; i < part[s].pixels.size(); ++i) standing[s].add(part[s], i);
-  }
-  return standing;
-}
-
-Standing subset(const Standing& all, const std::vector<size_t>& members) {
-  Standing part;
-  part.reserve(members.size());
-  for (const size_t i : members) part.add(all, i);
-  return part;
-}
-
-/// Gives back to a support the single pixels that the noise of the depth lifts off it (one in fifteen): on
-/// what stands as low, half of them and more are lifted.
-void drop_specks(Standing& standing, const SupportPlane& support, const ClusterOptions& options,
-                 cv::Mat& shows) {
-  constexpr double kSigmas = 4, kMinShare = 0.3;
-  cv::Mat share;
-  cv::boxFilter(shows == static_cast<uint8_t>(Shows::candidate), share, CV_32F, {5, 5});
-  std::vector<size_t> kept;
-  for (size_t i = 0; i < standing.pixels.size(); ++i) {
-    const double reach = options.floor_m + support.uncertainty +
-                         kSigmas * depth_noise(static_cast<double>(standing.points[i].z()));
-    const int pixel = standing.pixels[i];
-    if (static_cast<double>(standing.in_plane[i].z()) > reach ||
-        static_cast<double>(share.ptr<float>()[pixel]) > kMinShare * 255)
-      kept.push_back(i);
-    else
-      shows.ptr<uint8_t>()[pixel] = static_cast<uint8_t>(Shows::support);
-  }
-  if (kept.size() < standing.pixels.size()) standing = subset(standing, kept);
-}
 
 class ClusterMaker {
  public:
@@ -475,6 +335,47 @@ ConvexParts parts_of(const Standing& all, const ClusterOptions& options, int thr
   return groups;
 }
 
+/// Colours of points (camera frame), CIE Lab in 8 bits; empty without a colour image.
+std::vector<cv::Vec3b> lab_colors(const std::vector<Vector3f>& points, const ClusterImages& images) {
+  if (images.color.empty() || points.empty()) return {};
+  const Eigen::Isometry3f color_from_depth = images.color_from_depth.cast<float>();
+  cv::Mat colors(1, static_cast<int>(points.size()), CV_8UC3, cv::Scalar::all(0));
+  const auto fx = static_cast<float>(images.color_camera.fx), fy = static_cast<float>(images.color_camera.fy);
+  const auto cx = static_cast<float>(images.color_camera.cx), cy = static_cast<float>(images.color_camera.cy);
+  for (size_t i = 0; i < points.size(); ++i) {
+    const Vector3f p = color_from_depth * points[i];
+    const float u = fx * p.x() / p.z() + cx + 0.5f, v = fy * p.y() / p.z() + cy + 0.5f;
+    if (!(p.z() > 0 && u >= 0 && v >= 0) || u >= static_cast<float>(images.color.cols) ||
+        v >= static_cast<float>(images.color.rows))
+      continue;
+    colors.ptr<cv::Vec3b>()[i] = images.color.ptr<cv::Vec3b>(static_cast<int>(v))[static_cast<int>(u)];
+  }
+  constexpr int kBlock = 1 << 15;  // OpenCV starts threads for more, which costs more than the conversion
+  for (int begin = 0; begin < colors.cols; begin += kBlock) {
+    cv::Mat block = colors.colRange(begin, std::min(colors.cols, begin + kBlock));
+    lab_of(block).copyTo(block);
+  }
+  return {colors.begin<cv::Vec3b>(), colors.end<cv::Vec3b>()};
+}
+
+/// Takes apart what stands upon each other in each of `objects` (indices into `all`).
+std::vector<std::vector<size_t>> split_stacks(const std::vector<std::vector<size_t>>& objects,
+                                              const Standing& all, const ClusterImages& images,
+                                              const mapping::PinholeCamera& camera, const Vector2f& viewpoint,
+                                              const ClusterOptions& options, int threads) {
+  const std::vector<cv::Vec3b> lab = lab_colors(all.points, images);
+  const StackCloud cloud{all.in_plane, all.normals_in_plane, all.pixels, lab, viewpoint,
+                         camera.fx,    images.points};
+  std::vector<std::vector<std::vector<size_t>>> parts(objects.size());
+  parallel_each(objects.size(), threads, [&](size_t object) {
+    parts[object] = split_stack(cloud, objects[object], options.min_points, options.stacks);
+  });
+  std::vector<std::vector<size_t>> all_parts;
+  for (auto& of_object : parts)
+    for (auto& part : of_object) all_parts.push_back(std::move(part));
+  return all_parts;
+}
+
 /// Leaves out pieces of the surroundings: what goes on beyond their outline goes on in them. What is left out
 /// belongs to the surroundings of the others.
 void drop_surroundings(std::vector<ObjectCluster>& clusters, const ClusterMaker& maker, cv::Mat& shows) {
@@ -561,6 +462,7 @@ void ClusterOptions::declare(OptionTable& table) {
   table.flag("split", split, "Splits touching objects at concave edges.");
   parts.declare(table);
   assembly.declare(table);
+  stacks.declare(table);
 }
 
 std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const mapping::PinholeCamera& camera,
@@ -586,7 +488,8 @@ std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const m
     std::vector<int> object_of_point(all.pixels.size());
     for (size_t i = 0; i < object_of_point.size(); ++i)
       object_of_point[i] = object_of_part[static_cast<size_t>(parts.part_of_point[i])];
-    const std::vector<std::vector<size_t>> objects = members_of(object_of_point, count);
+    const std::vector<std::vector<size_t>> objects =
+        split_stacks(members_of(object_of_point, count), all, images, camera, viewpoint, options, threads);
     std::vector<std::optional<ObjectCluster>> made(objects.size());
     parallel_each(objects.size(), threads,
                   [&](size_t object) { made[object] = maker.make(subset(all, objects[object])); });

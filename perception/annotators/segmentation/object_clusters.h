@@ -6,6 +6,7 @@
 #include "mapping/base/options.h"
 #include "perception/annotators/segmentation/convex_parts.h"
 #include "perception/annotators/segmentation/part_assembly.h"
+#include "perception/annotators/segmentation/stack_splitting.h"
 #include "perception/annotators/structure/supports.h"
 
 namespace loci::perception {
@@ -24,6 +25,7 @@ struct ClusterOptions {
   bool split = true;
   ConvexPartsOptions parts;
   AssemblyOptions assembly;
+  StackOptions stacks;
 
   void declare(OptionTable& table);
 };
@@ -49,19 +51,23 @@ struct ObjectCluster {
   Vector2d high = Vector2d::Zero();  ///< 98th percentile), metres
 };
 
-/// What clusters are found in. All of one size.
+/// What clusters are found in. All but the colour image of one size.
 struct ClusterImages {
   cv::Mat points;   ///< CV_32FC3, camera frame, metres, NaN = none
   cv::Mat normals;  ///< CV_32FC3, unit, camera frame
   cv::Mat region;   ///< CV_16U: which support's region of interest a pixel belongs to (SupportPlane::region);
                     ///< 0 = none, the pixel is left out. May be empty
-  cv::Mat map_depth;  ///< CV_32F: what the map alone would measure, metres, NaN = nothing. May be empty
+  cv::Mat map_depth;   ///< CV_32F: what the map alone would measure, metres, NaN = nothing. May be empty
+  cv::Mat color = {};  ///< CV_8UC3, BGR, of `color_camera`, which may have another size. May be empty
+  mapping::PinholeCamera color_camera = {};
+  Isometry3d color_from_depth = Isometry3d::Identity();
 };
 
 /// Objects on supports: connected points above a plane, split where they are concave, put together again
-/// where one object only looks like several. Left out is what is not an object: surfaces that go on beyond
-/// their outline in the surroundings, that protrude from a surface of the map by no more than noise, or that
-/// nothing holds up. The same on any number of threads (0 = all cores).
+/// where one object only looks like several, and cut where one stands upon another. Left out is what is not
+/// an object: surfaces that go on beyond their outline in the surroundings, that protrude from a surface of
+/// the map by no more than noise, or that nothing holds up. The same on any number of threads (0 = all
+/// cores).
 std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const mapping::PinholeCamera& camera,
                                             const std::vector<SupportPlane>& supports,
                                             const ClusterOptions& options, int threads = 1);

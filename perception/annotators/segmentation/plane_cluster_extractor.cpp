@@ -249,8 +249,14 @@ void PlaneClusterExtractor::process(cas::Cas& cas, Context& context) {
   const std::vector<types::PlanarSupport> supports = facade.supports();
   for (size_t i = 0; i < planes.size(); ++i)
     describe_support(planes[i], pose, covered_fraction(planes[i], points, camera), supports[i]);
-  const std::vector<ObjectCluster> found = extract_clusters({points, normals, region, map_depth}, camera,
-                                                            planes, cluster_options_, context.threads);
+  ClusterImages images{points, normals, region, map_depth};
+  if (facade.has(types::SceneCas::kColor)) {
+    images.color = types::view_image(facade, types::SceneCas::kColor);
+    images.color_camera = types::cameras(facade).color;
+    images.color_from_depth = types::cameras(facade).depth_from_color.inverse();
+  }
+  const std::vector<ObjectCluster> found =
+      extract_clusters(images, camera, planes, cluster_options_, context.threads);
   std::vector<types::Cluster> clusters;
   for (const ObjectCluster& each : found) {
     clusters.push_back(make_cluster(each, facade, points, pose));

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/random.h"
+#include "perception/annotators/segmentation/color_contrast.h"
 #include "perception/annotators/segmentation/flat_objects.h"
 #include "perception/annotators/segmentation/flat_surface.h"
 #include "perception/annotators/structure/supports.h"
@@ -112,6 +113,44 @@ TEST(FlatObjects, NoiseOfAFarSurfaceIsNone) {
                           workspace.camera, workspace.surface, FlatOptions());
     EXPECT_TRUE(found.empty()) << distance;
   }
+}
+
+/// The correlation window of a sensor gives neighbouring pixels one error: patches of centimetres rise by as
+/// much as an object does, though not in another colour.
+TEST(FlatObjects, PatchesOfNoiseInTheColourOfTheTableAreNone) {
+  const Workspace workspace(1.6);
+  Random random(1);
+  cv::Mat noise(workspace.camera.depth.height, workspace.camera.depth.width, CV_32F);
+  for (float& value : cv::Mat_<float>(noise)) value = static_cast<float>(random.normal(0.63));
+  cv::blur(noise, noise, {9, 9});
+  cv::Mat depth = workspace.depth(false, Random(2));
+  constexpr float kFocalTimesBaseline = 0.075f * 585;
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u)
+      depth.at<float>(v, u) =
+          kFocalTimesBaseline / (kFocalTimesBaseline / depth.at<float>(v, u) + noise.at<float>(v, u));
+  const cv::Mat color = workspace.color(0.3, Random(3));
+  FlatOptions options;
+  EXPECT_TRUE(find_flat_objects(depth, color, workspace.camera, workspace.surface, options).empty());
+  options.min_contrast = 0;
+  EXPECT_FALSE(find_flat_objects(depth, color, workspace.camera, workspace.surface, options).empty());
+}
+
+TEST(ColorContrast, CountsInStandardDeviations) {
+  Random random(1);
+  cv::Mat color(60, 60, CV_8UC3);
+  const cv::Rect box(20, 20, 20, 20);
+  for (int v = 0; v < color.rows; ++v)
+    for (int u = 0; u < color.cols; ++u)
+      for (int c = 0; c < 3; ++c)
+        color.at<cv::Vec3b>(v, u)[c] =
+            cv::saturate_cast<uchar>((box.contains({u, v}) ? 140 : 100) + random.normal(10));
+  const cv::Mat mask(box.size(), CV_8U, cv::Scalar(255)), ground(color.size(), CV_8U, cv::Scalar(255));
+  const double contrast = color_contrast(color, box, mask, ground);
+  EXPECT_GT(contrast, 3);
+  EXPECT_LT(contrast, 10);
+  EXPECT_LT(color_contrast(color, {2, 2, 14, 14}, cv::Mat(14, 14, CV_8U, cv::Scalar(255)), ground), 0.5);
+  EXPECT_EQ(color_contrast(color, box, mask, cv::Mat::zeros(color.size(), CV_8U)), 0);
 }
 
 TEST(FlatObjects, AnEmptyTableHasNoneWhateverItsColours) {
