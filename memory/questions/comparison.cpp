@@ -287,7 +287,11 @@ std::vector<Question> comparison_questions() {
            {"what: smaller <object> and<with>", objects, "", by("smaller")},
            {"yes: vanish|go|leave|take <object> before<with> [away]", verdict,
             "Did the plate disappear before the bowl?", by("left-before")},
+           {"yes: before vanish|go|leave|take <object> than<with> [away]", verdict, "", by("left-before")},
+           {"yes: leave <object> <any> before<with>", verdict, "", by("left-before")},
+           {"yes: vanish|go|leave|take <object> from<any> before<with>", verdict, "", by("left-before")},
            {"yes: move <object> before<with>", verdict, "", by("moved-before")},
+           {"yes: before move <object> than<with>", verdict, "", by("moved-before")},
            {"yes: outnumber <object> <with>", verdict, "Do the cups outnumber the pots?", by("more-objects")},
            {"yes|bare: morethings than at<object> at<with>", verdict,
             "Is there more on the counter than on the table?", by("more")}}}};

@@ -341,10 +341,14 @@ std::set<std::string> joints_called(const Snapshot& snapshot, const std::string&
 RoomAnswer ask(const Store& store, const RoomQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   const std::shared_ptr<const StoredMap> map = map_of(snapshot);
-  RoomAnswer answer{.asked = question.part, .map = map ? map->name : ""};
+  RoomAnswer answer{.asked = question.part, .state = question.state, .map = map ? map->name : ""};
   answer.parts = asked_parts(snapshot, all_parts(snapshot, map.get()), question.part);
   add_motions(snapshot, answer.parts);
   add_contents(snapshot, answer.parts);
+  if (!question.state.empty())
+    std::erase_if(answer.parts, [&](const EnvironmentPart& part) {
+      return !part.place || !part.last_view || (part.objects == 0) != (question.state == "empty");
+    });
   for (const EnvironmentPart& part : answer.parts) ++answer.classes[part.class_name];
   return answer;
 }
@@ -402,6 +406,7 @@ const Record<RoomAnswer>& room_record() {
   static const auto record =
       Record<RoomAnswer>("RoomAnswer")
           .value("asked", &RoomAnswer::asked)
+          .value("state", [](const RoomAnswer& answer) { return unless_empty(answer.state); })
           .value("classes", &RoomAnswer::classes)
           .record("parts", &RoomAnswer::parts, part_record())
           .value("map", [](const RoomAnswer& answer) { return unless_empty(answer.map); });
@@ -436,16 +441,21 @@ std::vector<Question> environment_questions() {
                           .positional = true,
                           .default_text = "all"};
   const std::map<std::string, std::string> are_open = {{"state", "open"}}, are_closed = {{"state", "closed"}},
-                                           unopened = {{"state", "unopened"}};
+                                           unopened = {{"state", "unopened"}}, empty = {{"state", "empty"}},
+                                           used = {{"state", "in use"}};
   return {
       {.name = "room",
        .group = QuestionGroup::inspect,
        .description = "The furniture: what opens, and what is where",
-       .parameters = {part},
+       .parameters = {part,
+                      {.name = "state",
+                       .help = "Only places that are so",
+                       .default_text = "any",
+                       .choices = {"empty", "in use"}}},
        .examples = {"", "drawers --at 17:45 --json"},
        .answer = format::schema_by<room_record>,
        .run = [](const Arguments& given) -> Answer {
-         return ask(given.store(), RoomQuestion{given.text("part"), given.as_of()});
+         return ask(given.store(), RoomQuestion{given.text("part"), given.as_of(), given.text("state")});
        },
        .sentences = {{"what: room consist|contain|have|made [of|thing]", Asks::summary,
                       "What does this room consist of?"},
@@ -453,7 +463,15 @@ std::vector<Question> environment_questions() {
                      {"howmany: <part> [contain|know]", Asks::number, "How many drawers are there?"},
                      {"howmany: <part> room [contain]", Asks::number},
                      {"what: which<part> [room|know]", Asks::objects, "Which drawers are there?"},
-                     {"what: furniture [know|room]"}}},
+                     {"what: furniture [know|room]"},
+                     {"where: <part> [room|location]", Asks::place, "Where is the table?"},
+                     {"what: which<part> empty [every|leave]", Asks::objects, "Which drawers are empty?",
+                      empty},
+                     {"howmany: empty <part>", Asks::number, "", empty},
+                     {"yes|bare: any empty <part>", Asks::exists, "Is any drawer empty?", empty},
+                     {"what: which<part> not empty", Asks::objects, "", used},
+                     {"what: which<part> full", Asks::objects, "", used},
+                     {"what: which<part> inside|contain|have thing", Asks::objects, "", used}}},
       {.name = "opens",
        .group = QuestionGroup::inspect,
        .description = "What opens, whether it is open, and when it was opened",

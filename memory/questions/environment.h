@@ -57,9 +57,10 @@ struct EnvironmentPart {
 struct RoomQuestion {
   std::string part = {};  ///< link, place, alias, appliance or class; empty = all
   AsOf as_of = {};
+  std::string state = {};  ///< "empty" or "in use": only places that were looked at and are so; empty = all
 };
 struct RoomAnswer {
-  std::string asked = {};
+  std::string asked = {}, state = {};
   std::string map = {};                        ///< its file name; empty = no map, only places that were found
   std::map<std::string, size_t> classes = {};  ///< number of parts
   std::vector<EnvironmentPart> parts = {};     ///< in the order of their names

@@ -248,12 +248,49 @@ Json to_json(const TimelineAnswer& answer) {
 
 namespace {
 
+/// Verbs of a kind of change, how they take its place, and what may be said beside them.
+struct ChangeVerbs {
+  const char *kind, *verbs, *place, *beside;
+};
+
+/// Which objects changed, how many, whether and when any did; of all of them the first, the last, the one
+/// that did most often: at a place or anywhere.
+std::vector<SentenceForm> sentences_of_all(const ChangeVerbs& change) {
+  using enum Asks;
+  const std::map<std::string, std::string> kind = {{"kind", change.kind}};
+  std::vector<SentenceForm> forms;
+  for (const std::string& place : {std::string(), std::string(" ") + change.place}) {
+    const auto add = [&](const std::string& mood, const std::string& object, Asks asks) {
+      forms.push_back(
+          {fmt::format("{} {} {}{} {}", mood, change.verbs, object, place, change.beside), asks, "", kind});
+    };
+    for (const auto& [order, asks] :
+         {std::pair("what: first", earliest), {"what: last", latest}, {"what: mostoften", most}}) {
+      add(order, "which<object>", asks);
+      add(order, "<object>", asks);  // "the pot or the cup"
+      add(order, "[thing|everything|new]", asks);
+    }
+    add("howlong: ago", "<object>", ago);
+    // What has left the room is a question for the objects.
+    if (place.empty() && kind.at("kind") == "left") continue;
+    add("what:", "which<object>", objects);
+    add("what:", "[thing|everything|new]", objects);
+    add("howmany:", "<object>", number);
+    add("howmany:", "[thing]", number);
+    add("howoften:", "thing", number);
+    add("when:", "thing [last]", last_time);
+    add("when: first", "thing", first_time);
+    add("yes|bare:", "thing", verdict);
+  }
+  return forms;
+}
+
 std::vector<SentenceForm> changes_sentences() {
   using enum Asks;
   const auto kind = [](const char* name) { return std::map<std::string, std::string>{{"kind", name}}; };
   const auto left = kind("left"), came = kind("came"), handled = kind("handled"), opened = kind("opened"),
              shut = kind("closed");
-  return {
+  std::vector<SentenceForm> forms = {
       {"when: leave|vanish|go|take|move <object> from<place> [last|away|first]", last_time, "", left},
       {"when: leave <object> <place> [last|first]", last_time, "When did the red cup leave the table?", left},
       {"when: come|move|go|put|bring|take|get <object> to<place> [last|back]", last_time,
@@ -324,19 +361,12 @@ std::vector<SentenceForm> changes_sentences() {
       {"what: which<object> move|take [away]", objects, "", handled},
       {"what: which<object> come|put|bring|add to<place> [back]", objects, "", came},
       {"what: last come|put|bring which<object> [to|back]", latest, "Which cup came last?", came},
-      {"what: last come|put|bring which<object> to<place>", latest, "", came},
-      {"what: last come|put|bring to<place> [thing]", latest, "", came},
-      {"what: first come|put|bring which<object> [back]", earliest, "", came},
-      {"what: first come|put|bring which<object> to<place>", earliest, "", came},
-      {"what: first come|put|bring to<place> [thing]", earliest, "", came},
-      {"what: last leave|vanish|go|take which<object> from<place> [away]", latest, "", left},
       {"what: last leave which<object> <place>", latest, "", left},
-      {"what: last leave|vanish|go|take from<place> [thing|away]", latest, "", left},
       {"what: last leave <place> [thing]", latest, "", left},
-      {"what: first leave|vanish|go|take which<object> from<place> [away]", earliest, "", left},
+      {"what: last leave <object>", latest, "", left},
       {"what: first leave which<object> <place>", earliest, "Which cup left the table first?", left},
-      {"what: first leave|vanish|go|take from<place> [thing|away]", earliest, "", left},
       {"what: first leave <place> [thing]", earliest, "", left},
+      {"what: first leave <object>", earliest, "Which left first, the plate or the bowl?", left},
       {"what: mostoften which<object> move|take [away]", most, "Which object was moved most often?", handled},
       {"what: mostoften move|take [thing]", most, "", handled},
       {"what: mostoften which<place> open|opened|move", most, "Which drawer was opened most often?", opened},
@@ -351,6 +381,7 @@ std::vector<SentenceForm> changes_sentences() {
       {"what: new at<place> [thing]", objects, "What is new on the table?", kind("new")},
       {"what: new [thing|everything]", objects, "What is new today?", kind("new")},
       {"yes|bare: thing new at<place>", verdict, "", came},
+      {"yes|bare: thing new", verdict, "", kind("new")},
       {"what: change|happen [thing|new|miss|everything]", objects, "What changed since this morning?"},
       {"what: change|happen at<place> [thing|new|everything]", objects,
        "What changed on the table since nine?"},
@@ -378,10 +409,13 @@ std::vector<SentenceForm> changes_sentences() {
       {"who: empty|clean <place> [last]", agent, "Who cleared the table?", left},
       {"who: move <place> [last]", agent, "Who moved the table?", kind("place_handled")},
       {"howmany: move [thing]", number, "How many objects were moved?", kind("relocated")},
-      {"howmany: vanish|go|leave|take|move from<place> [thing|away]", number, "", left},
       {"howmany: leave <place> [thing]", number, "", left},
-      {"howmany: come|put|bring|add to<place> [thing|new|back]", number, "", came},
   };
+  for (const ChangeVerbs& change : {ChangeVerbs{"came", "come|put|bring", "to<place>", "[back|every|to]"},
+                                    {"left", "vanish|go|take", "from<place>", "[away|every]"},
+                                    {"relocated", "move", "at<place>", "[away|back|every]"}})
+    for (SentenceForm& form : sentences_of_all(change)) forms.push_back(std::move(form));
+  return forms;
 }
 
 template <class PeriodQuestion>

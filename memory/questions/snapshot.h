@@ -69,8 +69,9 @@ class Snapshot {
   std::string with_names_joined(std::string text) const;
   /// Whether every word of a name means something by itself or with its neighbours.
   bool means_objects(const std::string& subject) const;
-  /// A name without nouns that only say what its objects are for or in, where nothing is called by all its
-  /// words: "jam jar", "jar of jam" → jam, "red cooking pot" → red pot. Unset where there are none.
+  /// A name without nouns that only say what its objects are for or in, and without sizes, where nothing is
+  /// called by all its words: "jam jar", "jar of jam" → jam, "big red cooking pot" → red pot. Unset where
+  /// there are none.
   std::optional<std::string> head_of(const std::string& subject) const;
   /// Places by name ("table_1", "table 1"), alias, the beginning of the name (drawer_3 for drawer_3_bottom),
   /// or class (table for table_1); empty when there are none.

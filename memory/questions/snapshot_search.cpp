@@ -183,6 +183,9 @@ std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
 
 std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
   std::vector<Id> found = find_named(word);
+  // Classes of detectors are one word: "flower cup" is a flower_cup.
+  if (found.empty() && word.find(' ') != std::string::npos && places_called(word).empty())
+    found = find_named(with_underscores(word));
   const std::vector<std::string> related = names_related_to(word, !found.empty());
   for (const std::string& name : related)
     for (const Id id : find_named(name)) found.push_back(id);
@@ -414,8 +417,9 @@ std::optional<std::string> Snapshot::head_of(const std::string& subject) const {
     const auto describes = [](const std::string& word) {
       return is_color_word(word) || is_size_word(word) || is_superlative(word) || kFillers.contains(word);
     };
-    const bool package = is_package(noun);
-    if (describes(modifier) || describes(noun) || (!package && !is_purpose(modifier))) continue;
+    const bool package = is_package(noun), size = is_size_word(modifier);
+    if ((describes(modifier) && !size) || describes(noun) || (!package && !size && !is_purpose(modifier)))
+      continue;
     const std::vector<Id> modified = find_by_word(modifier), called = find_by_word(noun);
     if (!intersection(modified, called).empty() || !find_by_word(modifier + " " + noun).empty()) continue;
     const bool content = package && !modified.empty();

@@ -5,38 +5,14 @@
 
 #include "mapping/base/text.h"
 #include "memory/questions/names/related_words.h"
+#include "memory/sentences/courtesy.h"
 #include "memory/sentences/sentence_time.h"
-#include "memory/sentences/spelling.h"
-#include "memory/sentences/vocabulary.h"
 #include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
 namespace {
 
 using WordSet = std::set<std::string>;
-
-WordSet word_set(const char* words) {
-  const Words all = words_of(words);
-  return {all.begin(), all.end()};
-}
-
-/// Words with any of these uses.
-WordSet words_used(unsigned uses) {
-  WordSet all;
-  for (const vocabulary::SurroundingWords& one : vocabulary::surroundings())
-    if ((one.uses & uses) != 0) all.merge(word_set(one.words));
-  return all;
-}
-
-/// "" where compounds leave no word.
-std::string first_lemma(const Words& words) {
-  const Tokens tokens = tokens_of(words);
-  return tokens.lemmas.empty() ? "" : tokens.lemmas[0];
-}
-
-bool all_in(const Words& lemmas, const WordSet& set) {
-  return std::ranges::all_of(lemmas, [&](const std::string& lemma) { return set.contains(lemma); });
-}
 
 // ---- Fragments: what punctuation separates.
 
@@ -116,12 +92,6 @@ std::vector<Words> fragments_of(const std::string& sentence) {
   return fragments;
 }
 
-/// "Excuse me", "thanks", "robot", "please".
-bool is_polite(const Words& words) {
-  static const WordSet lemmas = words_used(vocabulary::kAddress | vocabulary::kPolite);
-  return all_in(tokens_of(words).lemmas, lemmas);
-}
-
 /// "isn't it", "was there", "or not": the end of a statement that asks whether it is so.
 bool is_tag(const Words& words) {
   static const WordSet lemmas = word_set(
@@ -175,18 +145,6 @@ bool is_statement(const Words& words) {
   });
 }
 
-/// The first "it", else a "that" that no name follows.
-std::optional<size_t> find_pronoun(const Words& words) {
-  const auto it = std::ranges::find_if(words, is_pronoun);
-  if (it != words.end()) return static_cast<size_t>(it - words.begin());
-  for (size_t i = 1; i < words.size(); ++i) {
-    const bool ends =
-        i + 1 == words.size() || words[i + 1] == "be" || words[i + 1] == "is" || words[i + 1] == "was";
-    if ((words[i] == "that" || words[i] == "this") && ends) return i;
-  }
-  return std::nullopt;
-}
-
 /// Puts a phrase in the place of the first pronoun; false when there is none.
 bool replace_pronoun(Words& words, const Words& topic) {
   const auto at = find_pronoun(words);
@@ -194,45 +152,13 @@ bool replace_pronoun(Words& words, const Words& topic) {
   return at.has_value();
 }
 
-/// Without "if", "whether"; a clause about a person asks whether they did: "whether somebody moved it".
-void begin_embedded(Words& words, size_t count) {
-  const std::string bridge = count > 0 ? words[count - 1] : "";
-  replace_words(words, 0, count, {});
-  const bool asks = bridge == "if" || bridge == "whether" || bridge == "that";
-  if (asks && !words.empty() && class_of(first_lemma(words)) == WordClass::person)
-    words.insert(words.begin(), "did");
-}
-
-/// What a statement is about: its first phrase of names after an article; one of a household before others.
-/// "My aunt moved my tea" → "tea".
-Words topic_of(const Words& statement, const WordSet& concepts) {
-  const Tokens tokens = tokens_of(statement);
-  Words first, topic;
-  const auto end = [&] {
-    if (first.empty()) first = topic;
-    const bool household = !topic.empty() && is_household_noun(topic.back());
-    if (!household) topic.clear();
-    return household;
-  };
-  for (size_t i = 0; i < tokens.lemmas.size(); ++i) {
-    const bool begins = i > 0 && class_of(tokens.lemmas[i - 1]) == WordClass::article;
-    const bool can = tokens.words[i] == "can" && (begins || !topic.empty());
-    const bool name = can || (class_of(tokens.lemmas[i]) == WordClass::name &&
-                              !concepts.contains(tokens.lemmas[i]) && !is_pronoun(tokens.lemmas[i]));
-    if (name && (begins || !topic.empty()))
-      topic.push_back(tokens.words[i]);
-    else if (end())
-      return topic;
-  }
-  return end() ? topic : first;
-}
-
 /// Fragments without those that only make the sentence polite; topics take the place of their pronouns.
 std::vector<Words> meaningful(const std::vector<Words>& fragments, const WordSet& concepts) {
   std::vector<Words> parts;
   for (const Words& fragment : fragments) {
     const bool alone = fragments.size() == 1;
-    if (!alone && (is_polite(fragment) || (is_tag(fragment) && !parts.empty()))) continue;
+    if (!alone && (is_polite(fragment) || is_introduction(fragment) || (is_tag(fragment) && !parts.empty())))
+      continue;
     parts.push_back(fragment);
   }
   // "If the milk is not on the table, where else may it be?"
@@ -262,38 +188,20 @@ Words in_one(const std::vector<Words>& parts) {
   return words;
 }
 
-/// The question alone, where statements surround it; unset when none does, or when a pronoun would be left
-/// without what it means.
-std::optional<Words> without_statements(const std::vector<Words>& parts, const WordSet& concepts) {
-  std::vector<Words> rest;
-  Words topic;
-  bool dropped = false;
-  for (const Words& part : parts) {
-    if (is_statement(part) && !begins_question(part)) {
-      dropped = true;
-      if (topic.empty()) topic = topic_of(part, concepts);
-    } else {
-      rest.push_back(part);
-    }
-  }
-  if (!dropped || rest.empty()) return std::nullopt;
-  Words words = in_one(rest);
-  if (find_pronoun(words) && (topic.empty() || !replace_pronoun(words, topic))) return std::nullopt;
-  return words;
-}
-
-/// The question at the end of a sentence without punctuation: "I lost my cup where is it".
-std::optional<Words> last_question(const Words& words, const WordSet& concepts) {
+/// The question at the end of a sentence without punctuation: "I would be glad to hear how many cups there
+/// are".
+std::optional<Words> last_question(const Words& words) {
   if (words.empty() || !is_statement(words)) return std::nullopt;
-  for (size_t i = words.size(); i-- > 2;) {
-    Words rest(words.begin() + static_cast<std::ptrdiff_t>(i), words.end());
-    if (class_of(first_lemma(rest)) != WordClass::question) continue;
-    // "on the shelf where it was" is no question.
-    if (is_pronoun(lemma_of(rest[rest.size() > 1 ? 1 : 0]))) continue;
-    const Words topic =
-        topic_of(Words(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(i)), concepts);
-    if (find_pronoun(rest) && (topic.empty() || !replace_pronoun(rest, topic))) return std::nullopt;
-    return rest;
+  const Tokens tokens = tokens_of(words);
+  static const WordSet clauses = {"if", "whether", "is", "was", "did"};
+  for (size_t i = 2; i < tokens.words.size(); ++i) {
+    if (tokens.lemmas[i] == "when" &&
+        std::any_of(tokens.lemmas.begin(), tokens.lemmas.begin() + static_cast<std::ptrdiff_t>(i),
+                    [](const std::string& lemma) { return clauses.contains(lemma); }))
+      return std::nullopt;  // "whether it was there when the drawer was opened"
+    if (class_of(tokens.lemmas[i]) != WordClass::question) continue;
+    Words question(tokens.words.begin() + static_cast<std::ptrdiff_t>(i), tokens.words.end());
+    return find_pronoun(question) ? std::nullopt : std::optional(std::move(question));
   }
   return std::nullopt;
 }
@@ -315,117 +223,34 @@ std::optional<Words> without_tail(const Words& words) {
   return std::nullopt;
 }
 
-// ---- Politeness.
-
-/// Removes what comes before an embedded question: "could you tell me", "I was wondering", "any idea".
-void strip_wrapper(Words& words) {
-  static const WordSet wrapper = words_used(vocabulary::kIntroduction);
-  static const WordSet claims = words_used(vocabulary::kClaim);
-  const Tokens tokens = tokens_of(words);
-  bool claimed = false, stated = false;
-  for (size_t i = 0; i < tokens.lemmas.size(); ++i) {
-    const std::string& lemma = tokens.lemmas[i];
-    const bool bridge =
-        (lemma == "if" || lemma == "whether" || (lemma == "that" && claimed)) && i + 1 < tokens.lemmas.size();
-    const bool question = class_of(lemma) == WordClass::question;
-    if (stated && (bridge || (question && !(lemma == "what" && i + 1 == tokens.lemmas.size())))) {
-      words = tokens.words;
-      begin_embedded(words, bridge ? i + 1 : i);
-      return;
-    }
-    if (!wrapper.contains(lemma) || (question && lemma != "what")) return;
-    claimed = claimed || claims.contains(lemma);
-    stated = stated || class_of(lemma) != WordClass::relation;
-  }
-}
-
-/// "My wife swears that ...", "they told me ...": asks whether it is so.
-void strip_claim(Words& words) {
-  static const WordSet claims = word_set(
-      "say says said swear swears swore claim claims claimed insist insists insisted think thinks thought "
-      "reckon reckons believe believes believed maintains told tells promised promises suspect suspects "
-      "figures assume assumes");
-  const auto is_person = [&](size_t i) {
-    return words[i] == "they" || class_of(lemma_of(words[i])) == WordClass::person ||
-           class_of(lemma_of(words[i])) == WordClass::article;
-  };
-  size_t verb = 0;
-  while (verb < words.size() && is_person(verb)) ++verb;
-  if (verb == 0 || verb == words.size() || !claims.contains(words[verb])) return;
-  size_t first = verb + 1;
-  if ((words[verb] == "told" || words[verb] == "tells") && first < words.size() && is_person(first)) ++first;
-  const bool that = first < words.size() && words[first] == "that";
-  if (that) ++first;
-  if (first + 2 >= words.size() || class_of(lemma_of(words[first])) == WordClass::relation) return;
-  words[first - 1] = "that";
-  begin_embedded(words, first);
-}
-
-/// Removes openings and endings that ask nothing: "tell me", "for me", "do you know".
-void strip_politeness(Words& words) {
-  static const std::vector<Words> openings = expand_form(
-      "(can|could|would|will) you [please|kindly|maybe|perhaps|possibly|just|quickly] "
-      "(tell|give|show|list|name|bring|put|find|describe)|tell "
-      "me|remind me|let me know|say me|tell us|"
-      "[hey|hi|hello|ok|okay|excuse me|listen|so|well] "
-      "(robot|computer|assistant|machine|loci|mate|dear|love)|"
-      "hey|hello|hi|hiya|excuse me|sorry|ok|okay|well|so|and|but|please|thanks|now then|right|look|listen|"
-      "quick question|quick|quickly|just curious|just checking|by the way|anyway|good "
-      "(morning|evening|afternoon)|"
-      "if|whether|[are you|i am|am i] (sure|certain|right|correct) [that|in thinking that]|is it "
-      "(true|correct|right|possible|the case) that|"
-      "(i|we) (think|believe|guess|suppose|reckon|bet|thought|assume) [that]|do you (think|believe|reckon) "
-      "[that]|"
-      "(confirm|verify|check|assert) [that|whether|if]|"
-      "do you happen to|did you happen to|by any chance|by chance|in your (opinion|memory)|"
-      "as far as you (know|remember|can tell)|according to (you|your memory)|to your knowledge");
-  static const std::vector<Words> endings = expand_form(
-      "for me|for us|robot|computer|dear|mate|love|darling|my (dear|friend)|sir|madam|thanks|thank "
-      "you|cheers|"
-      "as well|too|by [any] chance|exactly|or "
-      "not|yes or no|true or false|right|correct|if you (know|remember|please|can|could)|if possible|"
-      "please|to your knowledge|as far as you (know|remember|can tell)|according to (you|your memory)|can "
-      "you "
-      "(tell|say)|any idea|i wonder|in your (opinion|memory)|"
-      "would you (know|say)|then|again|in total|altogether|overall|of yours|of mine|at once|all told|"
-      "for sure|for certain|at all|around here|in here|round here|i think|i guess|"
-      "(that|which|who) you (know|know of|know about|can see|remember)");
-  // A word that nobody knows before a question: "yo, where is the jam".
-  if (words.size() > 2 && !is_known_word(words[0]) && !find_pronoun(words) &&
-      class_of(first_lemma(Words(words.begin() + 1, words.end()))) == WordClass::question)
-    words.erase(words.begin());
-  for (bool stripped = true; stripped;) {
-    stripped = false;
-    for (const Words& opening : openings) {
-      if (words.size() <= opening.size() || !starts_with_words(words, opening)) continue;
-      const std::string& next = words[opening.size()];
-      const std::string& last = opening.back();
-      if ((last == "me" || last == "us") && opening.front() != "excuse" &&
-          (next == "about" || next == "everything" || next == "more" || next == "what" || next == "some" ||
-           next == "a"))
-        continue;
-      // "Could you bring": the order itself stays.
-      const bool order = opening.size() > 2 && opening[1] == "you" && is_order(last);
-      const bool doubt = next == "about" || next == "of";  // "are you sure about that"
-      if (doubt && std::ranges::count(opening, "sure") + std::ranges::count(opening, "certain") > 0) continue;
-      begin_embedded(words, opening.size() - (order ? 1 : 0));
-      stripped = true;
-      break;
-    }
-    for (const Words& ending : endings)
-      if (!stripped && words.size() > ending.size() &&
-          starts_with_words(words, ending, words.size() - ending.size())) {
-        words.resize(words.size() - ending.size());
-        stripped = true;
-      }
-  }
-}
-
 // ---- Parts.
 
 bool is_joint(const std::string& word) {
   static const WordSet joints = {"and", "so", "but", "because", "cos", "then"};
   return joints.contains(word);
+}
+
+/// Whether a point after the text ends a sentence, and no abbreviation: "3 p.m.", "Mrs."
+bool ends_sentence(const std::string& text) {
+  static const WordSet titles = {"mr", "mrs", "ms", "dr", "st", "no"};
+  const std::string last = lower_case(text.substr(text.find_last_of(' ') + 1));
+  return last.size() > 1 && last.find('.') == std::string::npos && !titles.contains(last);
+}
+
+/// With their marks.
+std::vector<std::string> sentences_of(const std::string& text) {
+  std::vector<std::string> sentences;
+  size_t begin = 0;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const bool mark = text[i] == '?' || text[i] == '!' || text[i] == '.';
+    const bool last = i + 1 == text.size();
+    if (!last && (!mark || !is_space(text[i + 1]))) continue;
+    std::string sentence = text.substr(begin, i + 1 - begin);
+    if (!last && text[i] == '.' && !ends_sentence(trimmed(text.substr(begin, i - begin)))) continue;
+    begin = i + 1;
+    if (!is_polite(sentence_words(sentence))) sentences.push_back(std::move(sentence));
+  }
+  return sentences;
 }
 
 /// Whether a word begins a question that needs no answer to what comes before it: "where", "is the", "did I".
@@ -440,8 +265,17 @@ bool begins_part(const Words& words, size_t at) {
           (second == WordClass::name && tokens.lemmas[1] != "not"));
 }
 
-/// A fragment in pieces: "I lost my cup | where is it", "is it open | what is in it".
-std::vector<Words> pieces_of(const Words& words) {
+/// "now I can not think where it went", "yeah she took it": a clause with a subject of its own.
+bool begins_clause(const Words& words, size_t at) {
+  static const WordSet adverbs = {"now", "then", "yeah", "well", "so", "today", "after", "afterwards"};
+  static const WordSet subjects = {"i", "we", "he", "she", "they", "it"};
+  while (at < words.size() && adverbs.contains(words[at])) ++at;
+  return at + 1 < words.size() && subjects.contains(words[at]) && !is_joint(words[at + 1]);
+}
+
+/// A fragment in pieces: "is it open | and what is in it"; `at_questions`, too: "I lost my cup | where is
+/// it".
+std::vector<Words> pieces_of(const Words& words, bool at_questions) {
   std::vector<Words> pieces;
   size_t begin = 0;
   const auto cut = [&](size_t end, size_t next) {
@@ -451,9 +285,9 @@ std::vector<Words> pieces_of(const Words& words) {
     begin = next;
   };
   for (size_t i = 1; i + 1 < words.size(); ++i) {
-    const bool joined = is_joint(words[i]) && begins_part(words, i + 1);
+    const bool joined = is_joint(words[i]) && (begins_part(words, i + 1) || begins_clause(words, i + 1));
     if (joined) cut(i, i + 1);
-    const bool after_statement = i > begin + 1 && !joined &&
+    const bool after_statement = at_questions && i > begin + 1 && !joined &&
                                  class_of(lemma_of(words[i])) == WordClass::question && words[i] != "which" &&
                                  words[i] != "who" && words[i] != "when" &&
                                  is_statement(Words(words.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -462,6 +296,39 @@ std::vector<Words> pieces_of(const Words& words) {
   }
   cut(words.size(), words.size());
   return pieces;
+}
+
+/// "We have guests tonight": a statement that names nothing and asks nothing.
+bool is_aside(const Words& words) {
+  static const WordSet bridges = {"if", "whether"};
+  return is_statement(words) && !begins_question(words) && !find_pronoun(words) &&
+         std::ranges::none_of(words, [](const std::string& word) {
+           return is_household_noun(word) || word.find_first_of("_0123456789") != std::string::npos ||
+                  bridges.contains(word) || class_of(lemma_of(word)) == WordClass::question;
+         });
+}
+
+/// Whether a time that a statement gives is that of a question: "I was out until noon, what happened?"
+bool asks_about_absence(const Words& statement, const Words& question, const TimeReader& times) {
+  static const WordSet past = word_set("was were had been came went left");
+  static const WordSet events = word_set("change happen move take come vanish leave miss new");
+  Words timeless = question;
+  return std::ranges::any_of(statement, [](const std::string& word) { return past.contains(word); }) &&
+         std::ranges::any_of(tokens_of(question).lemmas,
+                             [](const std::string& lemma) { return events.contains(lemma); }) &&
+         !cut_time(timeless, times);
+}
+
+/// Without asides, where the rest refers to nothing that was said.
+std::vector<Words> without_asides(const std::vector<Words>& parts, const TimeReader& times) {
+  std::vector<Words> asides, rest;
+  for (const Words& part : parts)
+    for (Words& piece : pieces_of(part, false)) (is_aside(piece) ? asides : rest).push_back(std::move(piece));
+  const Words question = in_one(rest);
+  if (asides.empty() || rest.empty() || find_pronoun(question) ||
+      asks_about_absence(in_one(asides), question, times))
+    return parts;
+  return rest;
 }
 
 /// "Before I go out", "if I am not mistaken": what a person is about to do restricts nothing that was seen.
@@ -517,6 +384,27 @@ bool asks_for_answer(const Words& words) {
 
 }  // namespace
 
+std::optional<QuestionInContext> question_in_context(const std::string& text, const TimeReader& times) {
+  QuestionInContext result{.statements = sentences_of(text)};
+  if (result.statements.size() < 2) return std::nullopt;
+  const auto asks = [](const std::string& sentence) {
+    Words words = sentence_words(sentence);
+    strip_surroundings(words);
+    return sentence.ends_with('?') || (begins_question(words) && !is_restriction(words));
+  };
+  const auto is_time = [&](const std::string& sentence) {
+    Words words = sentence_words(sentence);
+    cut_time(words, times);
+    return words.empty();
+  };
+  result.question = std::move(result.statements.back());
+  result.statements.pop_back();
+  if (!asks(result.question) || std::ranges::any_of(result.statements, asks) ||
+      std::ranges::any_of(result.statements, is_time))
+    return std::nullopt;
+  return result;
+}
+
 std::vector<SentencePart> sentence_parts(const std::string& sentence, const TimeReader& times) {
   std::vector<SentencePart> parts;
   Words time;  // "after breakfast, ..."
@@ -528,8 +416,8 @@ std::vector<SentencePart> sentence_parts(const std::string& sentence, const Time
       before.insert(before.end(), fragment.begin(), fragment.end());
       continue;
     }
-    if (is_polite(fragment) || asks_for_answer(fragment)) continue;
-    for (Words& piece : pieces_of(fragment)) {
+    if (is_polite(fragment) || is_introduction(fragment) || asks_for_answer(fragment)) continue;
+    for (Words& piece : pieces_of(fragment, true)) {
       for (size_t i = 0; i + 1 < piece.size(); ++i)  // "the box, is that one on the table?"
         if ((piece[i] == "that" || piece[i] == "this") && piece[i + 1] == "one")
           replace_words(piece, i, 2, {"it"});
@@ -557,29 +445,11 @@ std::vector<SentencePart> sentence_parts(const std::string& sentence, const Time
   return count > kMaxSentenceWords ? std::vector<SentencePart>{} : parts;
 }
 
-void strip_surroundings(Words& words) {
-  strip_politeness(words);
-  strip_claim(words);
-  strip_wrapper(words);
-  strip_politeness(words);
-}
-
-bool is_pronoun(const std::string& lemma) {
-  return lemma == "it" || lemma == "they" || lemma == "them";
-}
-
-bool is_order(const std::string& lemma) {
-  static const WordSet verbs = word_set(
-      "show list name give describe find bring fetch get put set lay make prepare clean empty wipe stow "
-      "pack keep take move carry hand pass want lose tell explain summarize place print output display "
-      "enumerate return report");
-  return verbs.contains(lemma);
-}
-
-std::vector<Words> core_words(const std::string& sentence, const std::set<std::string>& concepts) {
+std::vector<Words> core_words(const std::string& sentence, const std::set<std::string>& concepts,
+                              const TimeReader& times) {
   const std::vector<Words> fragments = fragments_of(sentence);
   if (in_one(fragments).size() > kMaxSentenceWords) return {};
-  const std::vector<Words> parts = meaningful(fragments, concepts);
+  const std::vector<Words> parts = without_asides(meaningful(fragments, concepts), times);
   std::vector<Words> candidates;
   const auto add = [&](std::optional<Words> words) {
     if (!words) return;
@@ -588,8 +458,7 @@ std::vector<Words> core_words(const std::string& sentence, const std::set<std::s
       candidates.push_back(std::move(*words));
   };
   add(in_one(parts));
-  if (parts.size() > 1) add(without_statements(parts, concepts));
-  add(last_question(in_one(parts), concepts));
+  add(last_question(in_one(parts)));
   for (size_t i = 0, count = candidates.size(); i < count; ++i) add(without_tail(candidates[i]));
   return candidates;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -12,11 +13,20 @@ namespace loci::memory {
 inline constexpr size_t kMaxSentenceWords = 60;
 
 /// The words that ask, without what only surrounds them: fillers ("um"), forms of address, politeness,
-/// introductions ("could you tell me whether"), tags ("isn't it"), statements before or after the question
-/// ("I fancy a hot drink."). A topic takes the place of its pronoun: "The second drawer, when was it opened?"
-/// Of several ways the most literal comes first; empty for no words and for more than kMaxSentenceWords.
+/// introductions ("could you tell me whether"), tags ("isn't it"), statements that name nothing ("We have
+/// guests tonight."). A topic takes the place of its pronoun: "The second drawer, when was it opened?" Of
+/// several ways the most literal comes first; empty for no words and for more than kMaxSentenceWords.
 /// `concepts` are the lemmas that rules name.
-std::vector<Words> core_words(const std::string& sentence, const std::set<std::string>& concepts);
+std::vector<Words> core_words(const std::string& sentence, const std::set<std::string>& concepts,
+                              const TimeReader& times);
+
+/// A question, and what is said before it in sentences of its own: "I had my tea here. Where is it?"
+struct QuestionInContext {
+  std::vector<std::string> statements = {};
+  std::string question = {};
+};
+/// Unset where only one sentence is said, or more than the last one asks.
+std::optional<QuestionInContext> question_in_context(const std::string& text, const TimeReader& times);
 
 /// A piece of a sentence.
 struct SentencePart {
@@ -27,13 +37,5 @@ struct SentencePart {
 /// condition or a time clause restricts a question ("if the drawer is open, ..."), and for more than
 /// kMaxSentenceWords.
 std::vector<SentencePart> sentence_parts(const std::string& sentence, const TimeReader& times);
-
-/// Removes politeness and introductions from both ends.
-void strip_surroundings(Words& words);
-
-/// Whether a word stands for what was named before: "it", "they", "them".
-bool is_pronoun(const std::string& lemma);
-/// Verbs that begin an order: "show", "bring".
-bool is_order(const std::string& lemma);
 
 }  // namespace loci::memory

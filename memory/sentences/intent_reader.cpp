@@ -71,29 +71,6 @@ Named named(const SentencePart& part, const Snapshot& snapshot, const TimeReader
   return result;
 }
 
-/// Joins mentions that one name may be: "the oil and the pot", "the cup on the counter".
-std::vector<Mention> joined_mentions(const Named& part, bool coordinated, bool attached) {
-  std::vector<Mention> joined;
-  for (const Mention& mention : part.mentions) {
-    Mention* before = joined.empty() ? nullptr : &joined.back();
-    std::string joint;
-    for (size_t i = before == nullptr ? mention.first : before->last; i < mention.first; ++i)
-      if (class_of(part.tokens.lemmas[i]) != WordClass::article)
-        joint += (joint.empty() ? "" : " ") + part.tokens.lemmas[i];
-    const bool same = before != nullptr && before->place == mention.place &&
-                      (joint == "and" || joint == "or" || joint == "or on" || joint == "or in");
-    const bool at = before != nullptr && !before->place && mention.place && (joint == "on" || joint == "in");
-    if ((coordinated && same) || (attached && at)) {
-      before->text += " " + words_of(joint).front() + " " + mention.text;
-      before->last = mention.last;
-      before->known = before->known && mention.known;
-    } else {
-      joined.push_back(mention);
-    }
-  }
-  return joined;
-}
-
 /// What other parts speak of: before this one, else after it.
 struct Topic {
   const Mention *object = nullptr, *place = nullptr;
@@ -101,8 +78,13 @@ struct Topic {
   /// What the pronoun at a word stands for; nullptr where it is none. "In it" is in a place.
   const Mention* meant_at(const Tokens& tokens, size_t i) const {
     const bool inside = i > 0 && (tokens.lemmas[i - 1] == "in" || tokens.lemmas[i - 1] == "on");
+    const bool ends = i > 0 && i + 1 == tokens.lemmas.size();
     if (tokens.lemmas[i] == "there") return place;
-    if (!is_pronoun(tokens.lemmas[i])) return nullptr;
+    // "Where is that?", "is there one left?"
+    const bool one = i > 0 && tokens.lemmas[i] == "one" && (ends || tokens.lemmas[i + 1] == "leave") &&
+                     class_of(tokens.lemmas[i - 1]) != WordClass::article &&
+                     class_of(tokens.lemmas[i - 1]) != WordClass::name;
+    if (!is_pronoun(tokens.lemmas[i]) && !(ends && tokens.lemmas[i] == "that") && !one) return nullptr;
     return (inside && place != nullptr) || object == nullptr ? place : object;
   }
 };
@@ -252,7 +234,7 @@ std::optional<PlainQuestion> colour_question(const SentencePart& part, const Sna
 /// "The milk and the bowl - how far apart are they?", "The two bottles, ...": what the pronoun of several
 /// stands for; "" = not several.
 std::string several(const Named& part, const Snapshot& snapshot) {
-  const std::vector<Mention> joined = joined_mentions(part, true, false);
+  const std::vector<Mention> joined = joined_mentions(part.mentions, part.tokens, true, false);
   const auto topic = std::ranges::find(joined, false, &Mention::place);
   if (topic == joined.end()) return "";
   if (topic->text.find(" and ") != std::string::npos) return topic->text;
@@ -275,8 +257,11 @@ std::string literal(const SentencePart& part, const Topic& topic) {
 }
 
 bool has_verb(const SentencePart& part) {
-  return std::ranges::any_of(tokens_of(part.words).lemmas, [](const std::string& lemma) {
-    return class_of(lemma) == WordClass::auxiliary;
+  return std::ranges::any_of(tokens_of(part.words).words, [](const std::string& word) {
+    using wordnet::PartOfSpeech;
+    return class_of(lemma_of(word)) == WordClass::auxiliary ||
+           (wordnet::base_forms(word, PartOfSpeech::noun).empty() &&
+            !wordnet::base_forms(word, PartOfSpeech::verb).empty());
   });
 }
 
@@ -335,7 +320,9 @@ std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sente
   for (size_t i = 0; i < parts.size(); ++i) {
     if (!parts[i].asks) continue;
     const Topic topic = topic_for(all, i);
-    std::vector<PlainQuestion> readings = {{literal(parts[i], topic)}};
+    // A question alone is about nouns of households even where the memory knows none of them.
+    const bool known = parts.size() > 1 || std::ranges::all_of(all[i].mentions, &Mention::known);
+    std::vector<PlainQuestion> readings = {{.text = literal(parts[i], topic), .names_known = known}};
     if (const std::string text = i == 0 ? "" : several(all[i - 1], snapshot); !text.empty()) {
       const Mention both{.known = true, .text = text};
       readings.insert(readings.begin(), {literal(parts[i], {&both, topic.place})});
@@ -343,7 +330,7 @@ std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sente
     if (auto colour = colour_question(parts[i], snapshot)) readings.push_back(std::move(*colour));
     for (const auto& [coordinated, attached] :
          {std::pair(false, false), {true, false}, {false, true}, {true, true}}) {
-      const auto mentions = joined_mentions(all[i], coordinated, attached);
+      const auto mentions = joined_mentions(all[i].mentions, all[i].tokens, coordinated, attached);
       if ((coordinated || attached) && mentions.size() == all[i].mentions.size()) continue;
       Delexicalised sentence_of = delexicalised(all[i], mentions, topic);
       sentence_of.throughout = all[i].throughout;

@@ -300,6 +300,18 @@ WordClass class_of(const std::string& lemma) {
   return found == classes().end() ? WordClass::name : found->second;
 }
 
+bool is_pronoun(const std::string& lemma) {
+  return lemma == "it" || lemma == "they" || lemma == "them";
+}
+
+bool is_order(const std::string& lemma) {
+  static const std::set<std::string> verbs = word_set(
+      "show list name give describe find bring fetch get put set lay make prepare clean empty wipe stow "
+      "pack keep take move carry hand pass want lose tell explain summarize place print output display "
+      "enumerate return report");
+  return verbs.contains(lemma);
+}
+
 bool is_furniture(const std::string& word) {
   static const std::set<std::string> words = [] {
     const Words all = words_of(vocabulary::kFurniture);
@@ -335,6 +347,27 @@ Words sentence_words(const std::string& sentence) {
   drop_purposes(result);
   name_by_number(result);
   return result;
+}
+
+std::set<std::string> word_set(const char* words) {
+  const Words all = words_of(words);
+  return {all.begin(), all.end()};
+}
+
+std::string first_lemma(const Words& words) {
+  const Tokens tokens = tokens_of(words);
+  return tokens.lemmas.empty() ? "" : tokens.lemmas[0];
+}
+
+std::optional<size_t> find_pronoun(const Words& words) {
+  const auto it = std::ranges::find_if(words, is_pronoun);
+  if (it != words.end()) return static_cast<size_t>(it - words.begin());
+  for (size_t i = 1; i < words.size(); ++i) {
+    const bool ends =
+        i + 1 == words.size() || words[i + 1] == "be" || words[i + 1] == "is" || words[i + 1] == "was";
+    if ((words[i] == "that" || words[i] == "this") && ends) return i;
+  }
+  return std::nullopt;
 }
 
 void replace_words(Words& words, size_t first, size_t count, const Words& by) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,11 @@ bool has_meaning(const std::string& lemma);
 /// The class of a lemma, where it is not that of a concept of the rules.
 WordClass class_of(const std::string& lemma);
 
+/// Whether a word stands for what was named before: "it", "they", "them".
+bool is_pronoun(const std::string& lemma);
+/// Verbs that begin an order: "show", "bring".
+bool is_order(const std::string& lemma);
+
 /// "table", "drawers", "fridge"
 bool is_furniture(const std::string& word);
 
@@ -49,6 +56,13 @@ struct Tokens {
   Words words, lemmas;
 };
 Tokens tokens_of(Words words);
+
+/// The words of a text, each once.
+std::set<std::string> word_set(const char* words);
+/// "" where compounds leave no word.
+std::string first_lemma(const Words& words);
+/// The first "it", else a "that" that no name follows.
+std::optional<size_t> find_pronoun(const Words& words);
 
 void replace_words(Words& words, size_t first, size_t count, const Words& by);
 bool starts_with_words(const Words& words, const Words& head, size_t at = 0);

@@ -10,14 +10,9 @@
 namespace loci::memory {
 namespace {
 
-std::set<std::string> word_set_of(const char* words) {
-  const Words all = words_of(words);
-  return {all.begin(), all.end()};
-}
-
 /// "red", "big": they qualify a name and are none alone.
 bool is_size(const std::string& word) {
-  static const std::set<std::string> sizes = word_set_of(
+  static const std::set<std::string> sizes = word_set(
       "big small large little tall short long flat round square wooden plastic metal ceramic medium tiny "
       "huge upper lower "
       "top bottom left right middle empty full own");
@@ -119,6 +114,29 @@ class MentionFinder {
 std::vector<Mention> find_mentions(const Tokens& tokens, const Snapshot& snapshot,
                                    const std::function<bool(const std::string& lemma)>& is_word) {
   return MentionFinder(tokens, snapshot, is_word).find();
+}
+
+std::vector<Mention> joined_mentions(const std::vector<Mention>& mentions, const Tokens& tokens,
+                                     bool coordinated, bool attached) {
+  std::vector<Mention> joined;
+  for (const Mention& mention : mentions) {
+    Mention* before = joined.empty() ? nullptr : &joined.back();
+    std::string joint;
+    for (size_t i = before == nullptr ? mention.first : before->last; i < mention.first; ++i)
+      if (class_of(tokens.lemmas[i]) != WordClass::article)
+        joint += (joint.empty() ? "" : " ") + tokens.lemmas[i];
+    const bool same = before != nullptr && before->place == mention.place &&
+                      (joint == "and" || joint == "or" || joint == "or on" || joint == "or in");
+    const bool at = before != nullptr && !before->place && mention.place && (joint == "on" || joint == "in");
+    if ((coordinated && same) || (attached && at)) {
+      before->text += " " + words_of(joint).front() + " " + mention.text;
+      before->last = mention.last;
+      before->known = before->known && mention.known;
+    } else {
+      joined.push_back(mention);
+    }
+  }
+  return joined;
 }
 
 }  // namespace loci::memory

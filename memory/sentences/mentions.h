@@ -22,4 +22,9 @@ struct Mention {
 std::vector<Mention> find_mentions(const Tokens& tokens, const Snapshot& snapshot,
                                    const std::function<bool(const std::string& lemma)>& is_word);
 
+/// Mentions that one name may be are one: where `coordinated`, "the oil and the pot"; where `attached`, "the
+/// cup on the counter".
+std::vector<Mention> joined_mentions(const std::vector<Mention>& mentions, const Tokens& tokens,
+                                     bool coordinated, bool attached);
+
 }  // namespace loci::memory

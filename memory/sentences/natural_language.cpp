@@ -12,13 +12,16 @@
 #include "memory/questions/events.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/names/names.h"
+#include "memory/questions/names/related_words.h"
 #include "memory/questions/objects.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/snapshot.h"
 #include "memory/sentences/clauses/coordination.h"
 #include "memory/sentences/clauses/event_clause.h"
+#include "memory/sentences/discourse.h"
 #include "memory/sentences/intent_reader.h"
 #include "memory/sentences/lexicon.h"
+#include "memory/sentences/mentions.h"
 #include "memory/sentences/references.h"
 #include "memory/sentences/rephrasing.h"
 #include "memory/sentences/sentence_parser.h"
@@ -75,18 +78,73 @@ class Conversation {
         references_(store, question.as_of, question.about) {}
 
   NaturalLanguageAnswer answer(const std::string& sentence) {
-    const std::string meant = as_meant(snapshot_.with_names_joined(joined(words_of(sentence), " ")),
-                                       [&](const std::string& words) { return is_name(words); });
-    const auto elided = elided_question(meant);
-    NaturalLanguageAnswer answer = answer_or_rephrase(elided ? elided->question : meant);
-    if (elided && answer.reply) add_more(elided->more, answer);
-    if (elided && !answer.query) answer = answer_or_rephrase(meant);
+    const std::string named = snapshot_.with_names_joined(joined(words_of(sentence), " "));
+    NaturalLanguageAnswer answer = answer_text(named);
+    if (!answer.reply)
+      if (auto respelled = answer_respelled(named)) answer = std::move(*respelled);
     answer.sentence = sentence;
     if (!answer.query) set_not_understood(answer);
     return answer;
   }
 
  private:
+  /// A question and what is said around it.
+  NaturalLanguageAnswer answer_text(const std::string& text) {
+    const std::string meant = as_meant(text, [&](const std::string& words) { return is_name(words); });
+    NaturalLanguageAnswer answer;
+    if (const auto context = question_in_context(meant, times_); context && remember(*context))
+      answer = answer_sentence(context->question);
+    if (!answer.query) answer = answer_sentence(meant);
+    return answer;
+  }
+
+  /// With English words of which the grammar knows none taken as typos; unset where that has no answer
+  /// either.
+  std::optional<NaturalLanguageAnswer> answer_respelled(const std::string& text) {
+    constexpr size_t kMaxTried = 3;
+    const std::vector<Respelling> spellings = respellings(text, names(), true);
+    for (size_t i = 0; i < std::min(kMaxTried, spellings.size()); ++i) {
+      if (spellings[i].notes.empty()) break;
+      NaturalLanguageAnswer answer = answer_text(spellings[i].sentence);
+      if (!answer.reply) continue;
+      answer.notes.insert(answer.notes.begin(), spellings[i].notes.begin(), spellings[i].notes.end());
+      return answer;
+    }
+    return std::nullopt;
+  }
+
+  /// One question, or several in one sentence.
+  NaturalLanguageAnswer answer_sentence(const std::string& meant) {
+    const auto elided = elided_question(meant);
+    NaturalLanguageAnswer answer = answer_or_rephrase(elided ? elided->question : meant);
+    if (elided && answer.reply) add_more(elided->more, answer);
+    if (elided && !answer.query) answer = answer_or_rephrase(meant);
+    return answer;
+  }
+
+  /// What statements speak of: the last one first, and what is known before other nouns of households. False
+  /// where they restrict a question that refers to nothing: "For soup I need the pot. What is missing?"
+  bool remember(const QuestionInContext& context) {
+    std::string subject, place;
+    for (const bool known : {true, false})
+      for (auto statement = context.statements.rbegin(); statement != context.statements.rend(); ++statement)
+        for (const Mention& mention : mentions_of(tokens_of(sentence_words(*statement)))) {
+          std::string& text = mention.place ? place : subject;
+          if (mention.known == known && text.empty()) text = mention.text;
+        }
+    const Words question = sentence_words(context.question);
+    const bool refers =
+        std::ranges::any_of(question, is_reference) || !mentions_of(tokens_of(question)).empty();
+    if (!refers && !subject.empty()) return false;
+    references_.remember(subject, place);
+    return true;
+  }
+
+  std::vector<Mention> mentions_of(const Tokens& tokens) const {
+    const auto is_word = [](const std::string&) { return true; };
+    return joined_mentions(find_mentions(tokens, snapshot_, is_word), tokens, true, false);
+  }
+
   /// What is not understood is said in plainer words, once.
   NaturalLanguageAnswer answer_or_rephrase(const std::string& sentence) {
     if (const auto contrary = contrary_question(sentence)) {
@@ -100,7 +158,8 @@ class Conversation {
     const auto plain = rephrased(sentence, [&](const std::string& words) { return is_name(words); });
     if (!plain) return answer;
     NaturalLanguageAnswer other = answer_with_names(plain->sentence);
-    if (!other.reply || (plain->contrary && !other.reply->verdict)) return answer;
+    if (!other.reply && (answer.query || plain->contrary)) return answer;
+    if (!other.query || (plain->contrary && !other.reply->verdict)) return answer;
     if (plain->contrary) other.reply = contrary_of(*other.reply);
     if (other.understood_as.empty()) other.understood_as = plain->sentence;
     return other;
@@ -252,6 +311,9 @@ class Conversation {
       const std::string& noun = words.back();
       const bool is_noun = !wordnet::base_forms(noun, wordnet::PartOfSpeech::noun).empty();
       if (is_noun && !known(noun) && !wordnet::may_be_somewhere(noun)) return true;
+      // "Uncertain", "unusual": English, and no noun.
+      if (!is_noun && wordnet::is_word(noun) && !is_household_noun(noun) && names().count(noun) == 0)
+        return true;
       for (size_t i = 0; i < words.size(); ++i) {
         if (known(words[i])) continue;
         const bool verb = words[i].ends_with("ed") || words[i].ends_with("ing") || words[i].ends_with("ly") ||
@@ -342,11 +404,17 @@ class Conversation {
     const bool first = !answer.query;
     std::vector<std::string> notes;
     references_.resolve(query, notes);
+    if (query.argument("object") == "one") return false;  // of what was not said
+    // The name of a place means what is there, but "where is the table" asks for the table.
+    if (query.question == "where" && query.asks == Asks::place &&
+        std::ranges::count(snapshot_.places(), query.argument("object"), &PlaceRow::name) > 0)
+      query = {"room", {{"part", query.argument("object")}}, Asks::place};
     NaturalLanguageAnswer tried{.sentence = answer.sentence};
     try {
       set_answer(query, tried);
     } catch (const UnknownName& error) {
       if (first && error.kind() == UnknownName::Kind::place) tried.reply = not_looked_into(query);
+      if (first && error.kind() == UnknownName::Kind::object) tried.reply = none_coloured(query);
       if (!first) return false;
       tried.why_not = why_not(store_, query, question_.as_of, error);
     } catch (const Error& error) {
@@ -372,6 +440,19 @@ class Conversation {
     return Reply{.text = shortened(fmt::format("Not observed: no look has shown what is in {}.", place)),
                  .verdict = Verdict::not_observed,
                  .not_known = true};
+  }
+
+  /// "Anything blue?" names nothing that is unknown where nothing is blue; unset for other questions.
+  std::optional<Reply> none_coloured(const Query& query) const {
+    const std::string colour = query.argument("object");
+    // Of what was before only the last colour is known.
+    const bool now = !query.arguments.contains("at") && !query.arguments.contains("from") &&
+                     !query.arguments.contains("to") && query.question != "was";
+    const bool counts = query.asks == Asks::verdict || query.asks == Asks::exists ||
+                        query.asks == Asks::objects || query.asks == Asks::number;
+    if (!is_color_word(colour) || !now || !counts) return std::nullopt;
+    return Reply{
+        .text = fmt::format("No: nothing {} is known.", colour), .verdict = Verdict::no, .number = 0};
   }
 
   /// Of a time after the last look nothing is known.

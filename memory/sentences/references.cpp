@@ -29,12 +29,21 @@ std::optional<std::string> argument_of(const Query& query, const std::set<Parame
 
 }  // namespace
 
+bool is_reference(const std::string& word) {
+  return kPronouns.contains(word) || word == "there" || word == "one" || word == "ones";
+}
+
 void ReferenceResolver::remember(const Query& query, const std::vector<Id>& objects) {
   last_objects_ = objects;
   if (const auto subject = argument_of(query, {ParameterType::object, ParameterType::spot}))
     last_subject_ = *subject;
   if (const auto place = argument_of(query, {ParameterType::place, ParameterType::part}))
     last_place_ = *place;
+}
+
+void ReferenceResolver::remember(const std::string& subject, const std::string& place) {
+  if (!subject.empty()) last_subject_ = subject;
+  if (!place.empty()) last_place_ = place;
 }
 
 void ReferenceResolver::resolve(Query& query, std::vector<std::string>& notes) {
@@ -50,10 +59,13 @@ void ReferenceResolver::resolve(Query& query, std::vector<std::string>& notes) {
       notes.push_back(fmt::format("'{}' is taken as {}", text, last_place_));
       text = last_place_;
     }
-    if (kPronouns.contains(text)) replace_pronoun(text, notes);
+    const bool one = (text == "one" || text == "ones") && !last_subject_.empty();
+    if (one || kPronouns.contains(text)) replace_pronoun(text, notes);
     if (text.starts_with("this ") || text.starts_with("that ")) replace_demonstrative(text, notes);
-    if (parameter.type == ParameterType::place && text == "there") replace_there(query, parameter, notes);
   }
+  for (const Parameter& parameter : find_question(query.question)->parameters)
+    if (parameter.type == ParameterType::place && query.argument(parameter.name) == "there")
+      replace_there(query, parameter, notes);
 }
 
 void ReferenceResolver::note_related(const Query& query, std::vector<std::string>& notes) const {
@@ -123,7 +135,7 @@ void ReferenceResolver::replace_other(std::string& text, std::vector<std::string
 /// The place of the most probable object that is meant; "" = unknown.
 std::string ReferenceResolver::place_of(const std::string& subject) const {
   try {
-    const Id object = snapshot_.find_objects(subject).front();
+    const Id object = snapshot_.find_objects(snapshot_.head_of(subject).value_or(subject)).front();
     const auto place = snapshot_.place_ref(snapshot_.belief(object)->place);
     return place ? place->name : "";
   } catch (const UnknownName&) {

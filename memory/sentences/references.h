@@ -10,6 +10,9 @@
 
 namespace loci::memory {
 
+/// "it", "there", "one": what they mean was said before.
+bool is_reference(const std::string& word);
+
 /// Replaces "it", "there", "this drawer" and "the other one" by what they mean.
 class ReferenceResolver {
  public:
@@ -19,6 +22,8 @@ class ReferenceResolver {
 
   /// Keeps what the last sentence was about and what its answer named.
   void remember(const Query& query, const std::vector<Id>& objects);
+  /// Keeps what was spoken of without being asked for; "" = as before.
+  void remember(const std::string& subject, const std::string& place);
   /// What the last answer named.
   const std::vector<Id>& last_objects() const { return last_objects_; }
 

@@ -7,7 +7,6 @@
 
 #include "mapping/base/text.h"
 #include "memory/questions/names/related_words.h"
-#include "memory/sentences/discourse.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/wordnet/wordnet.h"
 
@@ -272,6 +271,8 @@ const std::vector<Pattern>& constructions() {
       {"are there any? <n:noun> that? you|we have never <v> $", "which <n> were never <v>"},
       {"is|are there more <a:noun> than <b:noun> $", "does the <a> outnumber the <b>"},
       {"is|are there fewer|less <a:noun> than <b:noun> $", "does the <b> outnumber the <a>"},
+      // Not moved since.
+      {"^ is|are <p:name> still? where it|they was|were at|in? <t> $", "was <p> never moved since <t>"},
       // When it ends.
       {"how long <x> before|until|till someone|somebody|anyone|anybody <v> it|them|that away|up|again|shut? "
        "$",
@@ -378,7 +379,7 @@ std::optional<std::string> contrary_question(const std::string& sentence) {
 
 std::optional<ElidedQuestion> elided_question(const std::string& sentence) {
   static const std::vector<Words> more =
-      expand_form("when|where|why|who|since when|until when|how long|how often");
+      expand_form("when|where|why|who|since when|until when|how long|how often|how many times");
   Words words = words_and_marks(sentence);
   while (!words.empty() && is_mark(words.back())) words.pop_back();
   for (const Words& one : more) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "mapping/base/text.h"
+#include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
 namespace {
@@ -241,6 +242,35 @@ void normalize_times(Words& words) {
       word[word.size() - 3] = ':';
 }
 
+/// "After my wife came home at five" is "after five", "while I was out from nine to ten" "from nine to ten":
+/// what a person did, beside when.
+void drop_activities(Words& words, const TimeReader& times) {
+  static const WordSet spans = {"since", "after", "before", "until", "till"}, moments = {"when", "while"},
+                       prepositions = {"at", "around", "about", "between", "from"};
+  constexpr size_t kMaxWords = 8, kMaxTime = 4;
+  const auto is_name = [](const std::string& word) { return is_household_noun(word) || word == "it"; };
+  const auto begins_time = [&](size_t first) {
+    for (size_t count = std::min(kMaxTime, words.size() - first); count > 0; --count)
+      if (times.try_read(join_words(words, first, first + count))) return true;
+    return false;
+  };
+  for (size_t i = 0; i + 3 < words.size(); ++i) {
+    const bool span = spans.contains(words[i]);
+    const bool article = class_of(lemma_of(words[i + 1])) == WordClass::article;
+    const std::string& subject = words[article ? i + 2 : i + 1];
+    const bool person = class_of(lemma_of(subject)) == WordClass::person || subject == "they" ||
+                        (article && wordnet::is_person(subject));
+    if ((!span && !moments.contains(words[i])) || !person) continue;
+    for (size_t j = i + 2; j + 1 < std::min(words.size(), i + kMaxWords) && !is_name(words[j]); ++j) {
+      const bool range = words[j] == "between" || words[j] == "from";
+      if (!prepositions.contains(words[j]) || (span && range) || !begins_time(j + 1)) continue;
+      const size_t first = span ? i + 1 : i, last = span ? j + 1 : j;
+      replace_words(words, first, last - first, {});
+      break;
+    }
+  }
+}
+
 std::optional<SentencePeriod> cut_longest(Words& words, const TimeReader& times) {
   for (size_t length = std::min(words.size(), kMaxWordsOfTime); length > 0; --length)
     for (size_t first = words.size() - length + 1; first-- > 0;) {
@@ -273,6 +303,7 @@ std::optional<SentencePeriod> combined(const SentencePeriod& inner, const Senten
 
 std::optional<SentencePeriod> cut_time(Words& words, const TimeReader& times) {
   normalize_times(words);
+  drop_activities(words, times);
   const auto first = cut_longest(words, times);
   if (!first) return std::nullopt;
   Words rest = words;

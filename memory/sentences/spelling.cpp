@@ -73,8 +73,9 @@ int rank_of(const std::string& typed, const std::string& meant) {
   return 4;
 }
 
-/// Corrections of a word, the likeliest first.
-std::vector<std::string> corrections(const std::string& word, const std::set<std::string>& names) {
+/// Corrections of a word up to a rank, the likeliest first.
+std::vector<std::string> corrections(const std::string& word, const std::set<std::string>& names,
+                                     int max_rank) {
   constexpr size_t kMinLength = 4;
   constexpr size_t kMaxCorrections = 3;
   std::vector<std::string> found;
@@ -82,8 +83,10 @@ std::vector<std::string> corrections(const std::string& word, const std::set<std
     for (const std::string& one : *words) {
       if (!is_one_typo(word, one)) continue;
       const int rank = rank_of(word, one);
-      // Short words are only taken for one another where letters were exchanged.
-      if (std::min(word.size(), one.size()) < kMinLength && rank > 1) continue;
+      if (rank > max_rank) continue;
+      // Short words are only taken for one another where letters were exchanged, or one is missing: "mlk".
+      const bool one_missing = rank == 2 && word.size() + 1 == kMinLength;
+      if (std::min(word.size(), one.size()) < kMinLength && rank > 1 && !one_missing) continue;
       if (std::ranges::count(found, one) == 0) found.push_back(one);
     }
   std::ranges::stable_sort(found, {}, [&](const std::string& one) {
@@ -104,7 +107,9 @@ bool is_known_word(const std::string& word) {
   return is_known(word, {});
 }
 
-std::vector<Respelling> respellings(const std::string& sentence, const std::set<std::string>& names) {
+std::vector<Respelling> respellings(const std::string& sentence, const std::set<std::string>& names,
+                                    bool of_rare_words) {
+  constexpr int kMaxRank = 4, kMaxRankOfRare = 1;
   std::vector<Respelling> all = {{}};
   bool changed = false;
   const std::string text = sentence.size() > kMaxLength ? "" : lower_case(sentence);
@@ -122,7 +127,9 @@ std::vector<Respelling> respellings(const std::string& sentence, const std::set<
     }
     const std::string word = text.substr(i, end - i);
     std::vector<std::string> meant;
-    if (is_word(word) && !is_known(word, names) && !wordnet::is_word(word)) meant = corrections(word, names);
+    const bool rare = wordnet::is_word(word);
+    if (is_word(word) && !is_known(word, names) && (!rare || of_rare_words))
+      meant = corrections(word, names, rare ? kMaxRankOfRare : kMaxRank);
     if (meant.empty()) {
       append(std::string_view(sentence).substr(i, end - i));
     } else {

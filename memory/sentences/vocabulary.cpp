@@ -234,6 +234,12 @@ constexpr Compound kCompounds[] = {
     {"where (it|they) should be", "asusual"},
     {"where (it|they) (is|are) (supposed|meant) to be", "asusual"},
     {"as (usual|always)", "asusual"},
+    {"(out of|not (in|at)) (its|their|the) (usual|normal|regular|customary|accustomed|proper|right) "
+     "(place|spot|position|location|home)",
+     "outofplace"},
+    {"everything (in|at|on) (its|their|the right) (place|places)", "everything asusual"},
+    {"out of place|not where (it|they) (belong|belongs)", "outofplace"},
+    {"not where (it|they) (usually|normally) (is|are|belong|belongs)", "outofplace"},
     // Colours by the names of mapping::color_name().
     {"violet|lilac|mauve|magenta", "purple"},
     {"crimson|scarlet|maroon", "red"},
@@ -391,7 +397,8 @@ constexpr SurroundingWords kSurroundings[] = {
      "loci friend dude bro guys folks man folk chap fella lad alexa siri jarvis"},
     {kAddress | kIntroduction, "love"},
     {kPolite,
-     "thanks thank morning evening afternoon day yes one more listen pardon now then by way no young "
+     "thanks thank morning evening afternoon day yes one more back thing question another listen pardon now "
+     "then by way no young "
      "very much hurry cheers bye alright everyone greetings honestly anyway wait hold hang sec oops damn "
      "god goodness heavens come course still honest fact fine"},
     {kPolite | kIntroduction,

@@ -1,6 +1,7 @@
 // The replies about what happened, what opens, and what to do.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -22,15 +23,6 @@ using namespace format;
 using namespace replies;
 
 namespace {
-
-/// "drawer_1" for drawer_1_front_joint.
-std::string joint_in_words(const Change& change) {
-  if (change.place) return name_in_words(change.place->name);
-  std::string name = change.joint.value_or("a joint");
-  for (const std::string_view ending : {"_joint", "_front"})
-    if (name.ends_with(ending)) name.resize(name.size() - ending.size());
-  return name;
-}
 
 /// "the milk moved from table_1 to counter_1".
 std::string happened(const Change& change, const Names& names) {
@@ -173,14 +165,16 @@ void most_often(const ChangesAnswer& answer, const Names& names, Reply& reply) {
   reply.text = fmt::format("{}, {}.", list_in_words(list), counted(most, "time"));
 }
 
-/// What the first or the last changes are of: several where they were seen at once.
+/// What the first or the last changes are of: several where one visit showed them.
 void at_one_end(const ChangesAnswer& answer, const Names& names, const ReplyContext& context, Reply& reply) {
+  constexpr TimeNs kVisit = 60 * kSecond;
   const bool first = context.query.asks == Asks::earliest;
   const TimeNs time = first ? answer.changes.front().time : answer.changes.back().time;
   std::vector<std::string> list;
   reply.objects.clear();
   for (const Change& change : answer.changes)
-    if (change.object && change.time == time && std::ranges::count(reply.objects, change.object->id) == 0) {
+    if (change.object && std::abs(change.time - time) < kVisit &&
+        std::ranges::count(reply.objects, change.object->id) == 0) {
       reply.objects.push_back(change.object->id);
       list.push_back(without_place(names.of(*change.object)));
     }
@@ -229,6 +223,14 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
       const Change& first = answer.changes.front();
       reply.time = TimeSpan{first.since.value_or(first.time), first.time};
       reply.text = fmt::format("{}: {}.", between_text(first, context.times), happened(first, names));
+      break;
+    }
+    case Asks::ago: {
+      const auto latest = context.store.latest_scene(context.as_of);
+      reply.duration = std::max<TimeNs>(0, (latest ? latest->time : last.time) - last.time);
+      const std::string passed = duration_text(*reply.duration);
+      reply.text = fmt::format("{}: {} by {}.", passed.empty() ? "Just now" : passed + " ago", what,
+                               context.times.text(last.time));
       break;
     }
     case Asks::duration:
@@ -313,6 +315,25 @@ void write_reply(const TimelineAnswer& answer, const ReplyContext& context, Repl
             fmt::format("{}: {}", context.times.text(change->time), happened(*change, names)));
 }
 
+namespace {
+
+/// Which objects are out of their usual place, whether any is, or whether none is.
+void out_of_place(const DigestAnswer& answer, const Names& names, Asks asks, Reply& reply) {
+  std::vector<std::string> list;
+  for (const MisplacedObject& object : answer.misplaced) {
+    reply.objects.push_back(object.now.object.id);
+    list.push_back(fmt::format("{}, usually {}", names.of(object.now.object), in_words(object.usual)));
+  }
+  const bool none = list.empty();
+  if (asks != Asks::objects) reply.verdict = none == (asks == Asks::all) ? Verdict::yes : Verdict::no;
+  const std::string what =
+      none ? "everything that is known is in its usual place" : fmt::format("{}", fmt::join(list, "; "));
+  const char* head = !reply.verdict ? "" : *reply.verdict == Verdict::yes ? "Yes: " : "No: ";
+  reply.text = shortened(fmt::format("{}{}.", head, what));
+}
+
+}  // namespace
+
 void write_reply(const DigestAnswer& answer, const ReplyContext& context, Reply& reply) {
   if (answer.scenes == 0) {
     reply.text = fmt::format("Nothing was observed on {}.", answer.day);
@@ -320,6 +341,9 @@ void write_reply(const DigestAnswer& answer, const ReplyContext& context, Reply&
   }
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
+  const Asks asks = context.query.asks;
+  if (asks == Asks::objects || asks == Asks::exists || asks == Asks::all)
+    return out_of_place(answer, names, asks, reply);
   reply.text = fmt::format("{}: {}, {}; {} out of the usual place, {} missing.", answer.day,
                            counted(answer.scenes, "scene"), counted(answer.changes.size(), "change"),
                            counted(answer.misplaced.size(), "object"), answer.missing.size());
@@ -423,17 +447,6 @@ void write_reply(const OpensAnswer& answer, const ReplyContext& context, Reply& 
     reply.number = parts.size();
     reply.text = fmt::format("{} can be opened: {}.", counted(parts.size(), "part"), list_of(parts));
   }
-}
-
-void write_reply(const RoomAnswer& answer, const ReplyContext&, Reply& reply) {
-  std::vector<std::string> counts, parts;
-  for (const auto& [name, count] : answer.classes) counts.push_back(counted(count, name));
-  for (const EnvironmentPart& part : answer.parts)
-    parts.push_back(joint_in_words({.joint = part.name + "_joint"}));
-  reply.number = answer.parts.size();
-  reply.text = answer.asked.empty() || answer.asked == "room"
-                   ? fmt::format("{}.", list_in_words(counts, 8))
-                   : fmt::format("{}: {}.", answer.parts.size(), list_in_words(parts));
 }
 
 // ---- together, missing, search, tasks

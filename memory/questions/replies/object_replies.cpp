@@ -92,6 +92,22 @@ void where_time(const WhereAnswer& answer, const Names& names, const ReplyContex
                   asks == Asks::last_time ? ", " + spot_in_words(object->place, object->position) : "");
 }
 
+/// "The cup and the pot": a place where there is one of each; unset = nowhere, or only one name is asked for.
+std::optional<PlaceRef> place_of_each(const std::string& names, const std::vector<const ObjectBelief*>& there,
+                                      const Snapshot& snapshot) {
+  const size_t joint = names.find(" and ");
+  if (joint == std::string::npos) return std::nullopt;
+  const std::vector<Id> some = snapshot.find_objects(names.substr(0, joint)),
+                        others = snapshot.find_objects(names.substr(joint + 5));
+  for (const ObjectBelief* one : there)
+    for (const ObjectBelief* other : there)
+      if (one->object.id != other->object.id && one->place && other->place &&
+          one->place->id == other->place->id && std::ranges::count(some, one->object.id) > 0 &&
+          std::ranges::count(others, other->object.id) > 0)
+        return one->place;
+  return std::nullopt;
+}
+
 }  // namespace
 
 void write_reply(const WhereAnswer& answer, const ReplyContext& context, Reply& reply) {
@@ -121,10 +137,15 @@ void write_reply(const WhereAnswer& answer, const ReplyContext& context, Reply& 
       set_verdict(there.empty(), place.text);
       break;
     case Asks::together: {
+      const std::string object = context.query.argument("object");
+      const auto shared = place_of_each(object, there, snapshot);
       const bool all = there.size() > 1 && there.size() == answer.objects.size();
       const auto at = [](const ObjectBelief* one) { return one->place ? one->place->id : Id{0}; };
-      set_verdict(all && std::ranges::all_of(there, [&](const auto* one) { return at(one) == at(there[0]); }),
-                  place.text);
+      const bool at_one =
+          all && std::ranges::all_of(there, [&](const auto* one) { return at(one) == at(there[0]); });
+      set_verdict(at_one || shared, at_one || !shared
+                                        ? place.text
+                                        : fmt::format("{} are {}.", object, spot_in_words(shared, {})));
       reply.places = place.places;
       break;
     }

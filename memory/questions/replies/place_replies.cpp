@@ -6,6 +6,7 @@
 #include <set>
 
 #include "memory/questions/contents.h"
+#include "memory/questions/environment.h"
 #include "memory/questions/names/names.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
@@ -393,6 +394,59 @@ void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& contex
     reply.number = list.size();
     reply.text = asks == Asks::number ? fmt::format("{}: {}", list.size(), seen) : seen;
   }
+}
+
+// ---- room
+
+namespace {
+
+/// "counter_1 is at (1.60, 2.70) in the map, 1.4 m from shelf_1": beside the nearest other place.
+std::string where_part_is(const EnvironmentPart& part, const RoomAnswer& room) {
+  const EnvironmentPart* nearest = nullptr;
+  const auto distance = [&](const EnvironmentPart& other) {
+    return (*other.position - *part.position).norm();
+  };
+  for (const EnvironmentPart& other : room.parts)
+    if (other.place && other.position && other.name != part.name &&
+        (nearest == nullptr || distance(other) < distance(*nearest)))
+      nearest = &other;
+  std::string text =
+      fmt::format("{} is at ({:.2f}, {:.2f}) in the map", part.name, part.position->x(), part.position->y());
+  if (nearest != nullptr) text += fmt::format(", {:.1f} m from {}", distance(*nearest), nearest->name);
+  return text;
+}
+
+}  // namespace
+
+void write_reply(const RoomAnswer& answer, const ReplyContext& context, Reply& reply) {
+  if (context.query.asks == Asks::place) {
+    const RoomAnswer room = ask(context.store, RoomQuestion{.as_of = context.as_of});
+    std::vector<std::string> list;
+    for (const EnvironmentPart& part : answer.parts) {
+      reply.places.push_back(part.name);
+      if (part.position) list.push_back(where_part_is(part, room));
+    }
+    reply.not_known = list.empty();
+    reply.text = list.empty() ? "Not known: the map has no position of it."
+                              : shortened(fmt::format("{}.", fmt::join(list, "; ")));
+    return;
+  }
+  std::vector<std::string> counts, parts;
+  for (const auto& [name, count] : answer.classes) counts.push_back(counted(count, name));
+  for (const EnvironmentPart& part : answer.parts)
+    parts.push_back(joint_in_words({.joint = part.name + "_joint"}));
+  reply.number = answer.parts.size();
+  if (!answer.state.empty()) {
+    for (const EnvironmentPart& part : answer.parts) reply.places.push_back(part.place->name);
+    if (context.query.asks == Asks::exists) reply.verdict = answer.parts.empty() ? Verdict::no : Verdict::yes;
+    const char* verdict = !reply.verdict ? "" : answer.parts.empty() ? "No: " : "Yes: ";
+    reply.text = fmt::format("{}{} {} {}.", verdict, answer.parts.empty() ? "none" : list_in_words(parts),
+                             answer.parts.size() > 1 ? "are" : "is", answer.state);
+    return;
+  }
+  reply.text = answer.asked.empty() || answer.asked == "room"
+                   ? fmt::format("{}.", list_in_words(counts, 8))
+                   : fmt::format("{}: {}.", answer.parts.size(), list_in_words(parts));
 }
 
 }  // namespace loci::memory

@@ -79,4 +79,12 @@ std::string reason_of(const ObjectBelief& object, const Names& names, const Repl
   return fmt::format("Because {} was last seen {} at {}.", bare_subject(object.object, names), spot, when);
 }
 
+std::string joint_in_words(const Change& change) {
+  if (change.place) return name_in_words(change.place->name);
+  std::string name = change.joint.value_or("a joint");
+  for (const std::string_view ending : {"_joint", "_front"})
+    if (name.ends_with(ending)) name.resize(name.size() - ending.size());
+  return name;
+}
+
 }  // namespace loci::memory::replies

@@ -32,4 +32,7 @@ size_t wanted_count(const Query& query);
 void add_sightings(const std::vector<ObjectBelief>& objects, const Names& names, const ReplyContext& context,
                    Reply& reply);
 
+/// "drawer_1" for drawer_1_front_joint.
+std::string joint_in_words(const Change& change);
+
 }  // namespace loci::memory::replies

@@ -138,7 +138,10 @@ std::vector<Question> digest_questions() {
            },
            .time = SentenceTime::at,
            .sentences = {{"order|bare|what: digest|summary [give|show|tell]", Asks::summary,
-                          "Give me a digest of the day."}}}};
+                          "Give me a digest of the day."},
+                         {"what: outofplace [thing|which]", Asks::objects, "What is out of its usual place?"},
+                         {"yes|bare: thing outofplace", Asks::exists, "Is anything out of place?"},
+                         {"yes|bare: everything asusual", Asks::all, "Is everything in its usual place?"}}}};
 }
 
 }  // namespace loci::memory

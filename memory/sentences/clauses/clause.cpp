@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mapping/base/text.h"
+#include "memory/sentences/courtesy.h"
 #include "memory/sentences/discourse.h"
 
 namespace loci::memory {
@@ -63,6 +64,10 @@ class ClauseReader {
     return next_ + ahead < tokens_.lemmas.size() ? tokens_.lemmas[next_ + ahead] : none;
   }
   const std::string& word() const { return tokens_.words[next_]; }
+  const std::string& next_word() const {
+    static const std::string none;
+    return next_ + 1 < tokens_.words.size() ? tokens_.words[next_ + 1] : none;
+  }
   const std::string& previous() const {
     static const std::string none;
     return next_ > 0 ? tokens_.lemmas[next_ - 1] : none;
@@ -112,7 +117,7 @@ class ClauseReader {
     if (class_of(one) != WordClass::empty) after_person_ = false;
     // "A can" is one; "can" alone is not a name.
     const bool can_of = class_of(previous()) == WordClass::article ||
-                        (!name_.empty() && class_of(lemma(1)) != WordClass::person && lemma(1) != "is");
+                        (!name_.empty() && class_of(lemma(1)) != WordClass::person && next_word() != "be");
     if (word() == "can" && can_of) return take_name();
     if (word() == "one" && previous() == "may") {  // "where could one see it"
       clause_.marks.insert("person");
@@ -274,6 +279,10 @@ class ClauseReader {
     const bool known = lemma() == "of" && previous() == "know";
     if (lemma() == "of" && !known && !clause_.phrases.empty() && !names) return add_concept("of");
     if (next == "someone") return true;  // "by someone", "to me"
+    if (lemma() == "with" && class_of(lemma(1)) == WordClass::article && lemma(2).empty()) {
+      ++next_;  // "with her"
+      return true;
+    }
     if (names) {
       if (lemma() != "of") relation_ = lemma();
       return true;
@@ -344,7 +353,7 @@ class ClauseReader {
       return true;
     }
     // "has something in it", "which drawer has the cup in it"
-    if (kAtRelations.contains(relation_) && !clause_.phrases.empty() && lemma() == "it") {
+    if (kAtRelations.contains(relation_) && !clause_.phrases.empty() && lemma() != "they") {
       relation_.clear();
       clause_.marks.insert("inside");
       return true;
@@ -431,7 +440,7 @@ std::optional<Clause> read_clause(Words words, const WordSet& concepts, const Ti
 std::vector<Clause> parse_clauses(const std::string& sentence, const std::set<std::string>& concepts,
                                   const TimeReader& times) {
   std::vector<Clause> clauses;
-  for (Words& words : core_words(sentence, concepts)) {
+  for (Words& words : core_words(sentence, concepts, times)) {
     const auto clause = read_clause(std::move(words), concepts, times);
     if (!clause) continue;
     clauses.push_back(*clause);

@@ -59,7 +59,9 @@ void add_all(const std::vector<T>& from, std::vector<T>& to) {
 Coordination coordination_of(const Query& query) {
   const std::vector<std::string> first = words_of(query.argument("object"));
   const bool one_of_all = !first.empty() && is_superlative(first.front());  // "biggest cup or bowl"
-  if (query.asks != Asks::together && !one_of_all)
+  const bool compared = query.asks == Asks::together || query.asks == Asks::earliest ||
+                        query.asks == Asks::latest || query.asks == Asks::most;
+  if (!compared && !one_of_all)
     for (const Parameter& parameter : find_question(query.question)->parameters) {
       const bool names = parameter.type == ParameterType::object || parameter.type == ParameterType::place ||
                          parameter.type == ParameterType::part || parameter.type == ParameterType::spot;

@@ -4,7 +4,6 @@
 #include <map>
 
 #include "mapping/base/text.h"
-#include "memory/sentences/discourse.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/mentions.h"
 

@@ -82,6 +82,14 @@ TEST_F(Room, ConsistsOfTheMapsPartsWithoutTheirPieces) {
   EXPECT_EQ(to_json(answer)["parts"][1]["joint"]["open"], false);
 }
 
+TEST_F(Room, PlacesThatWereLookedAtAreEmptyOrInUse) {
+  const auto of_state = [&](const char* state) {
+    return names(ask(*store_, RoomQuestion{.state = state}).parts);
+  };
+  EXPECT_THAT(of_state("empty"), ElementsAre("table_1"));
+  EXPECT_THAT(of_state("in use"), testing::IsEmpty());
+}
+
 TEST_F(Room, OpensWhatHasAJointAsItStoodAtThatTime) {
   const OpensAnswer now = ask(*store_, OpensQuestion{});
   EXPECT_THAT(names(now.parts), ElementsAre("door_1", "drawer_1_front"));

@@ -92,6 +92,15 @@ TEST_F(Facts, SayingTheSameAgainChangesNothing) {
   EXPECT_EQ(store.runs().size(), runs);
 }
 
+TEST_F(Facts, ClassesOfDetectorsAreFoundByTheirWords) {
+  {
+    Store store = open(0);
+    set_fact(store, "blue", "class", "flower_cup");
+  }
+  EXPECT_THAT(who("flower cup"), ElementsAre(2));
+  EXPECT_THAT(who("flower_cup"), ElementsAre(2));
+}
+
 TEST_F(Facts, WordsThatMeanSeveralThingsAreRefused) {
   Store store = open(0);
   EXPECT_THROW(set_fact(store, "small", "owner", "Ada"), Error);

@@ -44,6 +44,52 @@ TEST_F(NaturalLanguage, ItIsWhatTheSentenceBeforeWasAboutOrWhatWasSeenLast) {
   EXPECT_THAT(alone.notes, testing::Contains(HasSubstr("nothing was spoken of before")));
 }
 
+TEST_F(NaturalLanguage, WhatIsSaidBeforeAQuestionIsWhatItRefersTo) {
+  const auto command = [&](const char* sentence) {
+    const NaturalLanguageAnswer answer = say(sentence);
+    return answer.query ? answer.query->text() : "";
+  };
+  EXPECT_EQ(command("My memory is bad! I had my tea cup at nine. Where is it?"), "where 'tea cup'");
+  EXPECT_EQ(command("She keeps asking for the tea cup. Is there one left?"), "where 'tea cup'");
+  EXPECT_EQ(command("I can not look onto the table. What is up there?"), "on table");
+  EXPECT_EQ(command("When we were small we kept it elsewhere. Where is the tea cup?"), "where 'tea cup'");
+  EXPECT_EQ(command("I poured some tea, then the telephone rang, where is the tea cup?"), "where 'tea cup'");
+  EXPECT_EQ(command("i was like looking for the tea cup and yeah where is that"), "where 'tea cup'");
+  EXPECT_EQ(command("My eyes are not what they were, what is standing on the table?"), "on table");
+  EXPECT_EQ(command("I need the tea cup. Where is it?"), "where 'tea cup'");
+  EXPECT_EQ(command("I put my tea cup down somewhere. Where would that be?"), "where 'tea cup'");
+  EXPECT_FALSE(say("If I needed a spade, where would I get one?").reply) << "not what was seen last";
+}
+
+TEST_F(NaturalLanguage, OneOfTwoPlacesHasOneOfEach) {
+  const NaturalLanguageAnswer answer = say("Are the blue thing and the tea cup in the same place?");
+  EXPECT_EQ(answer.query->text(), "where 'blue thing and tea cup'");
+  EXPECT_EQ(answer.reply->verdict, Verdict::no);
+}
+
+TEST_F(NaturalLanguage, RareWordsAreTyposWhereNothingElseIsUnderstood) {
+  const NaturalLanguageAnswer answer = say("What is the bigest thing?");
+  ASSERT_TRUE(answer.reply);
+  EXPECT_THAT(answer.notes, testing::Contains("'bigest' is taken as 'biggest'"));
+}
+
+TEST_F(NaturalLanguage, AWordThatIsNoNounIsNoName) {
+  EXPECT_EQ(say("Did you notice anything unusual today?").why_not->reason, "not_understood");
+  EXPECT_EQ(say("List objects whose location is uncertain.").why_not->reason, "not_understood");
+}
+
+TEST_F(NaturalLanguage, NothingOfAColourIsNoUnknownName) {
+  const NaturalLanguageAnswer answer = say("Is there anything purple on the table?");
+  EXPECT_EQ(answer.reply->verdict, Verdict::no);
+}
+
+TEST_F(NaturalLanguage, WhereAPlaceIs) {
+  const NaturalLanguageAnswer answer = say("Where is the table?");
+  EXPECT_EQ(answer.query->text(), "room table");
+  EXPECT_EQ(answer.reply->places, std::vector<std::string>{"table_1"});
+  EXPECT_THAT(answer.reply->text, HasSubstr("in the map"));
+}
+
 TEST_F(NaturalLanguage, APlaceThatNobodyCalledSoIsTakenByItsLastWordAndSaysSo) {
   const NaturalLanguageAnswer answer = say("Is there anything on the couch table?");
   EXPECT_EQ(answer.answer->get<ContentsAnswer>().verdict, Verdict::yes);

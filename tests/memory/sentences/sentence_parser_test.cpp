@@ -42,8 +42,9 @@ TEST(Sentences, WrappersAsNothing) {
   expect_commands({
       {"Would you happen to know where I put the jam?", "where jam"},
       {"I was wondering whether the milk is on the table", "on table --object milk"},
-      {"I seem to have mislaid my tea, where might it be?", "where tea"},
-      {"I need the milk. Where is it?", "where milk"},
+      {"One more thing: where is the tea?", "where tea"},
+      {"Where is the tea, would you happen to know?", "where tea"},
+      {"Sorry to bother you again, but is the shelf empty?", "on shelf"},
       {"Any idea where the cereal has got to?", "where cereal"},
       {"The milk is on the table, isn't it?", "on table --object milk"},
       {"Isn't the milk on the table?", "on table --object milk"},
@@ -103,12 +104,56 @@ TEST(Sentences, QuantifiersAndComparisonsAreTakenIntoAccount) {
 
 TEST(Sentences, WhatSurroundsAQuestionIsNoPartOfIt) {
   expect_commands({
-      {"My eyes are not what they were, what is standing on the table?", "on table"},
+      {"We have guests tonight, what is standing on the table?", "on table"},
+      {"I was out all morning, so where is the jam?", "where jam"},
       {"I fancy a hot drink. Is the tea on the counter?", "on counter --object tea"},
       {"um hey robot where's uh where's the tea", "where tea"},
       {"Do we still have tomatoes or do I need to buy some?", "where tomatoes"},
-      {"I put my tea down somewhere. Where would that be?", "where tea"},
       {"Is the banana on the table, dear?", "on table --object banana"},
+  });
+}
+
+TEST(Sentences, OneOfAllThatChangedIsAskedForByWhichAndWhat) {
+  expect_commands({
+      {"Which cup was moved last?", "changes --kind relocated --object cup"},
+      {"What was moved first on the table?", "changes --kind relocated --place table"},
+      {"Which thing was put on the table last?", "changes --kind came --place table"},
+      {"What was added today?", "changes --between today today --kind came"},
+      {"How many cups were moved?", "changes --kind relocated --object cups"},
+      {"When was something last moved?", "changes --kind relocated"},
+      {"How long ago was the pot moved?", "changes --kind relocated --object pot"},
+  });
+  EXPECT_EQ(parse_sentence("Which cup was moved last?", kTimes)->asks, Asks::latest);
+  EXPECT_EQ(parse_sentence("Which left first, the plate or the bowl?", kTimes)->asks, Asks::earliest);
+  EXPECT_EQ(parse_sentence("How long ago was the pot moved?", kTimes)->asks, Asks::ago);
+}
+
+TEST(Sentences, PlacesAreAskedForAndWhetherTheyAreEmpty) {
+  expect_commands({
+      {"Which drawers are empty?", "room drawers --state empty"},
+      {"Is any drawer empty?", "room drawer --state empty"},
+      {"Which drawers have something in them?", "room drawers --state 'in use'"},
+      {"Where on the table is the milk?", "where 'milk on table'"},
+      {"What is out of its usual place?", "digest"},
+      {"Is anything out of place?", "digest"},
+      {"Is everything in its usual place?", "digest"},
+  });
+}
+
+TEST(Sentences, TwoObjectsAreAtOnePlaceNowOrWereSeenTogether) {
+  expect_commands({
+      {"Are the oil and the tea in the same place?", "where 'oil and tea'"},
+      {"Were the oil and the tea ever seen together?", "co-occurrence oil --with tea"},
+      {"Did the apple disappear earlier than the plate?", "compare apple --by left-before --with plate"},
+      {"Did the plate leave the table before the bowl?", "compare plate --by left-before --with bowl"},
+  });
+}
+
+TEST(Sentences, WhatAPersonDidIsNoPartOfATime) {
+  expect_commands({
+      {"What changed after my wife came home at five?", "changes --from five"},
+      {"Where was the cup when I came home at six?", "where cup --at six"},
+      {"Did anything move while I was vacuuming between nine and ten?", "changes --between nine ten"},
   });
 }
 
