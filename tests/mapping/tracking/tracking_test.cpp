@@ -317,7 +317,7 @@ TEST(Tracking, NothingToTrackIsAnError) {
 TEST(PoseGraph, AWrongLoopHasLittleWeight) {
   std::vector<Isometry3d> truth, poses;
   std::vector<tracking::PoseConstraint> constraints;
-  const auto information = tracking::Matrix6d(tracking::Matrix6d::Identity() * 1e6);  // 1 mm, 1 mrad
+  const auto information = Matrix6d(Matrix6d::Identity() * 1e6);  // 1 mm, 1 mrad
   for (size_t i = 0; i < 8; ++i) {
     truth.push_back(camera_at(0.2 * static_cast<double>(i), 0, 0.1 * static_cast<double>(i)));
     poses.push_back(truth.back());
@@ -335,7 +335,7 @@ TEST(PoseGraph, GravityLevelsTheMap) {
   std::vector<Isometry3d> poses = {Isometry3d::Identity(),
                                    Isometry3d(Eigen::AngleAxisd(0.3, Vector3d::UnitY()))};
   const Vector3d up(0.1, -0.9, 0.2);
-  tracking::optimise(poses, {{0, 1, poses[0].inverse() * poses[1], tracking::Matrix6d::Identity() * 1e4}},
+  tracking::optimise(poses, {{0, 1, poses[0].inverse() * poses[1], Matrix6d::Identity() * 1e4}},
                      {{0, up.normalized(), 0.01}});
   EXPECT_NEAR((poses[0].linear() * up.normalized()).z(), 1, 1e-6);
 }
