@@ -9,6 +9,7 @@
 #include <set>
 
 #include "mapping/base/text.h"
+#include "memory/questions/environment.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/questions/snapshot.h"
 #include "memory/wordnet/wordnet.h"

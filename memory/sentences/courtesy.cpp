@@ -20,10 +20,6 @@ WordSet words_used(unsigned uses) {
   return all;
 }
 
-bool all_in(const Words& lemmas, const WordSet& set) {
-  return std::ranges::all_of(lemmas, [&](const std::string& lemma) { return set.contains(lemma); });
-}
-
 /// Without "if", "whether"; a clause about a person asks whether they did: "whether somebody moved it".
 void begin_embedded(Words& words, size_t count) {
   const std::string bridge = count > 0 ? words[count - 1] : "";

@@ -354,6 +354,10 @@ std::set<std::string> word_set(const char* words) {
   return {all.begin(), all.end()};
 }
 
+bool all_in(const Words& lemmas, const std::set<std::string>& set) {
+  return std::ranges::all_of(lemmas, [&](const std::string& lemma) { return set.contains(lemma); });
+}
+
 std::string first_lemma(const Words& words) {
   const Tokens tokens = tokens_of(words);
   return tokens.lemmas.empty() ? "" : tokens.lemmas[0];

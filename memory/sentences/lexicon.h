@@ -59,6 +59,8 @@ Tokens tokens_of(Words words);
 
 /// The words of a text, each once.
 std::set<std::string> word_set(const char* words);
+/// Whether all lemmas are in a set.
+bool all_in(const Words& lemmas, const std::set<std::string>& set);
 /// "" where compounds leave no word.
 std::string first_lemma(const Words& words);
 /// The first "it", else a "that" that no name follows.
