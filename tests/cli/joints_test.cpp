@@ -14,19 +14,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Records a scenario in the sample kitchen without joint states: nobody says what is open.
+void record(const std::string& folder, const std::string& scenes) {
+  write_file_atomically(fs::path(folder) / "drawer.yaml",
+                        "world: " LOCI_SOURCE_DIR "/apps/samples/kitchen.urdf\nscenes:" + scenes);
+  ASSERT_EQ(run("loci-simulate record " + folder + "/drawer.yaml --quiet -o " + folder + "/drawer").exit_code,
+            0);
+  fs::remove(folder + "/drawer/joints.csv");
+}
+
 TEST(Joints, OfOpenDrawersAreAnnotationsOfTheScene) {
   const std::string folder = fresh_folder();
-  write_file_atomically(fs::path(folder) / "drawer.yaml", R"(
-world: )" LOCI_SOURCE_DIR R"(/apps/samples/kitchen.urdf
-scenes:
+  record(folder, R"(
   - time: "2026-05-01T08:05:00Z"
     view: {from: [1.62, 1.0, 1.50], at: [1.60, 2.20, 0.72]}
     do:
       - {open: drawer_2, to: 0.42}
 )");
-  ASSERT_EQ(run("loci-simulate record " + folder + "/drawer.yaml --quiet -o " + folder + "/drawer").exit_code,
-            0);
-  fs::remove(folder + "/drawer/joints.csv");  // Nobody says that it is open.
   const std::string memory = folder + "/memory.loci";
   const Outcome outcome =
       run("loci-perceive run " + folder +
@@ -48,9 +52,7 @@ scenes:
 
 TEST(Joints, ADrawerThatIsShutAgainIsSeenToBeShut) {
   const std::string folder = fresh_folder();
-  write_file_atomically(fs::path(folder) / "drawer.yaml", R"(
-world: )" LOCI_SOURCE_DIR R"(/apps/samples/kitchen.urdf
-scenes:
+  record(folder, R"(
   - time: "2026-05-01T08:00:00Z"
     view: {from: [1.62, 1.0, 1.50], at: [1.60, 2.20, 0.72]}
   - time: "2026-05-01T08:05:00Z"
@@ -62,9 +64,6 @@ scenes:
     do:
       - {close: drawer_2}
 )");
-  ASSERT_EQ(run("loci-simulate record " + folder + "/drawer.yaml --quiet -o " + folder + "/drawer").exit_code,
-            0);
-  fs::remove(folder + "/drawer/joints.csv");
   const std::string memory = folder + "/memory.loci";
   ASSERT_EQ(run("loci-perceive run " + folder +
                 "/drawer --quiet --map " LOCI_SOURCE_DIR "/apps/samples/kitchen.urdf -m " + memory)
@@ -76,16 +75,12 @@ scenes:
 
 TEST(Joints, ThatTheMapLacksAreSaidOnce) {
   const std::string folder = fresh_folder();
-  write_file_atomically(fs::path(folder) / "drawer.yaml", R"(
-world: )" LOCI_SOURCE_DIR R"(/apps/samples/kitchen.urdf
-scenes:
+  record(folder, R"(
   - time: "2026-05-01T08:00:00Z"
     view: {from: [1.62, 1.0, 1.50], at: [1.60, 2.20, 0.72]}
   - time: "2026-05-01T08:05:00Z"
     view: {from: [1.62, 1.0, 1.50], at: [1.60, 2.20, 0.72]}
 )");
-  ASSERT_EQ(run("loci-simulate record " + folder + "/drawer.yaml --quiet -o " + folder + "/drawer").exit_code,
-            0);
   write_file_atomically(
       fs::path(folder) / "drawer/joints.csv",
       "time_ns,joint,position\n1777622400000000000,flap_9,0\n1777622700000000000,flap_9,0\n");
