@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mapping/articulation/parameters.h"
 #include "mapping/base/eigenvalues.h"
@@ -288,7 +289,8 @@ namespace {
 Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& matrix) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
   const Eigen::VectorXd& values = solver.eigenvalues();
-  const double smallest = values.maxCoeff() * static_cast<double>(values.size()) * 2e-16;
+  const double smallest =
+      values.maxCoeff() * static_cast<double>(values.size()) * std::numeric_limits<double>::epsilon();
   const Eigen::VectorXd inverse = (values.array() > smallest).select(values.cwiseInverse(), 0.0);
   return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
 }

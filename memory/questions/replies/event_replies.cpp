@@ -165,15 +165,15 @@ void most_often(const ChangesAnswer& answer, const Names& names, Reply& reply) {
   reply.text = fmt::format("{}, {}.", list_in_words(list), counted(most, "time"));
 }
 
-/// What the first or the last changes are of: several where one visit showed them.
+/// What the first or the last changes are of: several where they were seen within a minute.
 void at_one_end(const ChangesAnswer& answer, const Names& names, const ReplyContext& context, Reply& reply) {
-  constexpr TimeNs kVisit = 60 * kSecond;
+  constexpr TimeNs kTogether = 60 * kSecond;
   const bool first = context.query.asks == Asks::earliest;
   const TimeNs time = first ? answer.changes.front().time : answer.changes.back().time;
   std::vector<std::string> list;
   reply.objects.clear();
   for (const Change& change : answer.changes)
-    if (change.object && std::abs(change.time - time) < kVisit &&
+    if (change.object && std::abs(change.time - time) < kTogether &&
         std::ranges::count(reply.objects, change.object->id) == 0) {
       reply.objects.push_back(change.object->id);
       list.push_back(without_place(names.of(*change.object)));
