@@ -43,6 +43,7 @@ struct MotionParameters : FurnitureMotionParameters {
   double around_m = 0.25;           ///< of a search around another component
   size_t samples = 160;             ///< surfels of a piece per starting pose
   size_t interleave = 13;           ///< any prefix of the samples covers the piece
+  double min_share_unseen = 0.5;    ///< as min_share, where the old place was not seen
   double min_kept = 0.9;            ///< of a piece's found surfels that another piece may leave it
 };
 inline constexpr MotionParameters kMotion;
@@ -53,6 +54,7 @@ struct ChangeParameters {
   double min_free_share = 0.3;       ///< of it in space that was free: it came
   double front_gap_m = 0.03;         ///< around a front's rectangle
   double min_front_open = 0.4;       ///< of a closed front's surface that is not there any more
+  double min_front_through = 0.25;   ///< of a closed door's surface that rays pass when it is open
   double swept_margin_m = 0.1;       ///< around what a front may sweep
   size_t min_scan_points = 30;       ///< of a scan that shows a change
   double known_piece_m = 0.15;       ///< a piece of the sidecar so near is the same one

@@ -169,6 +169,10 @@ class Segmentation {
     return static_cast<double>(within) / static_cast<double>(piece.surfels.size());
   }
 
+  bool has_plane(const Piece& piece) const {
+    return std::ranges::any_of(piece.surfels, [&](uint32_t i) { return surface_.weight[i] > 0.F; });
+  }
+
   /// Parts that stand within a larger piece belong to it: legs whose upper ends nobody saw. Of several the
   /// smallest.
   void join_fragments(std::vector<Piece>& pieces, size_t supports) const {
@@ -194,7 +198,8 @@ class Segmentation {
         near.min().array() -= 0.05F;
         near.max().array() += 0.05F;
         near.min().z() = 0;
-        near.max().z() = 2;
+        // A back may seem to float over its seat; stray points over a piece would make it taller.
+        if (has_plane(pieces[i])) near.max().z() = 2;
         if (!near.contains(pieces[i].box)) continue;
         if (share_inside(pieces[i], outline(j), kPieces.outline_margin_m) > kPieces.inside_share) host = j;
       }
@@ -218,7 +223,9 @@ class Segmentation {
     if (support != nullptr && support->at_wall) return false;
     std::vector<Eigen::Vector3f> points;
     for (const uint32_t i : piece.surfels) points.push_back(surface_.position[i]);
-    return mapping::stands_free(points, map_.walls, support == nullptr);
+    // Neither tables nor seats hang on walls, however near they stand, and thin legs are hardly seen.
+    const bool may_hang = support == nullptr && shape_class(surface_, piece) == "piece";
+    return mapping::stands_free(points, map_.walls, may_hang);
   }
 
   const Surfels& surface_;

@@ -194,15 +194,22 @@ class EpochComparison {
   void find_joints() {
     for (const Front& front : fronts_of(world_, semantics_)) {
       std::vector<uint32_t> face;
-      size_t still = 0;
+      size_t still = 0, through = 0;
       for (uint32_t i = 0; i < before_.surface().size(); ++i) {
         if (!on_front(front, before_.surface().position[i])) continue;
         face.push_back(i);
-        still += before_state(i) == SurfaceState::same ? 1 : 0;
+        const SurfaceState state = before_state(i);
+        still += state == SurfaceState::same ? 1 : 0;
+        through += state == SurfaceState::free ? 1 : 0;
       }
       const std::vector<uint32_t> swept = swept_by(front);
       if (face.size() < kPieces.min_surfels / 2 || swept.size() < kPieces.min_surfels / 2) continue;
       if (static_cast<double>(still) > (1 - kChanges.min_front_open) * static_cast<double>(face.size()))
+        continue;
+      // What stands before a closed door hides it; an open one lets one look in.
+      const bool turns = front.joint && front.joint->type == ArticulationType::revolute;
+      if (turns &&
+          static_cast<double>(through) < kChanges.min_front_through * static_cast<double>(face.size()))
         continue;
       const DifferenceResult moved = articulate(before_set_, now_set_, front, {}, DifferenceOptions{});
       if (!moved.joint) continue;
@@ -277,11 +284,15 @@ class EpochComparison {
     return chosen;
   }
 
-  bool accepted(const PieceMotion& motion, size_t size) const {
-    const auto all = static_cast<double>(size);
+  /// Whether a pose is good enough. Where nothing shows that the piece left, a part of it is not: another
+  /// piece has such parts, too.
+  static bool accepted(const PieceMotion& motion, const PieceFit& still) {
+    const auto all = static_cast<double>(still.all());
+    const double share =
+        still.free >= kMotion.min_gain_surfels ? kMotion.min_share : kMotion.min_share_unseen;
     const double min_gain = std::max(static_cast<double>(kMotion.min_gain_surfels), kMotion.min_gain * all);
     return motion.gain >= min_gain && motion.fit.agreement() >= kMotion.min_agreement &&
-           static_cast<double>(motion.fit.same) >= kMotion.min_share * all;
+           static_cast<double>(motion.fit.same) >= share * all;
   }
 
   bool is_motion(const Piece& piece, const Isometry3d& now_from_before) const {
@@ -325,7 +336,7 @@ class EpochComparison {
   /// The motion of a piece that moved; unset for one that is better explained at its old place or nowhere.
   std::optional<PieceMotion> motion_of(size_t k, const PieceSearch& search, const PieceFit& still) const {
     const auto motion = search.find(now_.prepared_part(target_of(k)), boxes_of_components());
-    if (!motion || !accepted(*motion, still.all()) || !is_motion(pieces_[k], motion->now_from_before))
+    if (!motion || !accepted(*motion, still) || !is_motion(pieces_[k], motion->now_from_before))
       return std::nullopt;
     return motion;
   }

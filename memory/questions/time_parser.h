@@ -48,7 +48,7 @@ std::optional<int> weekday_of(std::string_view name);  ///< 0 for "monday"; unse
 std::string duration_text(TimeNs duration);            ///< "1 h 5 min"; empty below a minute
 
 /// Writes times for people: the date only when the memory spans more than one day, fractions of a second only
-/// when its scenes have them.
+/// when its scenes have them (of a large memory the first and the last ones).
 class TimeWriter {
  public:
   explicit TimeWriter(const Store& store);

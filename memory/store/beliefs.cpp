@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "memory/store/rows/derived_rows.h"
 #include "memory/store/rows/row_columns.h"
@@ -106,14 +107,25 @@ int64_t stay_time(const AsOf& as_of) {
   return as_of.at ? stay_seconds(*as_of.at) : kOpenStay;
 }
 
-/// Removes candidates that were not at the place at this time to the nanosecond, or, for `gone`, had not gone
-/// from it.
-void keep_exact(Store::Connection& db, std::vector<Id>& candidates, Id place, bool gone, const AsOf& as_of) {
-  if (!as_of.at) return;
-  std::erase_if(candidates, [&](Id object) {
+/// Objects with a stay of this code of a place (negative = gone from it) at a time, in an order. Stays have
+/// whole seconds: what begins or ends within the one asked about is looked up.
+std::vector<Id> objects_staying(Store::Connection& db, Id code, const std::string& order, const AsOf& as_of) {
+  std::vector<Id> found;
+  std::set<Id> to_look_up;
+  db.query(
+      "SELECT object, max(since < ?2 AND until > ?2) AS surely FROM stay WHERE place_from <= ?1 AND place_to "
+      ">= ?1 AND since <= ?2 AND until >= ?2 GROUP BY object ORDER BY " +
+          order,
+      {sql(code), sql(stay_time(as_of))}, [&](const SqlRow& row) {
+        found.push_back(row.get<Id>("object"));
+        if (as_of.at && row.get<int64_t>("surely") == 0) to_look_up.insert(found.back());
+      });
+  std::erase_if(found, [&](Id object) {
+    if (!to_look_up.contains(object)) return false;
     const std::optional<BeliefRow> row = last_row(db, object, as_of);
-    return !row || row->place != place || (row->status == ObjectStatus::gone) != gone;
+    return !row || row->place != std::abs(code) || (row->status == ObjectStatus::gone) != (code < 0);
   });
+  return found;
 }
 
 /// Objects of which an observation has one of the terms that the query `terms` finds for ?1.
@@ -196,13 +208,7 @@ std::vector<Id> Store::objects_at(Id place, const AsOf& as_of) const {
       if (row.place == place) result.push_back(row.object);
     return result;
   }
-  std::vector<Id> found = connection_->values<Id>(
-      "SELECT DISTINCT object FROM stay WHERE place_from <= ?1 AND place_to >= ?1 AND since <= ?2 AND until "
-      ">= ?2 "
-      "ORDER BY object",
-      {sql(place), sql(stay_time(as_of))});
-  keep_exact(*connection_, found, place, false, as_of);
-  return found;
+  return connection_->guarded([&] { return objects_staying(*connection_, place, "object", as_of); });
 }
 
 Store::Gone Store::objects_gone_from(Id place, size_t max_count, const AsOf& as_of) const {
@@ -215,11 +221,8 @@ Store::Gone Store::objects_gone_from(Id place, size_t max_count, const AsOf& as_
     std::ranges::sort(gone);
     for (const auto& [time, object] : gone) result.objects.push_back(object);
   } else {
-    result.objects = connection_->values<Id>(
-        "SELECT object FROM stay WHERE place_from <= ?1 AND place_to >= ?1 AND since <= ?2 AND until >= ?2 "
-        "GROUP BY object ORDER BY max(since) DESC, max(belief) DESC",
-        {sql(-place), sql(stay_time(as_of))});
-    keep_exact(*connection_, result.objects, place, true, as_of);
+    result.objects = connection_->guarded(
+        [&] { return objects_staying(*connection_, -place, "max(since) DESC, max(belief) DESC", as_of); });
   }
   result.in_all = result.objects.size();
   if (result.in_all > max_count) result.objects.resize(max_count);

@@ -184,9 +184,14 @@ class Store {
   std::vector<SceneRow> scenes(const AsOf& as_of = {}, std::optional<TimeNs> from = {},
                                std::optional<TimeNs> to = {}) const;
   SceneRow scene(Id id) const;
+  /// The run that added a scene.
+  Id run_of_scene(Id id) const;
   /// The scene that was added last, and the time of the latest; unset in an empty memory.
   std::optional<SceneRow> last_scene() const;
   std::optional<TimeNs> last_scene_time() const;
+  /// Times of the first `count` and of the last `count` scenes, in order of time; of all where there are no
+  /// more.
+  std::vector<TimeNs> scene_times_at_ends(size_t count) const;
   /// The latest scene as of a time.
   std::optional<SceneRow> latest_scene(const AsOf& as_of) const;
   /// The latest scene that knows the position of a joint, of those added before `before` (unset = of all).

@@ -102,6 +102,19 @@ std::optional<TimeNs> Store::last_scene_time() const {
   return connection_->value<TimeNs>("SELECT time FROM scene ORDER BY time DESC LIMIT 1");
 }
 
+Id Store::run_of_scene(Id id) const {
+  return connection_->value<Id>("SELECT run FROM scene WHERE id = ?", {sql(id)}).value_or(0);
+}
+
+std::vector<TimeNs> Store::scene_times_at_ends(size_t count) const {
+  return connection_->values<TimeNs>(
+      "SELECT time FROM (SELECT id, time FROM (SELECT id, time FROM scene ORDER BY time, id LIMIT ?1) UNION "
+      "SELECT id, time FROM (SELECT id, time FROM scene ORDER BY time DESC, id DESC LIMIT ?1)) ORDER BY "
+      "time, "
+      "id",
+      {sql(static_cast<int64_t>(count))});
+}
+
 std::vector<ObservationRow> Store::observations(Id scene) const {
   return select<ObservationRow>(*connection_, Where("scene = ?1", {sql(scene)}), "number");
 }

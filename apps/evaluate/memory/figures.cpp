@@ -20,6 +20,7 @@
 #include "memory/questions/events.h"
 #include "memory/questions/location.h"
 #include "memory/questions/presence.h"
+#include "memory/questions/question.h"
 #include "memory/recorder/recorder.h"
 
 namespace loci::apps::memory_experiment {
@@ -223,6 +224,11 @@ class Asker {
       return ask(store_, memory::WhereQuestion{memory::object_name(object()), {}}).objects.size();
     });
     compare([&] { return plain_.last_seen(object()); });
+    time("the same, as a query and as text", [&] {
+      const memory::Query query{.question = "where",
+                                .arguments = {{"object", memory::object_name(object())}}};
+      return memory::ask(store_, query).to_text(memory::TimeWriter(store_)).size();
+    });
     time(
         "where was object N at T",
         [&] {

@@ -71,7 +71,7 @@ ClassExperts::Votes ClassExperts::votes_of(Id object) const {
     const std::string expert = agree ? last : expert_of(store_, row);
     Opinion& opinion = votes[expert];
     opinion.names[row.value] += std::max(1e-3, row.confidence.value_or(kDefaultConfidence));
-    opinion.runs.insert(store_.scene(row.scene).run);
+    opinion.runs.insert(store_.run_of_scene(row.scene));
     named[expert].emplace(row.scene, row.observation);
   }
   const std::map<Id, size_t> looks = store_.latest_observations_by_run(object, kMaxObservations, as_of_);

@@ -153,23 +153,40 @@ TEST_F(MemoryFile, WhatFailsLeavesNoMemory) {
   EXPECT_THAT(names(), testing::ElementsAre("memory.loci"));
 }
 
-TEST_F(MemoryFile, FindsObjectsAtTimesThatNeedMoreThan32Bits) {
-  const TimeNs year_2050 = TimeNs{80} * 365 * 86400 * kSecond, later = year_2050 + 10 * kSecond;
-  Store store = Store::open_write(file_);
+/// An object that stands on a table at a time and on a shelf at a later one.
+struct Move {
+  Id object = 0, table = 0, shelf = 0;
+};
+
+Move add_move(Store& store, TimeNs time, TimeNs later) {
   const Id run = store.begin_run("test", "{}");
+  Move move;
   SceneTransaction first(store, run);
-  const Id table = first.add_place({.name = "table_1", .class_name = "table"});
-  const Id shelf = first.add_place({.name = "shelf_1", .class_name = "shelf"});
-  const Id scene = first.add_scene({.time = year_2050});
-  const Id object = first.add_object({});
-  first.add_belief(
-      {.object = object, .scene = scene, .place = table, .position = Vector3d(1, 0, 1), .last_scene = scene});
+  move.table = first.add_place({.name = "table_1", .class_name = "table"});
+  move.shelf = first.add_place({.name = "shelf_1", .class_name = "shelf"});
+  const Id scene = first.add_scene({.time = time});
+  move.object = first.add_object({});
+  first.add_belief({.object = move.object,
+                    .scene = scene,
+                    .place = move.table,
+                    .position = Vector3d(1, 0, 1),
+                    .last_scene = scene});
   first.commit();
   SceneTransaction second(store, run);
   const Id moved = second.add_scene({.time = later});
-  second.add_belief(
-      {.object = object, .scene = moved, .place = shelf, .position = Vector3d(5, 0, 1), .last_scene = moved});
+  second.add_belief({.object = move.object,
+                     .scene = moved,
+                     .place = move.shelf,
+                     .position = Vector3d(5, 0, 1),
+                     .last_scene = moved});
   second.commit();
+  return move;
+}
+
+TEST_F(MemoryFile, FindsObjectsAtTimesThatNeedMoreThan32Bits) {
+  const TimeNs year_2050 = TimeNs{80} * 365 * 86400 * kSecond, later = year_2050 + 10 * kSecond;
+  Store store = Store::open_write(file_);
+  const auto [object, table, shelf] = add_move(store, year_2050, later);
   using testing::ElementsAre;
   EXPECT_THAT(store.objects_at(table, {.at = year_2050}), ElementsAre(object));
   EXPECT_THAT(store.objects_at(shelf, {.at = year_2050}), IsEmpty());
@@ -179,6 +196,20 @@ TEST_F(MemoryFile, FindsObjectsAtTimesThatNeedMoreThan32Bits) {
   EXPECT_THAT(store.objects_near({1, 0, 1}, 0.5, {.at = year_2050}), ElementsAre(object));
   EXPECT_THAT(store.objects_near({5, 0, 1}, 0.5), ElementsAre(object));
   EXPECT_THAT(store.verify(silent_).problems, IsEmpty());
+}
+
+TEST_F(MemoryFile, FindsObjectsToTheNanosecond) {
+  const TimeNs begin = 100 * kSecond, later = begin + 3 * kSecond + kSecond / 2;
+  Store store = Store::open_write(file_);
+  const auto [object, table, shelf] = add_move(store, begin, later);
+  using testing::ElementsAre;
+  for (const TimeNs before : {begin, begin + kSecond, later - 1}) {
+    EXPECT_THAT(store.objects_at(table, {.at = before}), ElementsAre(object)) << before;
+    EXPECT_THAT(store.objects_at(shelf, {.at = before}), IsEmpty()) << before;
+  }
+  EXPECT_THAT(store.objects_at(table, {.at = begin - 1}), IsEmpty());
+  EXPECT_THAT(store.objects_at(table, {.at = later}), IsEmpty());
+  EXPECT_THAT(store.objects_at(shelf, {.at = later}), ElementsAre(object));
 }
 
 }  // namespace

@@ -67,6 +67,19 @@ class StoreTest : public testing_support::TemporaryFolder {
   }
 };
 
+TEST_F(StoreTest, TellsTheTimesOfItsFirstAndLastScenes) {
+  Store store = Store::open_write(file_);
+  EXPECT_THAT(store.scene_times_at_ends(2), testing::IsEmpty());
+  const Id run = store.begin_run("test", "{}");
+  store.add_recording({.fingerprint = "abc", .name = "rec", .kind = "loci"});
+  Id last = 0;
+  for (int64_t frame = 0; frame < 5; ++frame) last = add_one_scene(store, run, frame, 1000 * (frame + 1));
+  EXPECT_THAT(store.scene_times_at_ends(1), testing::ElementsAre(1000, 5000));
+  EXPECT_THAT(store.scene_times_at_ends(2), testing::ElementsAre(1000, 2000, 4000, 5000));
+  EXPECT_THAT(store.scene_times_at_ends(4), testing::ElementsAre(1000, 2000, 3000, 4000, 5000));
+  EXPECT_EQ(store.run_of_scene(last), run);
+}
+
 TEST_F(StoreTest, KeepsWhatASceneCommitted) {
   make_memory();
   const Store store = Store::open_read(file_);
