@@ -12,6 +12,7 @@ find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(PNG REQUIRED)
 find_package(JPEG REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(BZip2 REQUIRED)
 find_package(urdfdom REQUIRED)
 find_package(assimp REQUIRED)
 find_package(SQLiteCpp REQUIRED)
@@ -33,7 +34,7 @@ pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(lz4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)
 
-# ROS 1 bags. The library's own CMake and pkg-config files ask for all of catkin; these libraries are what it takes.
+# Tests write ROS 1 bags with it. The library's own CMake and pkg-config files ask for all of catkin; these libraries are what it takes.
 add_library(rosbag_storage INTERFACE)
 foreach(library rosbag_storage roscpp_serialization rostime cpp_common console_bridge)
   find_library(LOCI_LIB_${library} ${library} REQUIRED)

@@ -82,7 +82,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/lociConfigVersion.cmake COM
 install(FILES ${CMAKE_BINARY_DIR}/lociConfig.cmake ${CMAKE_BINARY_DIR}/lociConfigVersion.cmake
   ${CMAKE_SOURCE_DIR}/cmake/LociPlugin.cmake DESTINATION ${package})
 
-install(TARGETS loci_rosbag loci_video loci_postgres loci_people LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/loci)
+install(TARGETS loci_video loci_postgres loci_people LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/loci)
 if(TARGET loci_open3d)
   install(TARGETS loci_open3d LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/loci)
 endif()

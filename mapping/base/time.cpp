@@ -60,7 +60,7 @@ TimeNs parse_time(std::string_view text) {
   cursor.expect('-');
   const auto d = static_cast<unsigned>(cursor.number(2));
   const year_month_day date{year(y), month(m), day(d)};
-  if (!date.ok() || y < 1678 || y > 2261) cursor.fail();  // What int64 nanoseconds can hold.
+  if (!date.ok() || y < 1824 || y > 2115) cursor.fail();  // Within kMaxTime, in all zones.
   int64_t seconds = sys_days(date).time_since_epoch().count() * int64_t{86400};
   if (cursor.at_end()) return seconds * kSecond;
   if (!cursor.accept('T')) cursor.expect(' ');

@@ -1,5 +1,6 @@
 #include "mapping/recording/compression.h"
 
+#include <bzlib.h>
 #include <fmt/format.h>
 #include <lz4frame.h>
 #include <zlib.h>
@@ -69,9 +70,31 @@ std::string from_lz4(std::string_view bytes, Output output) {
     if (LZ4F_isError(left) != 0) throw damaged();
     output.add(piece.data(), produced);
     at += consumed;
-    if (produced == 0 && (consumed == 0 || at == bytes.size())) break;
+    const bool idle = produced == 0 && consumed == 0, whole = left == 0 && at == bytes.size();
+    if (idle || whole) break;
   }
   if (left != 0) throw damaged();
+  return output.take();
+}
+
+std::string from_bz2(std::string_view bytes, Output output) {
+  bz_stream stream{};
+  if (bytes.size() > std::numeric_limits<unsigned>::max() || BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK)
+    throw damaged();
+  const std::unique_ptr<bz_stream, int (*)(bz_stream*)> owner(&stream, BZ2_bzDecompressEnd);
+  stream.next_in = const_cast<char*>(bytes.data());
+  stream.avail_in = static_cast<unsigned>(bytes.size());
+  std::array<char, kPiece> piece{};
+  int status = BZ_OK;
+  while (status == BZ_OK) {
+    stream.next_out = piece.data();
+    stream.avail_out = static_cast<unsigned>(piece.size());
+    status = BZ2_bzDecompress(&stream);
+    const size_t produced = piece.size() - stream.avail_out;
+    output.add(piece.data(), produced);
+    if (produced == 0 && stream.avail_in == 0) break;
+  }
+  if (status != BZ_STREAM_END) throw damaged();
   return output.take();
 }
 
@@ -98,6 +121,7 @@ std::string from_zlib(std::string_view bytes, Output output) {
 std::string decompress(std::string_view method, std::string_view bytes, size_t max_size) {
   if (method == "zstd") return from_zstd(bytes, Output(max_size));
   if (method == "lz4") return from_lz4(bytes, Output(max_size));
+  if (method == "bz2") return from_bz2(bytes, Output(max_size));
   if (method == "zlib") return from_zlib(bytes, Output(max_size));
   if (!method.empty() && method != "none") throw Error(fmt::format("compression '{}' is not read", method));
   return std::string(bytes);

@@ -11,6 +11,7 @@
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
 #include "mapping/base/text.h"
+#include "mapping/base/time_limits.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/formats/layouts.h"
 
@@ -95,6 +96,10 @@ FileRecordingContent content_in_world(const std::string& format, const std::file
 }
 
 void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames) {
+  for (const FrameFiles& frame : frames)
+    if (!is_within_limits(frame.time_ns))
+      throw Error("the time stamp is too far off", frame.location,
+                  "stamps are nanoseconds since 1970, from 1824 to 2115");
   const auto earlier = [](const FrameFiles& a, const FrameFiles& b) { return a.time_ns < b.time_ns; };
   if (!std::is_sorted(frames.begin(), frames.end(), earlier)) {
     const auto late = std::is_sorted_until(frames.begin(), frames.end(), earlier);
@@ -267,17 +272,31 @@ Isometry3d pose_from_rows(const std::vector<double>& rows, const FileLocation& l
   return pose_from_matrix(matrix, location);
 }
 
-PinholeCamera checked_camera(const PinholeCamera& camera, const FileLocation& location) {
+bool is_usable(const PinholeCamera& camera) {
   constexpr int kMaxSide = 1 << 15;
-  const bool finite = std::isfinite(camera.fx + camera.fy + camera.cx + camera.cy);
-  if (camera.width < 1 || camera.height < 1 || camera.width > kMaxSide || camera.height > kMaxSide ||
-      !finite || camera.fx <= 0 || camera.fy <= 0)
-    throw Error("a camera has positive sizes and focal lengths (pixels)", location);
+  constexpr int64_t kMaxPixels = int64_t{1} << 26;  // Images that cannot be read are of as many.
+  return camera.width >= 1 && camera.height >= 1 && camera.width <= kMaxSide && camera.height <= kMaxSide &&
+         int64_t{camera.width} * camera.height <= kMaxPixels &&
+         std::isfinite(camera.fx + camera.fy + camera.cx + camera.cy) && camera.fx > 0 && camera.fy > 0;
+}
+
+PinholeCamera checked_camera(const PinholeCamera& camera, const FileLocation& location) {
+  if (!is_usable(camera))
+    throw Error("a camera has positive sizes and focal lengths (pixels)", location,
+                "up to 67 million pixels are read");
   return camera;
 }
 
 double number_of(const Json& json) {
   return json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+Json member_of(const Json& json, const char* key) {
+  return json.is_object() ? json.value(key, Json()) : Json();
+}
+
+int pixels_of(double number) {
+  return number >= 0 && number <= std::numeric_limits<int>::max() ? static_cast<int>(number) : 0;
 }
 
 std::vector<double> numbers_in(const fs::path& path, size_t min_count) {

@@ -12,6 +12,14 @@
 namespace loci::mapping {
 namespace {
 
+constexpr size_t kMaxFrames = 1'000'000;  ///< of a scenario: a few lines may ask for any number
+
+void check_frames(double frames, const FileLocation& location) {
+  if (frames > static_cast<double>(kMaxFrames))
+    throw Error(fmt::format("the scenario has more than {} frames", kMaxFrames), location,
+                "give fewer views, or fewer frames per view");
+}
+
 Vector3d point(const Config& config, const std::string& key) {
   const auto values = config.require<std::array<double, 3>>(key);
   const Vector3d result(values[0], values[1], values[2]);
@@ -143,8 +151,9 @@ Isometry3d read_view(const Config& config) {
 /// `count` values from first to last of a [first, last, count] entry.
 std::vector<double> read_range(const Config& config, const std::string& key) {
   const auto values = config.require<std::array<double, 3>>(key);
+  if (!(values[2] >= 1 && values[2] <= 1000))
+    throw Error("expected [first, last, count]", config.location(key), "count is 1 to 1000");
   const int count = static_cast<int>(values[2]);
-  if (count < 1 || count > 1000) throw Error("expected [first, last, count]", config.location(key));
   std::vector<double> result;
   for (int i = 0; i < count; ++i)
     result.push_back(count == 1 ? values[0] : values[0] + (values[1] - values[0]) * i / (count - 1));
@@ -158,6 +167,8 @@ std::vector<Isometry3d> read_sweep(const Config& config) {
   const auto positions = config.require<std::vector<std::array<double, 3>>>("positions");
   const auto pitches = config.require<std::vector<double>>("pitch_deg");
   const auto yaws = read_range(config, "yaw_deg");
+  check_frames(static_cast<double>(positions.size()) * static_cast<double>(pitches.size() * yaws.size()),
+               config.location());
   for (const auto& position : positions) {
     const Vector3d from(position[0], position[1], position[2]);
     for (const double pitch : pitches) {
@@ -189,6 +200,7 @@ SceneSpec read_scene(const Config& config, const ActionReader& actions) {
   const int frames = config.get<int>("frames", 1);
   if (frames < 1 || frames > 10000) throw Error("frames is 1 to 10000 per view", config.location("frames"));
   if (views.empty()) throw Error("the scene has no view, views or sweep", config.location());
+  check_frames(static_cast<double>(views.size()) * frames, config.location());
   for (const Isometry3d& view : views)
     scene.map_from_camera.insert(scene.map_from_camera.end(), static_cast<size_t>(frames), view);
   return scene;
@@ -237,16 +249,19 @@ Scenario read_scenario(const std::filesystem::path& path) {
   scenario.time_zone =
       TimeZone::named(config.get<std::string>("time_zone", "UTC"), config.location("time_zone")).name();
   const auto interval = config.get<double>("frame_interval_s", 1.0);
-  if (!(interval > 0 && interval < 1e6))
-    throw Error("the interval is positive", config.location("frame_interval_s"));
+  if (!(interval >= 1e-6 && interval <= 3600))
+    throw Error("the interval is 1e-6 to 3600 seconds", config.location("frame_interval_s"));
   scenario.frame_interval = static_cast<TimeNs>(std::llround(interval * static_cast<double>(kSecond)));
   const Config objects = config.map("objects");
   for (const std::string& name : objects.keys())
     scenario.objects[name] = read_object(objects.map(name), name, path.parent_path());
   const ActionReader actions(scenario.objects);
+  size_t frames = 0;
   for (const Config& scene : config.list("scenes")) {
     scenario.scenes.push_back(read_scene(scene, actions));
     const auto& scenes = scenario.scenes;
+    frames += scenes.back().map_from_camera.size();
+    check_frames(static_cast<double>(frames), scene.location());
     if (scenes.size() < 2) continue;
     const SceneSpec& before = scenes[scenes.size() - 2];
     const auto lasts = static_cast<TimeNs>(before.map_from_camera.size()) * scenario.frame_interval;

@@ -61,7 +61,9 @@ CatalogueEntry entry_from(const Json& json) {
   CatalogueEntry entry;
   entry.name = json.at("name");
   entry.class_name = json.value("class", "");
-  entry.observations = json.value("observations", size_t{0});
+  const Json observations = json.value("observations", Json(0U));
+  if (!observations.is_number_unsigned()) throw Error("the observations of an object are no count");
+  entry.observations = observations;
   for (const Json& fact : json.value("facts", Json::array()))
     entry.facts.emplace_back(fact.at("key"), fact.at("value"));
   entry.color = json.value("color", "");
@@ -154,6 +156,8 @@ Catalogue catalogue_from(const Json& json, const std::string& file) {
     return catalogue;
   } catch (const nlohmann::json::exception& e) {
     throw Error(std::string("this catalogue cannot be read: ") + e.what(), {file, 0, {}});
+  } catch (const Error& e) {
+    throw Error(e.message(), {file, 0, {}});
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/text.h"
+#include "mapping/base/time_limits.h"
 
 namespace loci::memory {
 namespace {
@@ -17,9 +18,9 @@ namespace {
 constexpr TimeNs kMinute = 60 * kSecond;
 constexpr TimeNs kHour = 60 * kMinute;
 constexpr TimeNs kDay = 24 * kHour;
-// Times that can be read and written (parse_time), with room for zones and days on both sides.
-constexpr TimeNs kEarliest = -106'000 * kDay;
-constexpr TimeNs kLatest = 106'000 * kDay;
+// Times that memories have, with room for zones and days on both sides.
+constexpr TimeNs kLatest = kMaxTime - 50 * kDay;
+constexpr TimeNs kEarliest = -kLatest;
 
 std::optional<int> number_of(std::string_view text) {
   int value = 0;

@@ -56,6 +56,7 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"httplib.h", "cpp-httplib"},
                                                                      {"boost/", "Boost"},
                                                                      {"rosbag/", "librosbag-storage"},
+                                                                     {"bzlib.h", "bzip2"},
                                                                      {"ros/", "librosbag-storage"},
                                                                      {"CLI/", "CLI11"},
                                                                      {"gtest/", "GoogleTest"},

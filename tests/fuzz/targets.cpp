@@ -32,6 +32,7 @@
 #include "memory/sentences/sentence_parser.h"
 #include "perception/cas/json.h"
 #include "perception/cas/xmi.h"
+#include "perception/detection/detection_set.h"
 #include "perception/pipeline/goal.h"
 #include "perception/recognition/product_catalogue.h"
 #include "perception/search/protocol.h"
@@ -122,6 +123,17 @@ void detections(std::string_view bytes) {
   for (std::string line; lines.next(line) != memory::LineReader::Status::end;) memory::parse_detections(line);
 }
 
+/// JSON Lines, a COCO file, or a text file of a YOLO folder.
+void detections_2d(std::string_view bytes) {
+  static const fs::path classes = file_of("cup\nplate\n", "yolo/classes.txt");
+  const bool lines = bytes.starts_with("{\"time\""), coco = bytes.starts_with('{') || bytes.starts_with('[');
+  const fs::path file = lines  ? file_of(bytes, "images.jsonl")
+                        : coco ? file_of(bytes, "coco.json")
+                               : file_of(bytes, "yolo/000001.txt").parent_path();
+  Warnings warnings;
+  perception::DetectionSet::read(file, warnings).find("000001", 1, parse_time("2026-05-01T08:30:00Z"));
+}
+
 void scenario(std::string_view bytes) {
   mapping::read_scenario(file_of(bytes, "input.yaml"));
 }
@@ -169,8 +181,9 @@ void read_frames(const fs::path& path) {
   for (size_t i = 0; i < std::min<size_t>(recording->size(), 3); ++i) recording->frame(i);
 }
 
+/// A bag of ROS 1, MCAP, or the database of rosbag2, which is known by its name, too.
 void bag(std::string_view bytes) {
-  read_frames(file_of(bytes, "input.bag"));
+  read_frames(file_of(bytes, bytes.starts_with("SQLite format 3") ? "input.db3" : "input.bag"));
 }
 
 /// recording.yaml and frames.csv with a line "---" between them.
@@ -190,6 +203,38 @@ void recording(std::string_view bytes) {
   const fs::path yaml = file_of(bytes.substr(0, cut), "recording/recording.yaml");
   file_of(bytes.substr(std::min(cut + 4, bytes.size())), "recording/frames.csv");
   read_frames(yaml.parent_path());
+}
+
+/// A recording of another program: its files, each after a line "--- NAME", beside images of every frame.
+void layout(std::string_view bytes) {
+  const fs::path root = folder() / "layout";
+  fs::remove_all(root);
+  const cv::Mat depth(6, 8, CV_16UC1, cv::Scalar(1500)), color(6, 8, CV_8UC3, cv::Scalar(1, 2, 3));
+  static const auto png_of = [](const cv::Mat& image) { return mapping::encode_image(image, ".png"); };
+  static const auto depth_png = png_of(depth), color_png = png_of(color);
+  const auto write = [](const auto& content, const std::string& name) {
+    return file_of({reinterpret_cast<const char*>(content.data()), content.size()},
+                   ("layout/" + name).c_str());
+  };
+  for (const char* number : {"000000", "000001"}) {
+    write(depth_png, fmt::format("depth/{}.png", number));
+    write(color_png, fmt::format("color/{}.png", number));
+  }
+  constexpr std::string_view kNext = "--- ";
+  while (bytes.starts_with(kNext)) {
+    const size_t line = std::min(bytes.find('\n'), bytes.size());
+    const std::string name(bytes.substr(kNext.size(), line - kNext.size()));
+    bytes.remove_prefix(std::min(line + 1, bytes.size()));
+    const size_t end = std::min(bytes.find("\n--- "), bytes.size());
+    const bool plain = !name.empty() && name.size() < 40 && name[0] != '/' && name.find("..") == name.npos &&
+                       name.find('\0') == name.npos && !name.ends_with('/');
+    if (!plain || fs::exists(root / name)) throw Error("no name of a file");
+    const fs::path file = write(bytes.substr(0, end), name);
+    bytes.remove_prefix(std::min(end + 1, bytes.size()));
+    if (bytes.empty() && (file.extension() == ".sens" || file.extension() == ".pcd"))
+      return read_frames(file);
+  }
+  read_frames(root);
 }
 
 void image(std::string_view bytes) {
@@ -307,7 +352,7 @@ void change_cell(SQLite::Database& database, const Column& column, Choices& choi
   }
 }
 
-/// Cells of a valid memory are changed as the bytes say; then it is opened, asked and reported.
+/// Cells of a valid memory are changed as the bytes say; then it is opened, and asked a question or reported.
 void memory_rows(std::string_view bytes) {
   static const fs::path original = [] {
     fs::path file = folder() / "day.loci";
@@ -315,32 +360,35 @@ void memory_rows(std::string_view bytes) {
     return file;
   }();
   static const std::vector<Column> columns = columns_of(original);
+  constexpr std::array kQuestions = {"objects", "where object_1",   "on table_1", "was object_1 table_1",
+                                     "changes", "history object_2", "timeline",   "scenes"};
   const fs::path file = folder() / "changed.loci";
+  Choices choices(bytes);
+  const size_t question = choices.below(kQuestions.size() + 1);  // or else the report
   fs::copy_file(original, file, fs::copy_options::overwrite_existing);
   {
     SQLite::Database database(file.string(), SQLite::OPEN_READWRITE);
     database.exec(
         "PRAGMA ignore_check_constraints = ON; PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF");
-    Choices choices(bytes);
     for (int i = 0; i < 20 && !choices.done(); ++i)
       change_cell(database, columns[choices.below(columns.size())], choices);
   }
+  // Not of one type alone: programs print any exception in one line, and crashes are looked for here.
   std::optional<memory::Store> store;
-  const auto attempt = [](const auto& action) {
-    try {
-      action();
-    } catch (const std::exception&) {  // What programs print in one line: crashes are looked for here.
+  try {
+    store.emplace(memory::Store::open_read(file));
+  } catch (const std::exception&) {
+    throw Error("the memory is refused");
+  }
+  try {
+    if (question < kQuestions.size()) {
+      memory::ask(*store, *memory::parse_query(kQuestions[question]));
+    } else {
+      NoProgress progress;
+      memory::memory_report(*store, {}, {}, progress);
     }
-  };
-  attempt([&] { store.emplace(memory::Store::open_read(file)); });
-  if (!store) throw Error("the memory is refused");
-  for (const char* query : {"objects", "where object_1", "on table_1", "was object_1 table_1", "changes",
-                            "history object_2", "timeline", "scenes"})
-    attempt([&] {
-      if (const auto parsed = memory::parse_query(query)) memory::ask(*store, *parsed);
-    });
-  NoProgress progress;
-  attempt([&] { memory::memory_report(*store, {}, {}, progress); });
+  } catch (const std::exception&) {
+  }
 }
 
 }  // namespace
@@ -351,9 +399,11 @@ const std::vector<Target>& targets() {
                                           {"catalogue", catalogue},
                                           {"condition", condition},
                                           {"detections", detections},
+                                          {"detections_2d", detections_2d},
                                           {"goal", goal},
                                           {"identity", identity},
                                           {"image", image},
+                                          {"layout", layout},
                                           {"memory_rows", memory_rows},
                                           {"pcd", pcd},
                                           {"pipeline", pipeline},

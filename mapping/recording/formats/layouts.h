@@ -81,11 +81,20 @@ FileRecordingContent read_nerfstudio(const std::filesystem::path& folder);
 bool is_stray_scanner(const std::filesystem::path& folder);
 FileRecordingContent read_stray_scanner(const std::filesystem::path& folder);
 
-/// The camera if its sizes and focal lengths are positive and finite and its sides at most 32768, else Error.
+/// Whether sizes and focal lengths are positive and finite, sides at most 32768 and pixels at most 2^26.
+bool is_usable(const PinholeCamera& camera);
+
+/// The camera if it is usable, else Error.
 PinholeCamera checked_camera(const PinholeCamera& camera, const FileLocation& location);
 
 /// A JSON number; NaN when it is none.
 double number_of(const Json& json);
+
+/// The value of a key; null where there is none, or `json` is no object.
+Json member_of(const Json& json, const char* key);
+
+/// A number of pixels; 0, which checked_camera() refuses, for what is none.
+int pixels_of(double number);
 
 /// All numbers of a text file, between blanks or commas. Error when there are other words, or fewer than
 /// `min_count` numbers.

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 
+#include "mapping/base/time_limits.h"
 #include "mapping/sensor/pcd.h"
 
 namespace loci::mapping {
@@ -28,11 +29,13 @@ std::optional<TimeNs> time_in_name(const fs::path& path) {
   };
   const std::string whole = name.substr(0, dot);
   std::string part = dot < name.size() ? name.substr(dot + 1) : "0";
-  if (!digits(whole) || !digits(part)) return std::nullopt;
-  if (dot == name.size() && whole.size() == 19) return std::stoll(whole);
-  if (whole.size() < 9 || whole.size() > 10) return std::nullopt;
+  if (!digits(whole) || !digits(part) || whole.size() > 19) return std::nullopt;
+  const uint64_t number = std::stoull(whole);
+  if (dot == name.size() && whole.size() == 19)
+    return number <= kMaxTime ? std::optional(static_cast<TimeNs>(number)) : std::nullopt;
+  if (whole.size() < 9 || whole.size() > 10 || number >= kMaxTime / kSecond) return std::nullopt;
   part.resize(9, '0');
-  return std::stoll(whole) * kSecond + std::stoll(part);
+  return static_cast<TimeNs>(number) * kSecond + std::stoll(part);
 }
 
 /// Columns and rows of a cloud from its header alone; zero where it does not say.

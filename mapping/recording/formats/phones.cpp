@@ -44,7 +44,10 @@ fs::path file_below(const fs::path& folder, const Json& frame, const char* key,
 
 /// Distortion of the frame, or else of all frames.
 Distortion nerfstudio_distortion(const Json& json, const Json& frame, const FileLocation& location) {
-  const std::string model = json.value("camera_model", std::string("OPENCV"));
+  const Json named = member_of(json, "camera_model");
+  if (!named.is_null() && !named.is_string())
+    throw Error("the camera model is not a name", {location.file, 0, "camera_model"});
+  const std::string model = named.is_string() ? named.get<std::string>() : "OPENCV";
   const auto k = [&](const char* key) {
     for (const Json* source : {&frame, &json})
       if (source->contains(key)) return number_of((*source)[key]);
@@ -81,7 +84,7 @@ FileRecordingContent read_nerfstudio(const fs::path& folder) {
   FileRecordingContent content = content_in_world("nerfstudio", folder, true);
   const FileLocation location{(folder / "transforms.json").string(), 0, {}};
   const Json json = read_json(location.file);
-  const Json frames = json.value("frames", Json::array());
+  const Json frames = member_of(json, "frames");
   if (!frames.is_array()) throw Error("'frames' is a list", location);
   if (json.contains("depth_unit_scale_factor"))
     content.depth_scale = number_of(json["depth_unit_scale_factor"]);
@@ -96,7 +99,7 @@ FileRecordingContent read_nerfstudio(const fs::path& folder) {
     frame.time_ns = assumed_time(number_in_name(frame.depth).value_or(frame.index));
     frame.location = {location.file, 0, frame.depth.filename().string()};
     std::vector<double> m;
-    for (const Json& row : each.value("transform_matrix", Json::array()))
+    for (const Json& row : member_of(each, "transform_matrix"))
       for (const Json& value : row.is_array() ? row : Json::array()) m.push_back(number_of(value));
     if (m.size() != 12 && m.size() != 16) throw Error("transform_matrix has 4 x 4 numbers", frame.location);
     if (m.size() == 12) m.insert(m.end(), {0, 0, 0, 1});
@@ -112,9 +115,9 @@ FileRecordingContent read_nerfstudio(const fs::path& folder) {
   const Json& first = frames[0];
   const auto value = [&](const char* key) { return camera_value(json, first, key, location); };
   RgbdCamera& camera = content.info.camera;
-  camera.color = checked_camera(
-      {int(value("w")), int(value("h")), value("fl_x"), value("fl_y"), value("cx") - 0.5, value("cy") - 0.5},
-      location);
+  camera.color = checked_camera({pixels_of(value("w")), pixels_of(value("h")), value("fl_x"), value("fl_y"),
+                                 value("cx") - 0.5, value("cy") - 0.5},
+                                location);
   content.color_distortion = nerfstudio_distortion(json, first, location);
   const ImageHeader depth = read_image_header(content.frames[0].depth);
   camera.depth = scaled_camera(camera.color, depth.width, depth.height);

@@ -20,12 +20,14 @@ struct PoseLine {
   std::vector<std::string> words;
   FileLocation location;
 
-  double number(size_t i) const {
-    double value = 0;
+  template <class T = double>
+  T number(size_t i) const {
+    T value{};
     const std::string& word = words.at(i);
     const char* end = word.data() + word.size();
     if (const auto read = std::from_chars(word.data(), end, value); read.ec != std::errc() || read.ptr != end)
-      throw Error(fmt::format("'{}' is not a number", word), location);
+      throw Error(fmt::format("'{}' is not a {}number", word, std::is_integral_v<T> ? "whole " : ""),
+                  location);
     return value;
   }
   template <size_t count>
@@ -34,7 +36,6 @@ struct PoseLine {
     for (size_t i = 0; i < count; ++i) values[i] = number(from + i);
     return values;
   }
-  int64_t integer(size_t i) const { return static_cast<int64_t>(number(i)); }
 };
 
 std::vector<PoseLine> lines_of(const fs::path& file, bool& colmap) {
@@ -79,7 +80,7 @@ Poses from_g2o(const std::vector<PoseLine>& lines, const Recording& recording) {
   for (const PoseLine& line : lines)
     if (line.words[0] == "VERTEX_SE3:QUAT") {
       if (line.words.size() < 9) throw Error("a vertex has an index and 7 numbers", line.location);
-      by_index[line.integer(1)] = pose_from_values(line.numbers<7>(2), line.location);
+      by_index[line.number<int64_t>(1)] = pose_from_values(line.numbers<7>(2), line.location);
     }
   Poses poses(recording.size());
   for (size_t i = 0; i < recording.size(); ++i)

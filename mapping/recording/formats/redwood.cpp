@@ -51,9 +51,12 @@ std::optional<PinholeCamera> open3d_camera(const fs::path& folder) {
     const fs::path file = beside_or_above(folder, name);
     if (file.empty()) continue;
     const Json json = read_json(file);
-    const Json matrix = json.value("intrinsic_matrix", Json());
+    const Json matrix = member_of(json, "intrinsic_matrix");
     if (!matrix.is_array() || matrix.size() != 9) continue;
-    return checked_camera({json.value("width", 640), json.value("height", 480), number_of(matrix[0]),
+    const auto size = [&](const char* key, int usual) {
+      return json.contains(key) ? pixels_of(number_of(json[key])) : usual;
+    };
+    return checked_camera({size("width", 640), size("height", 480), number_of(matrix[0]),
                            number_of(matrix[4]), number_of(matrix[6]), number_of(matrix[7])},
                           {file.string(), 0, {}});
   }
@@ -147,11 +150,11 @@ FileRecordingContent read_replica(const fs::path& folder) {
   content.depth_scale = 1 / 6553.5;
   content.info.camera.depth = {1200, 680, 600, 600, 599.5, 339.5};
   if (const fs::path file = beside_or_above(folder, "cam_params.json"); !file.empty()) {
-    const Json camera = read_json(file).value("camera", Json::object());
-    const auto value = [&](const char* key) { return number_of(camera.value(key, Json())); };
-    content.info.camera.depth =
-        checked_camera({int(value("w")), int(value("h")), value("fx"), value("fy"), value("cx"), value("cy")},
-                       {file.string(), 0, "camera"});
+    const Json camera = member_of(read_json(file), "camera");
+    const auto value = [&](const char* key) { return number_of(member_of(camera, key)); };
+    content.info.camera.depth = checked_camera(
+        {pixels_of(value("w")), pixels_of(value("h")), value("fx"), value("fy"), value("cx"), value("cy")},
+        {file.string(), 0, "camera"});
     if (!(value("scale") >= 1 && value("scale") <= 1e6))
       throw Error("scale is values per metre", {file.string(), 0, "camera.scale"});
     content.depth_scale = 1 / value("scale");

@@ -130,7 +130,7 @@ bool SensRecording::read_frame(int64_t index) {
   frame.location = {fmt::format("{}[{}]", path_.string(), index), 0, {}};
   frame.depth = path_;
   if (has_color_ && images.color_size > 0) frame.color = path_;
-  const bool stamped = microseconds > 0 && microseconds < (uint64_t{1} << 52);
+  const bool stamped = microseconds > 0 && microseconds < (uint64_t{1} << 51);
   frame.time_ns =
       assumed_time(stamped ? 0 : index) + (stamped ? static_cast<TimeNs>(1000 * microseconds) : 0);
   info_.time_assumed = true;
@@ -156,8 +156,8 @@ RgbdFrame SensRecording::frame(size_t i) const {
 }
 
 cv::Mat SensRecording::depth_image(const Images& images, const FileLocation& location) const {
-  cv::Mat depth(info_.camera.depth.height, info_.camera.depth.width, CV_32F);
-  const size_t bytes = 2 * depth.total();
+  const PinholeCamera& camera = info_.camera.depth;
+  const size_t bytes = 2 * static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height);
   std::string raw = read(images.depth_at, images.depth_size);
   try {
     if (zlib_depth_) raw = decompress("zlib", raw, bytes);
@@ -165,6 +165,7 @@ cv::Mat SensRecording::depth_image(const Images& images, const FileLocation& loc
     throw Error(error.message(), location);
   }
   if (raw.size() != bytes) throw Error("the depth image has another size than its camera", location);
+  cv::Mat depth(camera.height, camera.width, CV_32F);
   for (size_t p = 0; p < depth.total(); ++p) {
     const auto value = number_at<uint16_t>(std::string_view(raw).substr(2 * p));
     depth.ptr<float>()[p] = value == 0 || value == 65535 ? std::numeric_limits<float>::quiet_NaN()

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "mapping/base/files.h"
+#include "mapping/base/time_limits.h"
 #include "mapping/recording/stamped_poses.h"
 
 namespace loci::mapping {
@@ -32,7 +33,7 @@ std::optional<TimeNs> parse_seconds(std::string_view text) {
   const auto whole = std::from_chars(text.data(), text.data() + dot, seconds);
   const auto rest = std::from_chars(digits.data(), digits.data() + digits.size(), part);
   if (whole.ec != std::errc() || whole.ptr != text.data() + dot || rest.ec != std::errc() ||
-      rest.ptr != digits.data() + digits.size() || seconds < 0 || seconds > 9'000'000'000)
+      rest.ptr != digits.data() + digits.size() || seconds < 0 || seconds >= kMaxTime / kSecond)
     return std::nullopt;
   return seconds * kSecond + part;
 }

@@ -8,7 +8,6 @@
 
 #include "mapping/base/config.h"
 #include "mapping/base/error.h"
-#include "mapping/base/load_symbol.h"
 #include "mapping/recording/compression.h"
 
 namespace loci::mapping {
@@ -43,8 +42,6 @@ std::vector<fs::path> storage_files(const fs::path& folder) {
   return files;
 }
 
-using OpenBag = BagReader* (*)(const fs::path& path);
-
 /// Several files as one bag; with compression per message, as metadata.yaml says.
 class BagFolder : public BagReader {
  public:
@@ -64,13 +61,7 @@ class BagFolder : public BagReader {
 
   const std::vector<BagTopic>& topics() const override { return topics_; }
 
-  std::vector<TimeNs> times(const std::string& topic) const override {
-    std::vector<TimeNs> times;
-    const auto found = messages_.find(topic);
-    if (found == messages_.end()) return times;
-    for (const Message& message : found->second) times.push_back(message.time);
-    return times;
-  }
+  std::vector<TimeNs> times(const std::string& topic) const override { return times_in(messages_, topic); }
 
   std::string message(const std::string& topic, size_t i) const override {
     const Message& message = messages_.at(topic).at(i);
@@ -175,10 +166,7 @@ RosBag::RosBag(const fs::path& path) : path_(path) {
   } else {
     if (!is_ros1_bag(path))
       throw Error("this file is not a ROS 1 bag", {path.string(), 0, {}}, "a bag begins with '#ROSBAG V2.0'");
-    static const auto open_bag =
-        reinterpret_cast<OpenBag>(load_symbol("loci_rosbag.so", "loci_open_bag", "ROS 1 bags cannot be read",
-                                              "install loci_rosbag.so and librosbag-storage"));
-    reader_.reset(open_bag(path));
+    reader_ = open_ros1_bag(path);
   }
 }
 

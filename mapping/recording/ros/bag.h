@@ -40,6 +40,37 @@ std::vector<BagTopic> with_sorted_messages(const std::map<std::string, BagTopic>
   return sorted;
 }
 
+/// When the messages of a topic were recorded; empty for an unknown topic.
+template <typename Messages>
+std::vector<TimeNs> times_in(const Messages& messages, const std::string& topic) {
+  std::vector<TimeNs> times;
+  if (const auto found = messages.find(topic); found != messages.end())
+    for (const auto& message : found->second) times.push_back(message.time);
+  return times;
+}
+
+/// BagReader::visit for messages that stand `at` a place in a `chunk`: each chunk is unpacked once.
+template <typename Message, typename Wanted, typename Visitor, typename BytesOf>
+void visit_as_stored(const std::vector<BagTopic>& topics,
+                     const std::map<std::string, std::vector<Message>>& messages, const Wanted& wanted,
+                     const Visitor& visitor, const BytesOf& bytes_of) {
+  struct Visit {
+    const BagTopic* topic;
+    size_t number;
+    const Message* message;
+  };
+  std::vector<Visit> visits;
+  for (const BagTopic& topic : topics) {
+    if (!wanted(topic)) continue;
+    const std::vector<Message>& of_topic = messages.at(topic.name);
+    for (size_t i = 0; i < of_topic.size(); ++i) visits.push_back({&topic, i, &of_topic[i]});
+  }
+  std::ranges::sort(visits, {},
+                    [](const Visit& each) { return std::pair(each.message->chunk, each.message->at); });
+  for (const Visit& each : visits)
+    visitor(*each.topic, each.number, each.message->time, bytes_of(*each.message));
+}
+
 /// A bag of one storage format. Messages of a topic are numbered in order of the time of recording.
 class BagReader {
  public:
@@ -53,7 +84,6 @@ class BagReader {
   virtual std::vector<TimeNs> times(const std::string& topic) const = 0;
   virtual std::string message(const std::string& topic, size_t i) const = 0;
   /// All messages of the topics that `wanted` accepts, in the order that is fastest to read.
-  /// (Inline, so that the module of ROS 1 has all that it takes.)
   virtual void visit(const std::function<bool(const BagTopic&)>& wanted, const Visitor& visitor) const {
     for (const BagTopic& topic : topics()) {
       if (!wanted(topic)) continue;
@@ -66,8 +96,7 @@ class BagReader {
 };
 
 /// A bag of ROS 1 (format 2.0, chunks plain, bz2 or lz4) or ROS 2 (MCAP, SQLite, a folder of these), read
-/// only. One thread at a time. Damaged MCAP and SQLite files give what is whole. librosbag-storage is loaded
-/// with the first bag of ROS 1: it brings two dozen libraries that most commands do not need.
+/// only. One thread at a time. Damaged MCAP and SQLite files give what is whole.
 class RosBag {
  public:
   /// Error when the path is missing or holds no bag; for ROS 1 also when it is truncated or was not closed.
@@ -97,6 +126,7 @@ bool is_ros1_bag(const std::filesystem::path& path);
 bool is_ros2_bag(const std::filesystem::path& path);
 
 /// Readers of single storage formats; Error when the file cannot be read at all.
+std::unique_ptr<BagReader> open_ros1_bag(const std::filesystem::path& path);
 std::unique_ptr<BagReader> open_mcap(const std::filesystem::path& path);
 std::unique_ptr<BagReader> open_sqlite_bag(const std::filesystem::path& path);
 

@@ -71,13 +71,7 @@ class McapReader : public BagReader {
   const std::vector<BagTopic>& topics() const override { return topics_; }
   std::vector<std::string> problems() const override { return problems_; }
 
-  std::vector<TimeNs> times(const std::string& topic) const override {
-    std::vector<TimeNs> times;
-    const auto found = messages_.find(topic);
-    if (found == messages_.end()) return times;
-    for (const Message& message : found->second) times.push_back(message.time);
-    return times;
-  }
+  std::vector<TimeNs> times(const std::string& topic) const override { return times_in(messages_, topic); }
 
   std::string message(const std::string& topic, size_t i) const override {
     const std::lock_guard lock(mutex_);
@@ -85,23 +79,9 @@ class McapReader : public BagReader {
   }
 
   void visit(const std::function<bool(const BagTopic&)>& wanted, const Visitor& visitor) const override {
-    struct Visit {
-      const BagTopic* topic;
-      size_t number;
-      const Message* message;
-    };
-    std::vector<Visit> visits;
-    for (const BagTopic& topic : topics_) {
-      if (!wanted(topic)) continue;
-      const std::vector<Message>& messages = messages_.at(topic.name);
-      for (size_t i = 0; i < messages.size(); ++i) visits.push_back({&topic, i, &messages[i]});
-    }
-    std::sort(visits.begin(), visits.end(), [](const Visit& a, const Visit& b) {
-      return std::pair(a.message->chunk, a.message->at) < std::pair(b.message->chunk, b.message->at);
-    });
     const std::lock_guard lock(mutex_);
-    for (const Visit& each : visits)
-      visitor(*each.topic, each.number, each.message->time, bytes_of(*each.message));
+    visit_as_stored(topics_, messages_, wanted, visitor,
+                    [this](const Message& each) { return bytes_of(each); });
   }
 
  private:

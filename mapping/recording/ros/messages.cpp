@@ -12,6 +12,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/image/image_io.h"
+#include "mapping/recording/formats/layouts.h"
 #include "mapping/recording/ros/rvl.h"
 
 namespace loci::mapping {
@@ -299,10 +300,8 @@ RosCamera read_ros_camera(const RosMessage& message) {
   const bool has_p = p[0] > 0 && p[5] > 0, has_k = k[0] > 0 && k[4] > 0;
   set(camera.raw, has_k ? k[0] : p[0], has_k ? k[4] : p[5], has_k ? k[2] : p[2], has_k ? k[5] : p[6]);
   set(camera.rectified, has_p ? p[0] : k[0], has_p ? p[5] : k[4], has_p ? p[2] : k[2], has_p ? p[6] : k[5]);
-  const PinholeCamera& c = camera.raw;
-  if (c.width < 1 || c.height < 1 || c.width >= int(kMaxSide) || c.height >= int(kMaxSide) || !(c.fx > 0) ||
-      !(c.fy > 0) || !std::isfinite(c.fx + c.fy + c.cx + c.cy))
-    throw Error("the camera is not calibrated", bytes.location());
+  for (const PinholeCamera& c : {camera.raw, camera.rectified})
+    if (!is_usable(c)) throw Error("the camera is not calibrated", bytes.location());
   try {
     camera.distortion = distortion_from(model, coefficients, bytes.location());
   } catch (const Error& error) {  // Focal length and centre are worth more than the rest.

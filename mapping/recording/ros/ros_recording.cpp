@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "mapping/base/text.h"
+#include "mapping/base/time_limits.h"
 #include "mapping/sensor/kinect.h"
 
 namespace loci::mapping {
@@ -116,6 +117,8 @@ void RosRecording::take(const BagTopic& topic, size_t i, TimeNs recorded, const 
   if (topic.type == kImage || topic.type == kCompressed) {
     const bool compressed = topic.type == kCompressed;
     const RosHeader header = read_ros_header(message);
+    const TimeNs time = header.stamp_ns != 0 ? header.stamp_ns : recorded;
+    if (!is_within_limits(time)) throw Error("the time stamp is too far off", {message.where, 0, {}});
     const std::string encoding =
         read_ros_encoding(message, compressed);  // Finds messages that are cut off, too.
     Stream& stream = content.images[topic.name];
@@ -126,7 +129,7 @@ void RosRecording::take(const BagTopic& topic, size_t i, TimeNs recorded, const 
       stream.encoding = encoding;
       stream.frame = header.frame;
     }
-    stream.when.emplace_back(header.stamp_ns != 0 ? header.stamp_ns : recorded, i);
+    stream.when.emplace_back(time, i);
   } else if (topic.type == kCameraInfo) {
     if (!content.cameras.contains(topic.name)) content.cameras[topic.name] = read_ros_camera(message);
   } else if (is_tf(topic)) {

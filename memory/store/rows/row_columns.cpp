@@ -1,13 +1,13 @@
 #include "memory/store/rows/row_columns.h"
 
+#include "mapping/base/time_limits.h"
+
 namespace loci::memory {
 namespace {
 
 /// Sides and pixels of the largest image that rows are believed to describe.
 constexpr int kMaxImageSide = 1 << 15;
 constexpr int64_t kMaxPixels = int64_t{1} << 26;
-/// 146 years from 1970: differences of two times fit 64 bits.
-constexpr TimeNs kMaxTime = TimeNs{1} << 62;
 
 bool is_image_size(int width, int height) {
   return width > 0 && height > 0 && width <= kMaxImageSide && height <= kMaxImageSide &&
@@ -89,7 +89,7 @@ void RowReader::thumbnail_size(int& width, int& height) {
 
 void RowReader::time(const char* name, TimeNs& time) {
   (*this)(name, time);
-  if (time < -kMaxTime || time > kMaxTime) refuse(name, "is a time that is too far off");
+  if (!is_within_limits(time)) refuse(name, "is a time that is too far off");
 }
 
 void RowReader::refuse(const char* name, const char* what) {
@@ -167,15 +167,21 @@ void RowWriter::roi(const std::optional<std::array<int, 4>>& roi) {
   for (size_t i = 0; i < 4; ++i) columns_.emplace_back(kRoiColumns[i], roi ? sql((*roi)[i]) : SqlValue());
 }
 
+void RowWriter::time(const char* name, TimeNs time) {
+  if (!is_within_limits(time))
+    throw Error(fmt::format("{} is a time that is too far off", name), {}, "times lie from 1824 to 2115");
+  (*this)(name, time);
+}
+
 void RowWriter::thumbnail_size(int width, int height) {
   null_as(0, "depth_width", width);
   null_as(0, "depth_height", height);
 }
 
 void RowWriter::bitemporal(const Bitemporal& times) {
-  (*this)("valid_from", times.valid_from);
+  time("valid_from", times.valid_from);
   (*this)("valid_to", times.valid_to);
-  (*this)("known_from", times.known_from);
+  time("known_from", times.known_from);
   (*this)("known_to", times.known_to);
   (*this)("supersedes", times.supersedes);
   (*this)("run", times.run);

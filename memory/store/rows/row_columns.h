@@ -77,7 +77,8 @@ class RowWriter {
   void camera(const std::optional<SceneCamera>& camera);
   void roi(const std::optional<std::array<int, 4>>& roi);
   void thumbnail_size(int width, int height);
-  void time(const char* name, const TimeNs& time) { (*this)(name, time); }
+  /// Error for what RowReader would refuse: nothing is written that cannot be read again.
+  void time(const char* name, TimeNs time);
   void bitemporal(const Bitemporal& times);
 
  private:

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "mapping/base/error.h"
+#include "mapping/base/time_limits.h"
 
 namespace loci {
 namespace {
@@ -32,9 +33,17 @@ TEST(Time, RefusesWhatIsNoTime) {
 
 TEST(Time, RefusesClocksAndZonesThatDoNotExist) {
   for (const char* text : {"2026-05-01T24:00:01Z", "2026-05-01T07:10:00+99:00", "2026-05-01T07:10:00+02:60",
-                           "2262-01-01T00:00:00Z", "0001-01-01"})
+                           "2116-01-01T00:00:00Z", "1823-12-31", "0001-01-01"})
     EXPECT_THROW(parse_time(text), Error) << text;
   EXPECT_EQ(parse_time("2026-05-01T24:00:00Z"), parse_time("2026-05-02"));
+}
+
+TEST(Time, DifferencesOfTimesThatAreReadFit) {
+  const TimeNs first = parse_time("1824-01-01T00:00:00+15:59"),
+               last = parse_time("2115-12-31T24:00:00-15:59");
+  EXPECT_TRUE(is_within_limits(first));
+  EXPECT_TRUE(is_within_limits(last));
+  EXPECT_EQ(kMaxTime - -kMaxTime, std::numeric_limits<TimeNs>::max() - 1);
 }
 
 TEST(Time, FormatsWhatEverFits) {

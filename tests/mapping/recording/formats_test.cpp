@@ -171,6 +171,31 @@ TEST_F(Formats, TransformsJsonIsTurnedFromOpenGlAndDepthMayBeSmaller) {
       << "distortion may stand in the frames";
 }
 
+TEST_F(Formats, JsonOfAnotherTypeIsRefused) {
+  write_depth("depth/1.png", 1500);
+  write_color("color/1.jpg");
+  const auto refusal_of = [&](const std::string& name, const std::string& json) {
+    write(name, json);
+    const std::string text = refusal(root_);
+    fs::remove(root_ / name);
+    return text;
+  };
+  const std::string frames = R"("frames": [{"depth_file_path": "depth/1.png", "file_path": "color/1.jpg",
+      "transform_matrix": [[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]]}]})";
+  const std::string camera = R"({"fl_x": 60, "fl_y": 62, "cx": 32, "cy": 24, "h": 48, )";
+  EXPECT_THAT(refusal_of("transforms.json", "[]"), HasSubstr("'frames' is a list"));
+  EXPECT_THAT(refusal_of("transforms.json", camera + R"("w": 1e300, )" + frames),
+              HasSubstr("positive sizes"));
+  EXPECT_THAT(refusal_of("transforms.json", camera + R"("w": 64, "camera_model": 7, )" + frames),
+              HasSubstr("the camera model is not a name"));
+  const std::string matrix = R"("intrinsic_matrix": [60, 0, 0, 0, 60, 0, 32, 24, 1]})";
+  EXPECT_THAT(refusal_of("camera_intrinsic.json", R"({"width": "wide", )" + matrix),
+              HasSubstr("positive sizes"));
+  EXPECT_THAT(refusal_of("camera_intrinsic.json", R"({"width": 1e300, )" + matrix),
+              HasSubstr("positive sizes"));
+  EXPECT_THAT(refusal_of("camera_intrinsic.json", "[]"), HasSubstr("the image is 64 x 48, the depth camera"));
+}
+
 // Stray Scanner
 // ----------------------------------------------------------------------------------------------
 
@@ -379,6 +404,8 @@ TEST_F(Poses, OfColmapAreOfTheColourCameraAndWorldToCamera) {
 TEST_F(Poses, OfAnotherKindAreRefusedWithTheirLine) {
   EXPECT_THAT(refusal_of("hello world\n"), HasSubstr("poses.txt:1: no poses of a known format"));
   EXPECT_THAT(refusal_of("VERTEX_SE3:QUAT 6 3 0 0 0 0 x 1\n"), HasSubstr("'x' is not a number"));
+  EXPECT_THAT(refusal_of("VERTEX_SE3:QUAT 1e300 3 0 0 0 0 0 1\n"),
+              HasSubstr("'1e300' is not a whole number"));
   EXPECT_THAT(refusal_of(""), HasSubstr("has no poses"));
 }
 

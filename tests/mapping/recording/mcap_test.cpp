@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <limits>
 #include <map>
 #include <sstream>
 
@@ -256,6 +257,23 @@ TEST(Mcap, AnImuAtRestMeasuresWhatIsUp) {
   ASSERT_TRUE(up);
   EXPECT_LT((*up - Vector3d(2, -9.6, 0).normalized()).norm(), 1e-9);
   EXPECT_FALSE(up_of({0, -14, 0})) << "it is shaken";
+}
+
+TEST(Mcap, AnImageWhoseTimeIsTooFarOffIsLeftOut) {
+  const TemporaryFolder folder("far");
+  const fs::path file = folder.path() / "far.mcap";
+  McapWriter writer(file, {});
+  const uint16_t depth = writer.add_channel("/depth/image_rect", image_type().name, image_type().definition);
+  const auto add = [&](TimeNs recorded) {  // without a stamp of its own
+    writer.add(depth, recorded,
+               image_message(cv::Mat(480, 640, CV_32F, cv::Scalar(1)), "32FC1", 0, "camera"));
+  };
+  add(kSecond);
+  add(std::numeric_limits<TimeNs>::max());
+  writer.finish();
+  const auto recording = open_recording(file);
+  EXPECT_EQ(recording->size(), 1U);
+  EXPECT_THAT(joined(recording->info().problems, "; "), HasSubstr("the time stamp is too far off"));
 }
 
 TEST(Mcap, OfSeveralCamerasOneIsReadAndTheOthersAreNamed) {

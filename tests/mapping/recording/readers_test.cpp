@@ -125,6 +125,8 @@ TEST_F(Tum, BadListsAreNamedWithTheirLine) {
   EXPECT_THAT(refusal(root_), HasSubstr("groundtruth.txt:1"));
   write_file_atomically(root_ / "groundtruth.txt", "yesterday 0 0 1 0 0 0 1\n");
   EXPECT_THAT(refusal(root_), HasSubstr("'yesterday' is not a stamp"));
+  write_file_atomically(root_ / "groundtruth.txt", "5000000000 0 0 1 0 0 0 1\n");
+  EXPECT_THAT(refusal(root_), HasSubstr("'5000000000' is not a stamp"));
   fs::remove(root_ / "groundtruth.txt");
   write_file_atomically(root_ / "depth.txt", "1305031102.1 depth/none.png\n");
   EXPECT_THAT(refusal(root_), HasSubstr("none.png"));
@@ -182,6 +184,15 @@ TEST_F(Pcd, OneFileWithZBackwardsIsTurnedAndItsNameIsItsTime) {
   EXPECT_EQ(recording->time_of(0), 1305031102250000000);
   EXPECT_NEAR(recording->frame(0).depth.at<float>(0, 0), 1, 1e-5);
   EXPECT_GT(recording->info().camera.depth.fy, 0);
+}
+
+TEST_F(Pcd, ANameThatIsNoTimeIsNotTakenForOne) {
+  for (const char* name : {"9999999999999999999.pcd", "9999999999.pcd"}) {
+    write(name);
+    const auto recording = open_recording(root_ / name);
+    EXPECT_TRUE(recording->info().time_assumed) << name;
+    EXPECT_EQ(format_time(recording->time_of(0)), "2000-01-01T00:00:00Z") << name;
+  }
 }
 
 TEST_F(Pcd, CloudsThatAreNoImagesAreRefused) {
@@ -290,6 +301,28 @@ TEST_F(Bag, TruncatedOrEmptyOrNoneIsOneLine) {
   }
   write_file_atomically(bag_, "hello");
   EXPECT_THAT(refusal(bag_), HasSubstr("not a ROS 1 bag"));
+}
+
+TEST_F(Bag, NoLengthIsBelieved) {
+  write_bag(bag_, entries());
+  const std::string whole = read_file(bag_);
+  const auto with_length_at = [&](size_t at) {
+    write_file_atomically(bag_, whole.substr(0, at) + "\xff\xff\xff\x7f" + whole.substr(at + 4));
+  };
+  const size_t chunk =
+      whole.find("compression=none");  // then op, size of the records, and the length of the data
+  ASSERT_NE(chunk, std::string::npos);
+  with_length_at(chunk + 37);
+  EXPECT_THAT(refusal(bag_), HasSubstr("it ends within a record"));
+  with_length_at(chunk + 33);
+  EXPECT_THAT(refusal(bag_), HasSubstr("a chunk of 2147483647 bytes"));
+  with_length_at(whole.find("topic=/cam/depth/image", chunk) - 4);
+  EXPECT_EQ(open_recording(bag_)->size(), 4U) << "connections stand behind the chunks, too";
+  const size_t index = whole.find("op=\x04", chunk);  // its data: time and place of each message
+  ASSERT_NE(index, std::string::npos);
+  const size_t entry = whole.find(std::string("\xe8\x03\0\0", 4), index);
+  with_length_at(entry + 8);
+  EXPECT_THAT(refusal(bag_), HasSubstr("a record is too short"));
 }
 
 TEST_F(Bag, BrokenMessagesAreLeftOutAndNamed) {

@@ -201,6 +201,8 @@ TEST_F(RecordingFiles, BadRowsAreRefusedWithTheirLine) {
   EXPECT_THAT(with_row(images + "nan,0,0,0,0,0,1"), HasSubstr("frames.csv:2"));
   EXPECT_THAT(with_row(images + "0,0,0,0.5,0,0,1"), HasSubstr("not of unit length"));
   EXPECT_THAT(with_row(images + "0,0,0,,,,"), HasSubstr("the pose is not complete"));
+  EXPECT_THAT(with_row("0,-9223372036854775808,,frames/000000_depth.png,,,,,,,"),
+              HasSubstr("frames.csv:2: the time stamp is too far off"));
   EXPECT_THAT(with_row("0,1,,frames/absent.png,,,,,,,"), HasSubstr("absent.png: no such image"));
   EXPECT_THAT(with_row("0,1,,frames/000000_color.png,,,,,,,"), HasSubstr("16-bit grey"));
   write_file_atomically(rec_ / "frames.csv", "index,time_ns,color,dpth\n");

@@ -117,6 +117,26 @@ TEST_F(ScenarioFile, ScenesMustFollowEachOther) {
   EXPECT_THROW(read_scenario(folder_ / "s.yaml"), Error);
 }
 
+TEST_F(ScenarioFile, FramesAreCountedBeforeMemoryIsTaken) {
+  const auto refusal_of = [&](const std::string& scene) -> std::string {
+    write_file_atomically(
+        folder_ / "s.yaml",
+        "world: kitchen.urdf\nscenes:\n  - {time: \"2026-05-01T07:00:00Z\", " + scene + "}\n");
+    try {
+      read_scenario(folder_ / "s.yaml");
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const std::string sweep =
+      "sweep: {positions: [[0, 0, 1], [1, 0, 1]], pitch_deg: [0, 10], yaw_deg: [0, 90, ";
+  EXPECT_EQ(refusal_of(sweep + "2]}, frames: 10"), "");
+  EXPECT_THAT(refusal_of(sweep + "1000]}, frames: 251"), HasSubstr("more than 1000000 frames"));
+  EXPECT_THAT(refusal_of(sweep + "1e300]}"), HasSubstr("expected [first, last, count]"));
+  EXPECT_THAT(refusal_of(sweep + ".nan]}"), HasSubstr("expected [first, last, count]"));
+}
+
 TEST(Scenario, CameraLooksWhereItIsTold) {
   const Isometry3d pose = looking_at({1, 1, 1.5}, {1, 3, 0.5});
   const Vector3d target = pose.inverse() * Vector3d(1, 3, 0.5);

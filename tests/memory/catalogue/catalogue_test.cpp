@@ -292,6 +292,11 @@ TEST_F(CatalogueTest, RefusesItsOwnHomeAndWhatIsNone) {
   EXPECT_THROW(catalogue_from(Json::array(), "test"), Error);
   EXPECT_THROW(catalogue_from(Json{{"format", "loci-catalogue"}, {"version", 2}}, "test"), Error);
   EXPECT_THROW(catalogue_from(Json{{"format", "loci-catalogue"}, {"version", 1}}, "test"), Error);
+  for (const Json& observations : {Json(-1), Json(1e300), Json("many")}) {
+    Json other = to_json(made);
+    other["objects"][0]["observations"] = observations;
+    EXPECT_THROW(catalogue_from(other, "test"), Error) << observations;
+  }
 }
 
 }  // namespace

@@ -122,6 +122,7 @@ TEST_F(Ingest, BadLinesAreNamedAndSkipped) {
       {R"({"time": "2026-05-01T08:00:01Z", "detections": [{"position": [null, 2, 3]}]})", "must be a number"},
       {R"({"time": "2026-05-01T08:00:01Z", "detections": [{"class": "mug"}]})", "has no position"},
       {R"({"time": "soon", "detections": []})", "soon"},
+      {R"({"time": "2200-05-01T08:00:01Z", "detections": []})", "is not a time"},
       {R"({"detections": []})", "has no time"},
       {R"({"time": "2026-04-01T08:00:01Z", "detections": []})", "lies before"},
       {"[1, 2", "not valid JSON"},

@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
+#include "mapping/base/time_limits.h"
 #include "memory/store/format.h"
 #include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
@@ -117,6 +118,18 @@ TEST_F(StoreTest, RollsBackASceneThatIsNotCommitted) {
   const Store store = Store::open_read(file_);
   EXPECT_EQ(store.scenes().size(), 2U);
   EXPECT_EQ(store.places().size(), 1U);
+}
+
+TEST_F(StoreTest, ATimeThatCouldNotBeReadAgainIsNotWritten) {
+  make_memory();
+  {
+    Store store = Store::open_write(file_);
+    const Id run = store.begin_run("test", "{}");
+    EXPECT_THAT(message([&] { add_one_scene(store, run, 1, kMaxTime + 1); }),
+                HasSubstr("time is a time that is too far off"));
+    add_one_scene(store, run, 1, kMaxTime);
+  }
+  EXPECT_EQ(Store::open_read(file_).scenes().back().time, kMaxTime);
 }
 
 TEST_F(StoreTest, SurvivesBeingKilledInTheMiddleOfAScene) {
