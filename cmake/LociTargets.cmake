@@ -5,7 +5,8 @@
 #   loci_generate_types(FOLDER NAMESPACE XML ...)  typed proxies from type systems: FOLDER/generated.{h,cpp} in the build folder
 #   loci_generate_messages(SOURCES FILE.proto)  C++ of protobuf messages, included as FOLDER/FILE.pb.h; SOURCES is set to
 #                                             what goes into GENERATED, and LINKS needs protobuf::libprotobuf
-#   loci_program(NAME [NO_UNITY] [SOURCES ...] LINKS ...) a program in bin/
+#   loci_program(NAME [NO_UNITY] [SOURCES ...] [LOOK_UP_FIRST ...] LINKS ...) a program in bin/; symbols are looked up
+#                                             first in the C++ library and in LOOK_UP_FIRST, which it needs anyway
 #   loci_test([NO_UNITY] LINKS ...)           all *_test.cpp of this folder as one GoogleTest program
 #
 # The library of mapping/base is the target loci_mapping_base, and so on.
@@ -155,12 +156,17 @@ function(loci_generate_messages sources file)
 endfunction()
 
 function(loci_program name)
-  cmake_parse_arguments(ARG "NO_UNITY" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "NO_UNITY" "" "SOURCES;LOOK_UP_FIRST;LINKS" ${ARGN})
   if(NOT ARG_SOURCES)
     file(GLOB ARG_SOURCES CONFIGURE_DEPENDS *.cpp)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_LINKS})
+  if(ARG_LOOK_UP_FIRST)
+    # The loader looks for every symbol of every library in all of them, in this order.
+    list(TRANSFORM ARG_LOOK_UP_FIRST REPLACE "(.+)" "$<TARGET_FILE:\\1>")
+    target_link_options(${name} PRIVATE LINKER:--push-state,--no-as-needed -lstdc++ ${ARG_LOOK_UP_FIRST} LINKER:--pop-state)
+  endif()
   if(NOT ARG_NO_UNITY)
     loci_unity(${name})
   endif()

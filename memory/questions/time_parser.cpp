@@ -263,9 +263,9 @@ class TimePhrase {
 }  // namespace
 
 TimeReader::TimeReader(const Store& store) : last_scene_(0), zone_(store.time_zone()) {
-  const auto scenes = store.scenes();
-  last_scene_ = scenes.empty() ? now() : scenes.back().time;
-  if (!scenes.empty()) first_scene_ = scenes.front().time;
+  const std::optional<TimeNs> last = store.last_scene_time();
+  last_scene_ = last.value_or(now());
+  first_scene_ = store.first_scene_time();
 }
 
 TimeSpan TimeReader::read(std::string_view text) const {
@@ -356,15 +356,13 @@ std::string duration_text(TimeNs duration) {
 }
 
 TimeWriter::TimeWriter(const Store& store) : zone_(store.time_zone()), with_seconds_(false) {
-  const auto scenes = store.scenes();
-  const auto day = [&](const SceneRow& scene) { return floor_to(zone_.local(scene.time), kDay); };
+  const std::vector<TimeNs> scenes = store.scene_times();
+  const auto day = [&](TimeNs time) { return floor_to(zone_.local(time), kDay); };
   with_date_ = scenes.empty() || day(scenes.front()) != day(scenes.back());
   for (size_t i = 0; i < scenes.size(); ++i) {
-    if (scenes[i].time % kMinute != 0) with_seconds_ = true;
+    if (scenes[i] % kMinute != 0) with_seconds_ = true;
     // Decimals only where whole seconds would not tell neighbours apart.
-    if (i > 0 && scenes[i].time != scenes[i - 1].time &&
-        scenes[i].time / kSecond == scenes[i - 1].time / kSecond)
-      decimals_ = 2;
+    if (i > 0 && scenes[i] != scenes[i - 1] && scenes[i] / kSecond == scenes[i - 1] / kSecond) decimals_ = 2;
   }
 }
 

@@ -1,4 +1,5 @@
 #include "memory/sentences/rephrasing.h"
+#include "memory/sentences/word_forms.h"
 
 #include <algorithm>
 #include <map>

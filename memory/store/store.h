@@ -184,8 +184,10 @@ class Store {
   std::vector<SceneRow> scenes(const AsOf& as_of = {}, std::optional<TimeNs> from = {},
                                std::optional<TimeNs> to = {}) const;
   SceneRow scene(Id id) const;
-  /// The scene that was added last, and the time of the latest; unset in an empty memory.
+  std::vector<TimeNs> scene_times() const;  ///< of all scenes, in order
+  /// The scene that was added last, and the times of the earliest and the latest; unset in an empty memory.
   std::optional<SceneRow> last_scene() const;
+  std::optional<TimeNs> first_scene_time() const;
   std::optional<TimeNs> last_scene_time() const;
   /// The latest scene as of a time.
   std::optional<SceneRow> latest_scene(const AsOf& as_of) const;

@@ -82,6 +82,14 @@ SceneRow Store::scene(Id id) const {
   return select_by_id<SceneRow>(*connection_, id);
 }
 
+std::vector<TimeNs> Store::scene_times() const {
+  return connection_->values<TimeNs>("SELECT time FROM scene ORDER BY time");
+}
+
+std::optional<TimeNs> Store::first_scene_time() const {
+  return connection_->value<TimeNs>("SELECT time FROM scene ORDER BY time LIMIT 1");
+}
+
 std::optional<SceneRow> Store::last_scene() const {
   return select_first<SceneRow>(*connection_, Where(), "id DESC");
 }

@@ -71,7 +71,7 @@ ClassExperts::Votes ClassExperts::votes_of(Id object) const {
     const std::string expert = agree ? last : expert_of(store_, row);
     Opinion& opinion = votes[expert];
     opinion.names[row.value] += std::max(1e-3, row.confidence.value_or(kDefaultConfidence));
-    opinion.runs.insert(store_.scene(row.scene).run);
+    opinion.runs.insert(run_of(row.scene));
     named[expert].emplace(row.scene, row.observation);
   }
   const std::map<Id, size_t> looks = store_.latest_observations_by_run(object, kMaxObservations, as_of_);
@@ -82,6 +82,12 @@ ClassExperts::Votes ClassExperts::votes_of(Id object) const {
     opinion.looked = std::max(opinion.looked, opinion.named);
   }
   return votes;
+}
+
+Id ClassExperts::run_of(Id scene) const {
+  const auto [slot, fresh] = runs_.try_emplace(scene);
+  if (fresh) slot->second = store_.scene(scene).run;
+  return slot->second;
 }
 
 double ClassExperts::competence(const std::string& expert) const {

@@ -54,6 +54,7 @@ class ClassExperts {
   Votes votes_of(Id object) const;
   std::optional<ClassVerdict> judge(Id object) const;
   double competence(const std::string& expert) const;
+  Id run_of(Id scene) const;
 
   struct Record {
     double right = 0, wrong = 0;
@@ -63,6 +64,7 @@ class ClassExperts {
   AsOf as_of_;
   std::map<std::string, Record> records_;
   mutable std::map<Id, std::optional<ClassVerdict>> verdicts_;  ///< that were asked for
+  mutable std::map<Id, Id> runs_;                               ///< of scenes
 };
 
 }  // namespace loci::memory

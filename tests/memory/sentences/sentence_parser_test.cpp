@@ -397,7 +397,7 @@ TEST(Sentences, EveryExampleMeansItsQuestion) {
     for (const SentenceForm& form : question.sentences) {
       if (form.example.empty()) continue;
       std::vector<std::string> meant;  // the memory decides which
-      for (const Query& query : parse_readings(form.example, kTimes)) meant.push_back(query.question);
+      for (const Query& query : parse_readings(clauses_of(form.example, kTimes), kTimes)) meant.push_back(query.question);
       EXPECT_THAT(meant, testing::Contains(question.name)) << form.example;
     }
 }

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 
 #include "memory/store/format.h"
+#include "memory/store/rows/schema_check.h"
 #include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"
@@ -66,6 +67,12 @@ class StoreTest : public testing_support::TemporaryFolder {
     return run;
   }
 };
+
+TEST_F(StoreTest, TheSchemaHasItsDigest) {
+  SQLite::Database database(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  database.exec(kMemoryFormat.schema);
+  EXPECT_EQ(schema_digest(database), kMemoryFormat.schema_digest);
+}
 
 TEST_F(StoreTest, KeepsWhatASceneCommitted) {
   make_memory();
