@@ -189,6 +189,9 @@ bool add_time(Query& query, const Question& question, SentenceTime time, std::op
   }
   if (!period) return true;
   const std::string &from = period->from, &to = period->to;
+  // "How long has it been there now" is not about this moment only.
+  const bool lasts = query.asks == Asks::duration || query.asks == Asks::closed_for;
+  if (lasts && from == "now" && to == "now") return true;
   if (time == SentenceTime::none) return false;
   if (time == SentenceTime::during) {
     if (from.empty() || to.empty()) return false;
