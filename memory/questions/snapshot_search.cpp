@@ -415,8 +415,7 @@ std::optional<std::string> Snapshot::head_of(const std::string& subject) const {
   std::vector<std::string> words = lower_case_words(subject);
   const size_t said = words.size();
   for (size_t i = 0; i + 2 < words.size(); ++i)  // "jar of jam"
-    if (is_package(words[i]) && words[i + 1] == "of" && find_by_word(words[i]).empty() &&
-        !find_by_word(words[i + 2]).empty())
+    if (is_package(words[i]) && words[i + 1] == "of" && !find_by_word(words[i + 2]).empty())
       words.erase(words.begin() + static_cast<std::ptrdiff_t>(i),
                   words.begin() + static_cast<std::ptrdiff_t>(i) + 2);
   for (size_t i = 0; i + 1 < words.size(); ++i) {
