@@ -1,4 +1,5 @@
 #include "mapping/base/error.h"
+#include "mapping/base/json.h"
 #include "memory/questions/facts.h"
 #include "memory/sentences/discourse.h"
 #include "memory/sentences/intent_model.h"
