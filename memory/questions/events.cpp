@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <tuple>
 
 #include "memory/questions/environment.h"
 #include "memory/questions/question.h"
@@ -99,6 +101,22 @@ const Record<SceneSummary>& summary_record() {
   return record;
 }
 
+bool may_be_of_joint(const std::string& kind) {
+  static const std::set<std::string> kinds = {"", "opened", "closed", "joint_changed", "place_handled"};
+  return kinds.contains(kind);
+}
+
+/// Only changes of objects, joints and furniture of which there are so many.
+void keep_repeated(std::vector<Change>& changes, size_t min_times) {
+  const auto of = [](const Change& change) {
+    return std::tuple(change.object ? change.object->id : 0, change.joint,
+                      change.object || !change.place ? 0 : change.place->id);
+  };
+  std::map<decltype(of(changes[0])), size_t> counts;
+  for (const Change& change : changes) ++counts[of(change)];
+  std::erase_if(changes, [&](const Change& change) { return counts[of(change)] < min_times; });
+}
+
 }  // namespace
 
 ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
@@ -112,7 +130,9 @@ ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
     for (const Id object : snapshot.find_objects(question.subject)) objects.insert(object);
   std::set<std::string> joints;  // of parts that need not be places
   if (!question.place.empty()) {
-    joints = joints_called(snapshot, question.place);
+    // The map is read for joints only: that takes longer than all else.
+    if (may_be_of_joint(question.kind) || snapshot.places_called(question.place).empty())
+      joints = joints_called(snapshot, question.place);
     if (joints.empty() || !snapshot.places_called(question.place).empty())
       for (const PlaceRow& place : snapshot.find_places(question.place)) places.insert(place.id);
   }
@@ -142,6 +162,7 @@ ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
         (question.kind != "new" || is_still_there(change)))
       answer.changes.push_back(change);
   }
+  if (question.min_times > 1) keep_repeated(answer.changes, question.min_times);
   return answer;
 }
 
@@ -309,10 +330,11 @@ std::vector<SentenceForm> changes_sentences() {
       {"sincewhen: close <place> [leave]", last_time, "", shut},
       {"when: empty|clean <place> [last]", last_time, "When was the table cleared?", left},
       {"howlong: open <place> [leave]", duration, "How long was the drawer open?", kind("joint_changed")},
+      {"howlong: close <place>", closed_for, "How long has the drawer been closed?", kind("joint_changed")},
       {"when: first move <object>", first_time, "", handled},
       {"when: open|opened <place> [last]", last_time, "When was the drawer last opened?", opened},
       {"when: move|look <place> [last]", last_time, "When was the table moved?", kind("place_handled")},
-      {"bare: last opened <place>", last_time, "", opened},
+      {"bare: last opened <place>", place, "", opened},
       {"bare: last close <place>", last_time, "", shut},
       {"when: first open|opened <place>", first_time, "", opened},
       {"when: close <place> [last]", last_time, "", shut},
@@ -440,14 +462,16 @@ std::vector<Question> event_questions() {
              .choices = kChangeKinds},
             {.name = "other",
              .type = ParameterType::place,
-             .help = "Only moves between --place and this place; with --kind came from there"}},
+             .help = "Only moves between --place and this place; with --kind came from there"},
+            {.name = "times", .type = ParameterType::number, .help = "Only of what changed so often"}},
        .period = true,
        .examples = {"", "--between 08:00 10:00"},
        .answer = format::schema_by<changes_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(),
                     ChangesQuestion{given.from(), given.to(), given.text("object"), given.text("place"),
-                                    given.as_of(), given.text("kind"), given.text("other")});
+                                    given.as_of(), given.text("kind"), given.text("other"),
+                                    static_cast<size_t>(std::max<Id>(1, given.number("times").value_or(1)))});
        },
        .time = SentenceTime::period,
        .sentences = changes_sentences()},
@@ -470,7 +494,9 @@ std::vector<Question> event_questions() {
        .answer = format::schema_by<scenes_record>,
        .run = ask_period<ScenesQuestion>,
        .time = SentenceTime::period,
-       .sentences = {{"when|where: look person [last]", Asks::summary, "When did you look?"}}},
+       .sentences = {{"when|where: look person [last]", Asks::summary, "When did you look?"},
+                     {"howmany: scene|look [person|there|room]", Asks::number},
+                     {"howoften: look person", Asks::number}}},
   };
 }
 

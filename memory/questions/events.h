@@ -25,6 +25,7 @@ struct ChangesQuestion {
   /// move neither left nor came where no place is asked about. Empty = all.
   std::string kind = {};
   std::string other = {};  ///< only moves between `place` and this place; with "came" only those from there
+  size_t min_times = 1;    ///< only of what changed so often
 };
 struct ChangesAnswer {
   std::optional<TimeNs> from = {}, to = {};

@@ -198,6 +198,18 @@ HistoryAnswer ask(const Store& store, const HistoryQuestion& question) {
   return answer;
 }
 
+std::vector<TimeSpan> spans_of(const std::vector<Stay>& stays) {
+  std::vector<TimeSpan> spans;
+  for (size_t i = 0; i < stays.size(); ++i) {
+    const Stay& stay = stays[i];
+    const bool goes_on = i > 0 && !stay.moved_in && stay.place && stays[i - 1].place &&
+                         stays[i - 1].place->id == stay.place->id;
+    if (!goes_on) spans.push_back({stay.scenes.front().time, 0});
+    spans.back().last = stay.scenes.back().time;
+  }
+  return spans;
+}
+
 std::string to_text(const HistoryAnswer& answer, const TimeWriter& times) {
   std::vector<std::string> lines;
   for (const ObjectHistory& history : answer.objects) {

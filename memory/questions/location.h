@@ -58,6 +58,9 @@ struct HistoryAnswer {
   std::vector<ObjectHistory> objects = {};
 };
 HistoryAnswer ask(const Store& store, const HistoryQuestion& question);
+/// From the first to the last sighting of each time that an object was at one place: a stay goes on while it
+/// is there, whichever spot of the place that is.
+std::vector<TimeSpan> spans_of(const std::vector<Stay>& stays);
 std::string to_text(const HistoryAnswer& answer, const TimeWriter& times);
 void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const HistoryAnswer& answer);

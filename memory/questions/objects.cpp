@@ -180,6 +180,8 @@ std::vector<SentenceForm> objects_sentences() {
       {"what: thing person|there [know|see|have|exist]", objects, "What objects do you know?"},
       {"what: know person", objects},
       {"what: room [thing|see|know]", objects},
+      {"where: everything [every|thing|stand|keep|put|leave]", place, "Where was everything at nine?"},
+      {"where: every thing [stand|keep|put|leave]", place},
       {"order: show|list|name thing|everything [know]", objects},
       {"order: show|list|name <object> [everything|know|see|thing]", objects, "Show me all red objects."},
       {"what: thing <object>", objects},

@@ -75,6 +75,9 @@ enum class Asks {
   most,         ///< which of them most often
   earliest,     ///< which of them first
   latest,       ///< which of them last
+  longest,      ///< which of them longest
+  looks,        ///< how often it was looked at
+  closed_for,   ///< how long it was closed
 };
 
 /// A question with its arguments as text.

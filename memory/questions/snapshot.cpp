@@ -34,53 +34,70 @@ std::optional<BelievedBox> believed_box(const BeliefRow& belief, const Observati
   return box;
 }
 
-Snapshot::Snapshot(const Store& store, const AsOf& as_of)
-    : store_(store),
-      moment_(store),
-      as_of_(as_of),
-      places_(store.places()),
-      facts_(store.facts(as_of)),
-      taxonomy_(Taxonomy::of(store, as_of)),
-      motions_(store) {
-  rename_places(places_, facts_);
-  for (const RecordingRow& recording : store.recordings()) recordings_[recording.id] = recording.name;
+Snapshot::Reads::Reads(const Store& of, const AsOf& when)
+    : store(of),
+      as_of(when),
+      moment(of),
+      places(of.places()),
+      facts(of.facts(when)),
+      taxonomy(Taxonomy::of(of, when)),
+      motions(of) {
+  rename_places(places, facts);
+  for (const RecordingRow& recording : of.recordings()) recordings[recording.id] = recording.name;
 }
 
+std::shared_ptr<Snapshot::Reads> Snapshot::reads_of(const Store& store, const AsOf& as_of) {
+  // While one lives, its transaction keeps what is read as it was; a writer sees its own changes.
+  thread_local std::vector<std::weak_ptr<Reads>> living;
+  std::erase_if(living, [](const std::weak_ptr<Reads>& reads) { return reads.expired(); });
+  for (const std::weak_ptr<Reads>& one : living)
+    if (const std::shared_ptr<Reads> reads = one.lock(); !store.writable() && &reads->store == &store &&
+                                                         reads->as_of.at == as_of.at &&
+                                                         reads->as_of.known_at == as_of.known_at)
+      return reads;
+  auto reads = std::make_shared<Reads>(store, as_of);
+  living.push_back(reads);
+  return reads;
+}
+
+Snapshot::Snapshot(const Store& store, const AsOf& as_of)
+    : store_(store), as_of_(as_of), reads_(reads_of(store, as_of)) {}
+
 const std::vector<BeliefRow>& Snapshot::beliefs() const {
-  if (!beliefs_) beliefs_ = store_.beliefs(as_of_);
-  return *beliefs_;
+  if (!reads_->beliefs) reads_->beliefs = store_.beliefs(as_of_);
+  return *reads_->beliefs;
 }
 
 Isometry3d Snapshot::place_motion(const PlaceRow& place, const SceneRow& scene) const {
   if (place.map == scene.map) return Isometry3d::Identity();
   for (const PlaceRow& row : store_.places())  // as the map calls them
-    if (row.id == place.id) return motions_.motion(row, scene.map);
+    if (row.id == place.id) return reads_->motions.motion(row, scene.map);
   return Isometry3d::Identity();
 }
 
 const PartNames& Snapshot::part_names() const {
-  if (!part_names_) part_names_ = loci::memory::part_names(store_, as_of_.known_at);
-  return *part_names_;
+  if (!reads_->part_names) reads_->part_names = loci::memory::part_names(store_, as_of_.known_at);
+  return *reads_->part_names;
 }
 
 const std::vector<SceneRow>& Snapshot::scenes() const {
-  if (!scenes_) scenes_ = store_.scenes(as_of_);
-  return *scenes_;
+  if (!reads_->scenes) reads_->scenes = store_.scenes(as_of_);
+  return *reads_->scenes;
 }
 
 const BeliefRow* Snapshot::belief(Id object) const {
-  if (beliefs_) {
-    const auto found = std::lower_bound(beliefs_->begin(), beliefs_->end(), object,
+  if (reads_->beliefs) {
+    const auto found = std::lower_bound(reads_->beliefs->begin(), reads_->beliefs->end(), object,
                                         [](const BeliefRow& row, Id id) { return row.object < id; });
-    return found != beliefs_->end() && found->object == object ? &*found : nullptr;
+    return found != reads_->beliefs->end() && found->object == object ? &*found : nullptr;
   }
-  const auto [slot, fresh] = belief_of_.try_emplace(object);
+  const auto [slot, fresh] = reads_->belief_of.try_emplace(object);
   if (fresh) slot->second = store_.belief(object, as_of_);
   return slot->second ? &*slot->second : nullptr;
 }
 
 const SceneRow* Snapshot::scene(Id id) const {
-  const auto [slot, fresh] = scene_of_.try_emplace(id);
+  const auto [slot, fresh] = reads_->scene_of.try_emplace(id);
   if (fresh) {
     slot->second = store_.scene(id);
     const bool later = (as_of_.at && slot->second->time > *as_of_.at) ||
@@ -93,7 +110,7 @@ const SceneRow* Snapshot::scene(Id id) const {
 SceneRef Snapshot::scene_ref(const SceneRow& scene) const {
   SceneRef ref{.scene = scene.id, .time = scene.time, .recording = {}, .frame = scene.frame_index};
   if (scene.recording)
-    if (const auto found = recordings_.find(*scene.recording); found != recordings_.end())
+    if (const auto found = reads_->recordings.find(*scene.recording); found != reads_->recordings.end())
       ref.recording = found->second;
   return ref;
 }
@@ -107,7 +124,7 @@ std::optional<SceneRef> Snapshot::scene_ref(std::optional<Id> id) const {
 ObjectRef Snapshot::object_ref(Id object) const {
   ObjectRef ref{.id = object, .name = object_name(object)};
   std::optional<std::string> product, class_name;
-  for (const FactRow& fact : facts_) {
+  for (const FactRow& fact : reads_->facts) {
     if (fact.object != object) continue;
     if (fact.key == "alias") ref.aliases.push_back(*fact.value);
     if (fact.key == "product") product = fact.value;
@@ -125,29 +142,29 @@ ObjectRef Snapshot::object_ref(Id object) const {
 std::optional<std::string> Snapshot::annotated_name(Id object) const {
   constexpr size_t kMaxObservations = 20;  // the latest
   constexpr const char* kProduct = "loci.annotation.ProductAnnotation";
-  if (!annotated_)
-    annotated_ = {store_.objects_annotated_by(kProduct, as_of_),
-                  store_.objects_annotated_by(kClassType, as_of_)};
-  if (std::ranges::binary_search(annotated_->products, object)) {
+  if (!reads_->annotated)
+    reads_->annotated = {store_.objects_annotated_by(kProduct, as_of_),
+                         store_.objects_annotated_by(kClassType, as_of_)};
+  if (std::ranges::binary_search(reads_->annotated->products, object)) {
     std::map<std::string, size_t> products;
     for (const AnnotationRow& row : store_.latest_annotations(object, kProduct, kMaxObservations, as_of_))
       if (!row.value.empty()) ++products[row.value];
     if (!products.empty())
       return std::ranges::max_element(products, {}, &std::pair<const std::string, size_t>::second)->first;
   }
-  if (!std::ranges::binary_search(annotated_->classes, object)) return std::nullopt;
+  if (!std::ranges::binary_search(reads_->annotated->classes, object)) return std::nullopt;
   const std::optional<ClassVerdict> verdict = class_verdict(object);
   return verdict && !verdict->name.empty() ? std::optional(verdict->name) : std::nullopt;
 }
 
 std::optional<ClassVerdict> Snapshot::class_verdict(Id object) const {
-  if (!experts_) experts_.emplace(store_, facts_, as_of_);
-  return experts_->verdict(object);
+  if (!reads_->experts) reads_->experts.emplace(store_, reads_->facts, as_of_);
+  return reads_->experts->verdict(object);
 }
 
 std::optional<PlaceRef> Snapshot::place_ref(std::optional<Id> place) const {
   if (!place) return std::nullopt;
-  for (const PlaceRow& row : places_)
+  for (const PlaceRow& row : reads_->places)
     if (row.id == *place) return PlaceRef{row.id, row.name, row.container};
   return std::nullopt;
 }

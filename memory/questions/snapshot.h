@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <set>
 #include <unordered_map>
 
@@ -26,7 +27,7 @@ class UnknownName : public Error {
 };
 
 /// What the memory believes as of a valid time and a transaction time, with names in place of ids. A
-/// consistent read of only what the question needs.
+/// consistent read of only what the question needs. Not for several threads at once.
 class Snapshot {
  public:
   Snapshot(const Store& store, const AsOf& as_of);
@@ -34,8 +35,8 @@ class Snapshot {
   const Store& store() const { return store_; }
   const AsOf& as_of() const { return as_of_; }
   const std::vector<BeliefRow>& beliefs() const;
-  const std::vector<PlaceRow>& places() const { return places_; }
-  const std::vector<FactRow>& facts() const { return facts_; }
+  const std::vector<PlaceRow>& places() const { return reads_->places; }
+  const std::vector<FactRow>& facts() const { return reads_->facts; }
   const PartNames& part_names() const;
   /// Scenes up to `at`, known at `known_at`, in order of time.
   const std::vector<SceneRow>& scenes() const;
@@ -94,7 +95,8 @@ class Snapshot {
   std::vector<Id> find_exactly(const std::string& subject) const;
   /// What is called so, and what is related to it in meaning.
   std::vector<Id> find_by_word(const std::string& word) const;
-  std::vector<Id> find_named(const std::string& word) const;
+  const std::vector<Id>& find_named(const std::string& word) const;
+  std::vector<Id> search_named(const std::string& word) const;
   std::vector<std::string> names_related_to(const std::string& word, bool known) const;
   /// The one that "biggest red" means; unset when no word is a superlative.
   std::optional<Id> find_superlative(const std::vector<std::string>& words) const;
@@ -103,28 +105,40 @@ class Snapshot {
   /// What may be meant instead where words[unknown] means nothing.
   std::string hint_for(const std::vector<std::string>& words, size_t unknown) const;
 
-  const Store& store_;
-  Store::ReadTransaction moment_;
-  AsOf as_of_;
-  std::vector<PlaceRow> places_;
-  std::vector<FactRow> facts_;
-  Taxonomy taxonomy_;
-  std::map<Id, std::string> recordings_;
-  // Read when first asked for.
-  mutable std::optional<std::vector<BeliefRow>> beliefs_;
-  mutable std::unordered_map<Id, std::optional<BeliefRow>> belief_of_;
-  mutable std::optional<PartNames> part_names_;
-  mutable PlaceMotions motions_;
   /// By type of annotation, the best first: objects with a name of this type, sorted.
   struct Annotated {
     std::vector<Id> products, classes;
   };
-  mutable std::optional<Annotated> annotated_;
-  mutable std::optional<ClassExperts> experts_;
-  mutable std::optional<std::set<std::string>> class_names_;
-  mutable std::map<std::string, std::vector<std::string>> related_to_;
-  mutable std::optional<std::vector<SceneRow>> scenes_;
-  mutable std::unordered_map<Id, std::optional<SceneRow>> scene_of_;
+  /// What was read, and what follows from it. Snapshots of one moment share it: a sentence asks many
+  /// questions, and each would find out again what a name means.
+  struct Reads {
+    Reads(const Store& store, const AsOf& as_of);
+
+    const Store& store;
+    AsOf as_of;
+    Store::ReadTransaction moment;
+    std::vector<PlaceRow> places;
+    std::vector<FactRow> facts;
+    Taxonomy taxonomy;
+    std::map<Id, std::string> recordings;
+    PlaceMotions motions;
+    // Read when first asked for.
+    std::optional<std::vector<BeliefRow>> beliefs;
+    std::unordered_map<Id, std::optional<BeliefRow>> belief_of;
+    std::optional<PartNames> part_names;
+    std::optional<Annotated> annotated;
+    std::optional<ClassExperts> experts;
+    std::optional<std::set<std::string>> class_names;
+    std::map<std::string, std::vector<std::string>> related_to;
+    std::map<std::string, std::vector<Id>> named;  ///< by find_named()
+    std::optional<std::vector<SceneRow>> scenes;
+    std::unordered_map<Id, std::optional<SceneRow>> scene_of;
+  };
+  static std::shared_ptr<Reads> reads_of(const Store& store, const AsOf& as_of);
+
+  const Store& store_;
+  AsOf as_of_;
+  std::shared_ptr<Reads> reads_;
 };
 
 /// Fraction of a place that must have been seen to conclude that an object is not there.

@@ -122,18 +122,19 @@ std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
   std::vector<PlaceRow> found;
   const auto take = [&](auto matches) {
     if (!found.empty()) return;
-    std::copy_if(places_.begin(), places_.end(), std::back_inserter(found), matches);
+    std::copy_if(reads_->places.begin(), reads_->places.end(), std::back_inserter(found), matches);
   };
   take([&](const PlaceRow& place) { return lower_case(place.name) == joined; });
   take([&](const PlaceRow& place) { return lower_case(place.name) == name; });
   take([&](const PlaceRow& place) {
-    return std::any_of(facts_.begin(), facts_.end(), [&](const FactRow& fact) {
+    return std::any_of(reads_->facts.begin(), reads_->facts.end(), [&](const FactRow& fact) {
       return fact.place == place.id && fact.key == "alias" &&
              with_underscores(lower_case(*fact.value)) == joined;
     });
   });
   // What was renamed is found by its old name, too.
-  if (found.empty() && std::ranges::any_of(facts_, [](const FactRow& f) { return f.key == kPlaceNameKey; })) {
+  if (found.empty() &&
+      std::ranges::any_of(reads_->facts, [](const FactRow& f) { return f.key == kPlaceNameKey; })) {
     for (const PlaceRow& before : store_.places())
       if (lower_case(before.name) == joined)
         take([&](const PlaceRow& place) { return place.id == before.id; });
@@ -171,7 +172,7 @@ std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
   std::vector<PlaceRow> found = places_meant(asked);
   if (!found.empty()) return found;
   std::vector<std::string> names;
-  for (const PlaceRow& place : places_) names.push_back(place.name);
+  for (const PlaceRow& place : reads_->places) names.push_back(place.name);
   const std::string part = find_part_without_place(*this, asked);
   const std::string hint = part.empty()
                                ? did_you_mean(asked, names)
@@ -199,14 +200,14 @@ std::vector<std::string> Snapshot::names_related_to(const std::string& word) con
 
 std::vector<std::string> Snapshot::names_related_to(const std::string& word, bool known) const {
   if (kFillers.contains(word) || !may_have_related_names(word)) return {};
-  const auto [slot, fresh] = related_to_.try_emplace(word);
+  const auto [slot, fresh] = reads_->related_to.try_emplace(word);
   if (!fresh) return slot->second;
-  if (!class_names_) {
-    class_names_.emplace();
-    for (const FactRow& fact : facts_)
-      if (fact.object && fact.key == "class") class_names_->insert(lower_case(*fact.value));
+  if (!reads_->class_names) {
+    reads_->class_names.emplace();
+    for (const FactRow& fact : reads_->facts)
+      if (fact.object && fact.key == "class") reads_->class_names->insert(lower_case(*fact.value));
   }
-  std::set<std::string> related = related_names(word, *class_names_);
+  std::set<std::string> related = related_names(word, *reads_->class_names);
   if (related.empty() && !known) {
     std::set<std::string> annotated;
     for (std::string& value : store_.annotation_values())
@@ -218,7 +219,12 @@ std::vector<std::string> Snapshot::names_related_to(const std::string& word, boo
   return slot->second;
 }
 
-std::vector<Id> Snapshot::find_named(const std::string& word) const {
+const std::vector<Id>& Snapshot::find_named(const std::string& word) const {
+  const auto known = reads_->named.find(word);
+  return known != reads_->named.end() ? known->second : reads_->named[word] = search_named(word);
+}
+
+std::vector<Id> Snapshot::search_named(const std::string& word) const {
   std::vector<Id> found;
   if (const auto id = object_id(word)) {
     if (belief(*id) != nullptr) found.push_back(*id);
@@ -231,12 +237,12 @@ std::vector<Id> Snapshot::find_named(const std::string& word) const {
     return found;
   }
   // The name of a place means what is there now, not what once was.
-  for (const PlaceRow& place : places_) {
+  for (const PlaceRow& place : reads_->places) {
     if (lower_case(place.name) != word) continue;
     return objects_at(place.id);
   }
   const auto take_facts = [&](auto matches) {
-    for (const FactRow& fact : facts_)
+    for (const FactRow& fact : reads_->facts)
       if (fact.object && belief(*fact.object) != nullptr && matches(fact, lower_case(*fact.value)))
         found.push_back(*fact.object);
   };
@@ -245,7 +251,7 @@ std::vector<Id> Snapshot::find_named(const std::string& word) const {
     return fact.key == "alias" && (value == word || with_underscores(value) == word);
   });
   if (!found.empty()) return unique(std::move(found));
-  const std::set<std::string> meanings = taxonomy_.meanings(word);
+  const std::set<std::string> meanings = reads_->taxonomy.meanings(word);
   take_facts([&](const FactRow& fact, const std::string& value) {
     return fact.key == "owner" ? word == value + "'s" : meanings.contains(value);
   });
@@ -258,7 +264,7 @@ std::vector<Id> Snapshot::find_named(const std::string& word) const {
   // What a person called its class overrules what it looked like to an annotator.
   std::set<Id> classed;
   std::set<std::string> classes;
-  for (const FactRow& fact : facts_)
+  for (const FactRow& fact : reads_->facts)
     if (fact.object && fact.key == "class") {
       classed.insert(*fact.object);
       classes.insert(lower_case(*fact.value));
@@ -284,13 +290,13 @@ std::vector<std::string> Snapshot::known_names() const {
     names.insert(object_name(row.object));
     if (row.color) names.insert(*row.color);
   }
-  for (const FactRow& fact : facts_)
+  for (const FactRow& fact : reads_->facts)
     if (fact.object) names.insert(*fact.value);
   // Words, not sentences.
   for (const std::string& value : store_.annotation_values())
     if (value.find_first_of(",0123456789") == std::string::npos && !find_named(lower_case(value)).empty())
       names.insert(value);
-  for (const PlaceRow& place : places_) names.erase(place.name);
+  for (const PlaceRow& place : reads_->places) names.erase(place.name);
   names.erase("");
   return {names.begin(), names.end()};
 }
@@ -370,7 +376,7 @@ std::vector<Id> Snapshot::find_longest_name(const std::vector<std::string>& word
     const auto rest = words.begin() + static_cast<std::ptrdiff_t>(next);
     const auto unknown = static_cast<size_t>(std::find_if(rest + 1, words.end(), ends) - rest);
     const bool is_place = std::ranges::any_of(
-        places_, [&](const PlaceRow& place) { return lower_case(place.name) == words[next]; });
+        reads_->places, [&](const PlaceRow& place) { return lower_case(place.name) == words[next]; });
     throw is_place ? UnknownName(UnknownName::Kind::object,
                                  fmt::format("nothing is known to be at {}", words[next]), file(), "")
                    : UnknownName(UnknownName::Kind::object,
@@ -384,7 +390,7 @@ std::vector<Id> Snapshot::find_longest_name(const std::vector<std::string>& word
 std::string Snapshot::with_names_joined(std::string text) const {
   text = phrase(words_of(text), 0);
   std::vector<std::string> names;
-  for (const FactRow& fact : facts_) {
+  for (const FactRow& fact : reads_->facts) {
     if (fact.key != "alias") continue;
     const std::vector<std::string> words = lower_case_words(*fact.value);
     if (words.size() > 1 &&
@@ -409,8 +415,7 @@ std::optional<std::string> Snapshot::head_of(const std::string& subject) const {
   std::vector<std::string> words = lower_case_words(subject);
   const size_t said = words.size();
   for (size_t i = 0; i + 2 < words.size(); ++i)  // "jar of jam"
-    if (is_package(words[i]) && words[i + 1] == "of" && find_by_word(words[i]).empty() &&
-        !find_by_word(words[i + 2]).empty())
+    if (is_package(words[i]) && words[i + 1] == "of" && !find_by_word(words[i + 2]).empty())
       words.erase(words.begin() + static_cast<std::ptrdiff_t>(i),
                   words.begin() + static_cast<std::ptrdiff_t>(i) + 2);
   for (size_t i = 0; i + 1 < words.size(); ++i) {

@@ -6,6 +6,7 @@
 #include "mapping/base/text.h"
 #include "memory/sentences/spelling.h"
 #include "memory/sentences/vocabulary.h"
+#include "memory/sentences/word_forms.h"
 
 namespace loci::memory {
 namespace {

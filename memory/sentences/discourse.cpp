@@ -7,6 +7,7 @@
 #include "memory/questions/names/related_words.h"
 #include "memory/sentences/courtesy.h"
 #include "memory/sentences/sentence_time.h"
+#include "memory/sentences/word_forms.h"
 #include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {

@@ -65,14 +65,24 @@ std::vector<std::string> meanings_of(const std::string& lemma) {
   return meanings;
 }
 
+std::string_view as_view(std::string_view text) {
+  return text;
+}
+
+/// The index of a feature; their number where it is none of them.
+template <class Features>
+size_t index_of(const Features& features, std::string_view feature) {
+  const auto found = std::ranges::lower_bound(features, feature, {}, as_view);
+  const bool is_one = found != features.end() && *found == feature;
+  return static_cast<size_t>((is_one ? found : features.end()) - features.begin());
+}
+
 /// Rows of weights of the features that a sentence has.
-std::vector<size_t> rows_of(const std::vector<std::string>& features, const Tokens& tokens) {
+template <class Features>
+std::vector<size_t> rows_of(const Features& features, const Tokens& tokens) {
   std::vector<size_t> rows;
-  for (const std::string& feature : intent_features(tokens)) {
-    const auto found = std::ranges::lower_bound(features, feature);
-    if (found != features.end() && *found == feature)
-      rows.push_back(static_cast<size_t>(found - features.begin()));
-  }
+  for (const std::string& feature : intent_features(tokens))
+    if (const size_t row = index_of(features, feature); row < features.size()) rows.push_back(row);
   return rows;
 }
 
@@ -84,16 +94,20 @@ void normalize(std::vector<double>& scores) {
   for (double& score : scores) score /= sum;
 }
 
-std::vector<double> scores_of(const std::vector<float>& weights, const std::vector<size_t>& rows,
-                              size_t forms) {
+std::vector<double> scores_of(const IntentModel& model, const std::vector<size_t>& rows) {
+  const size_t forms = model.forms.size();
   std::vector<double> scores(forms, 0);
   for (const size_t row : rows)
     for (size_t form = 0; form < forms; ++form)
-      scores[form] += static_cast<double>(weights[row * forms + form]);
+      scores[form] += static_cast<double>(model.weights[row * forms + form]) * double{kIntentWeightStep};
   return scores;
 }
 
 }  // namespace
+
+bool IntentModel::has_feature(std::string_view feature) const {
+  return index_of(features, feature) < features.size();
+}
 
 Tokens intent_tokens(const Words& words) {
   Tokens all = tokens_of(with_kinds(words)), tokens;
@@ -171,37 +185,62 @@ std::vector<std::vector<size_t>> competing_forms(const std::vector<std::string>&
   return all;
 }
 
+/// What a model refers to that was trained in this process.
+struct Storage {
+  std::vector<std::string> feature_texts, word_texts;
+  std::vector<const char*> features, words;
+  std::vector<short> weights;
+};
+
+IntentModel stored(const std::vector<std::string>& forms, std::vector<std::string> features,
+                   std::vector<std::string> words, const std::vector<float>& weights) {
+  const auto storage = std::make_shared<Storage>();
+  storage->feature_texts = std::move(features);
+  storage->word_texts = std::move(words);
+  for (const std::string& text : storage->feature_texts) storage->features.push_back(text.c_str());
+  for (const std::string& text : storage->word_texts) storage->words.push_back(text.c_str());
+  for (const float weight : weights)
+    storage->weights.push_back(static_cast<short>(std::lround(weight / kIntentWeightStep)));
+  return {forms, signatures_of(forms), storage->features, storage->weights, storage->words, storage};
+}
+
+/// By form: the lemmas of its paraphrases and what they mean, with blanks around each.
+std::vector<std::string> words_by_form(size_t forms, const std::vector<IntentSample>& samples) {
+  std::vector<std::set<std::string>> words(forms);
+  for (const IntentSample& sample : samples)
+    for (const std::string& lemma : sample.tokens.lemmas) {
+      words[sample.form].insert(lemma);
+      for (std::string& meaning : meanings_of(lemma)) words[sample.form].insert(std::move(meaning));
+    }
+  std::vector<std::string> texts;
+  for (const std::set<std::string>& of_form : words)
+    texts.push_back(" " + joined(Words(of_form.begin(), of_form.end()), " ") + " ");
+  return texts;
+}
+
 }  // namespace
 
 IntentModel train_intents(const std::vector<std::string>& forms, const std::vector<IntentSample>& samples) {
   constexpr int kSteps = 120;
   constexpr double kPrior = 0.3;  // precision of the weights
   constexpr double kRate = 0.35;
-  IntentModel model{.forms = forms};
+  std::vector<std::string> features;
   for (const IntentSample& sample : samples)
-    for (std::string& feature : intent_features(sample.tokens)) model.features.push_back(std::move(feature));
-  std::vector<std::set<std::string>> words(forms.size());
-  for (const IntentSample& sample : samples)
-    for (const std::string& lemma : sample.tokens.lemmas) {
-      words[sample.form].insert(lemma);
-      for (std::string& meaning : meanings_of(lemma)) words[sample.form].insert(std::move(meaning));
-    }
-  for (const std::set<std::string>& of_form : words)
-    model.words.push_back(" " + joined(Words(of_form.begin(), of_form.end()), " ") + " ");
-  keep_frequent(model.features);
-  model.weights.assign(model.features.size() * forms.size(), 0);
+    for (std::string& feature : intent_features(sample.tokens)) features.push_back(std::move(feature));
+  keep_frequent(features);
+  std::vector<float> weights(features.size() * forms.size(), 0);
   std::vector<std::vector<size_t>> rows;
-  for (const IntentSample& sample : samples) rows.push_back(rows_of(model.features, sample.tokens));
+  for (const IntentSample& sample : samples) rows.push_back(rows_of(features, sample.tokens));
   const std::vector<std::vector<size_t>> competing = competing_forms(forms, samples);
   // Gradient ascent with a step per weight that shrinks as its gradients add up (AdaGrad).
-  std::vector<float> gradient(model.weights.size()), squares(model.weights.size(), 1e-6F);
+  std::vector<float> gradient(weights.size()), squares(weights.size(), 1e-6F);
   for (int step = 0; step < kSteps; ++step) {
-    for (size_t i = 0; i < gradient.size(); ++i) gradient[i] = static_cast<float>(-kPrior) * model.weights[i];
+    for (size_t i = 0; i < gradient.size(); ++i) gradient[i] = static_cast<float>(-kPrior) * weights[i];
     for (size_t i = 0; i < samples.size(); ++i) {
       std::vector<double> probabilities(competing[i].size(), 0);
       for (const size_t row : rows[i])
         for (size_t k = 0; k < competing[i].size(); ++k)
-          probabilities[k] += static_cast<double>(model.weights[row * forms.size() + competing[i][k]]);
+          probabilities[k] += static_cast<double>(weights[row * forms.size() + competing[i][k]]);
       normalize(probabilities);
       for (size_t k = 0; k < competing[i].size(); ++k) {
         const size_t form = competing[i][k];
@@ -211,20 +250,10 @@ IntentModel train_intents(const std::vector<std::string>& forms, const std::vect
     }
     for (size_t i = 0; i < gradient.size(); ++i) {
       squares[i] += gradient[i] * gradient[i];
-      model.weights[i] += static_cast<float>(kRate) * gradient[i] / std::sqrt(squares[i]);
+      weights[i] += static_cast<float>(kRate) * gradient[i] / std::sqrt(squares[i]);
     }
   }
-  return model;
-}
-
-IntentModel quantized_intents(std::span<const char* const> forms, std::span<const char* const> features,
-                              std::span<const short> weights, std::span<const char* const> words) {
-  IntentModel model{.forms = {forms.begin(), forms.end()},
-                    .features = {features.begin(), features.end()},
-                    .words = {words.begin(), words.end()}};
-  model.weights.reserve(weights.size());
-  for (const short weight : weights) model.weights.push_back(static_cast<float>(weight) * kIntentWeightStep);
-  return model;
+  return stored(forms, std::move(features), words_by_form(forms.size(), samples), weights);
 }
 
 std::vector<std::string> signatures_of(const std::vector<std::string>& forms) {
@@ -235,13 +264,12 @@ std::vector<std::string> signatures_of(const std::vector<std::string>& forms) {
   return signatures;
 }
 
-IntentReading best_intent(const IntentModel& model, const std::vector<std::string>& signatures,
-                          const Tokens& tokens) {
-  std::vector<double> scores = scores_of(model.weights, rows_of(model.features, tokens), model.forms.size());
+IntentReading best_intent(const IntentModel& model, const Tokens& tokens) {
+  std::vector<double> scores = scores_of(model, rows_of(model.features, tokens));
   const std::string signature = placeholder_signature(tokens);
   constexpr double kNever = -1e9;
   for (size_t form = 0; form < scores.size(); ++form)
-    if (!takes(signatures[form], signature)) scores[form] = kNever;
+    if (!takes(model.signatures[form], signature)) scores[form] = kNever;
   normalize(scores);
   const auto best = std::ranges::max_element(scores);
   return {static_cast<size_t>(best - scores.begin()), *best};
@@ -271,7 +299,7 @@ Words uncovered_words(const IntentModel& model, size_t form, const Tokens& token
                          (word_class == WordClass::auxiliary && lemma != "will" && lemma != "should") ||
                          is_adverb(lemma);
     const auto has = [&](const std::string& word) {
-      return model.words[form].find(" " + word + " ") != std::string::npos;
+      return as_view(model.words[form]).find(" " + word + " ") != std::string_view::npos;
     };
     if (!neutral && !has(lemma) && std::ranges::none_of(meanings_of(lemma), has)) uncovered.push_back(lemma);
   }

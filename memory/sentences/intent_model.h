@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "memory/sentences/lexicon.h"
@@ -24,23 +26,26 @@ struct IntentSample {
   Tokens tokens = {};
 };
 
+/// Features, weights and words are read where the build or the training has them: a program that asks one
+/// question does not copy them first.
 struct IntentModel {
-  std::vector<std::string> forms = {};     ///< "Where is OBJECT?"; "none" asks the memory nothing
-  std::vector<std::string> features = {};  ///< sorted
-  std::vector<float> weights = {};         ///< by feature, then by form
-  std::vector<std::string> words =
-      {};  ///< by form: the lemmas of its paraphrases, sorted, with blanks around each
+  std::vector<std::string> forms = {};         ///< "Where is OBJECT?"; "none" asks the memory nothing
+  std::vector<std::string> signatures = {};    ///< by form, as signatures_of() has them
+  std::span<const char* const> features = {};  ///< sorted
+  std::span<const short> weights = {};         ///< by feature, then by form: multiples of kIntentWeightStep
+  std::span<const char* const> words =
+      {};  ///< by form: the lemmas of its paraphrases, with blanks around each
+  std::shared_ptr<const void> storage = {};  ///< of what was trained in this process
+
+  bool has_feature(std::string_view feature) const;
 };
+inline constexpr float kIntentWeightStep = 1.0F / 128;
 
 /// The maximum a posteriori weights under a Gaussian prior: the same on every run.
 IntentModel train_intents(const std::vector<std::string>& forms, const std::vector<IntentSample>& samples);
 
 /// What the build has trained.
 const IntentModel& trained_intents();
-/// Weights as they are stored: whole multiples of the step.
-inline constexpr float kIntentWeightStep = 1.0F / 128;
-IntentModel quantized_intents(std::span<const char* const> forms, std::span<const char* const> features,
-                              std::span<const short> weights, std::span<const char* const> words);
 
 /// The form of sentences that ask the memory nothing.
 inline constexpr const char* kNoIntent = "none";
@@ -53,8 +58,7 @@ struct IntentReading {
   size_t form = 0;
   double probability = 0;  ///< among the forms that take what the sentence names
 };
-IntentReading best_intent(const IntentModel& model, const std::vector<std::string>& signatures,
-                          const Tokens& tokens);
+IntentReading best_intent(const IntentModel& model, const Tokens& tokens);
 /// Lemmas that no paraphrase of the form has: the form may say less than the sentence.
 Words uncovered_words(const IntentModel& model, size_t form, const Tokens& tokens);
 

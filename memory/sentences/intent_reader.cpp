@@ -57,7 +57,7 @@ std::string text_of(const SentencePeriod& period) {
 }
 
 bool is_word(const std::string& lemma) {
-  return std::ranges::binary_search(trained_intents().features, lemma);
+  return trained_intents().has_feature(lemma);
 }
 
 Named named(const SentencePart& part, const Snapshot& snapshot, const TimeReader& times) {
@@ -181,9 +181,8 @@ bool drops_relation(const std::string& form, const Tokens& tokens) {
 }
 
 std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std::string& time) {
-  static const std::vector<std::string> signatures = signatures_of(trained_intents().forms);
   const Tokens tokens = intent_tokens(sentence.words);
-  const IntentReading best = best_intent(trained_intents(), signatures, tokens);
+  const IntentReading best = best_intent(trained_intents(), tokens);
   const std::string& form = trained_intents().forms[best.form];
   // "What was on the table" without a time is not what is on it now.
   const bool past = time.empty() && std::ranges::count(tokens.lemmas, "was") > 0;

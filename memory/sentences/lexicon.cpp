@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cctype>
 #include <set>
+#include <string_view>
+#include <unordered_map>
 
 #include "mapping/base/text.h"
 #include "memory/questions/time_parser.h"
 #include "memory/sentences/vocabulary.h"
+#include "memory/sentences/word_forms.h"
 
 namespace loci::memory {
 namespace {
@@ -157,70 +160,15 @@ void name_by_number(Words& words) {
   }
 }
 
-/// All plain sequences of words that a form stands for.
-class FormExpander {
- public:
-  explicit FormExpander(const std::string& form) : form_(form) {}
-  std::vector<Words> expand() { return alternatives('\0'); }
-
- private:
-  std::vector<Words> alternatives(char end) {
-    std::vector<Words> all, current = {{}};
-    std::string word;
-    const auto append = [&](const std::vector<Words>& tails) {
-      std::vector<Words> longer;
-      for (const Words& head : current)
-        for (const Words& tail : tails) {
-          longer.push_back(head);
-          longer.back().insert(longer.back().end(), tail.begin(), tail.end());
-        }
-      current = std::move(longer);
-    };
-    const auto end_word = [&] {
-      if (!word.empty()) append({{word}});
-      word.clear();
-    };
-    while (next_ < form_.size() && form_[next_] != end) {
-      const char c = form_[next_++];
-      if (c == ' ') {
-        end_word();
-      } else if (c == '|') {
-        end_word();
-        all.insert(all.end(), current.begin(), current.end());
-        current = {{}};
-      } else if (c == '(' || c == '[') {
-        std::vector<Words> inner = alternatives(c == '(' ? ')' : ']');
-        ++next_;
-        if (c == '[') inner.emplace_back();
-        append(inner);
-      } else {
-        word.push_back(c);
-      }
+/// The compounds by the words that they may begin with.
+const std::unordered_map<std::string_view, std::vector<const vocabulary::Compound*>>& compounds() {
+  static const auto all = [] {
+    std::unordered_map<std::string_view, std::vector<const vocabulary::Compound*>> result;
+    for (const vocabulary::Compound& compound : vocabulary::compounds()) {
+      for (const std::string_view word : first_words(compound.first))
+        if (auto& of_word = result[word]; of_word.empty() || of_word.back() != &compound)
+          of_word.push_back(&compound);
     }
-    end_word();
-    all.insert(all.end(), current.begin(), current.end());
-    return all;
-  }
-
-  const std::string& form_;
-  size_t next_ = 0;
-};
-
-struct Replacement {
-  Words words, by;
-};
-/// The compounds as plain sequences by their first words, long ones first.
-const std::map<std::string, std::vector<Replacement>>& compounds() {
-  static const std::map<std::string, std::vector<Replacement>> all = [] {
-    std::map<std::string, std::vector<Replacement>> result;
-    for (const auto& [form, by] : vocabulary::compounds())
-      for (Words& words : expand_form(form)) {
-        const std::string first = words[0];
-        result[first].push_back({std::move(words), words_of(by)});
-      }
-    for (auto& [first, replacements] : result)
-      std::ranges::stable_sort(replacements, std::ranges::greater(),
-                               [](const Replacement& one) { return one.words.size(); });
     return result;
   }();
   return all;
@@ -232,13 +180,19 @@ bool replace_compounds(Words& words) {
   for (size_t i = 0; i < words.size(); ++i) {
     const auto found = compounds().find(words[i]);
     if (found == compounds().end()) continue;
-    const auto fits = std::ranges::find_if(
-        found->second, [&](const Replacement& one) { return starts_with_words(words, one.words, i); });
-    if (fits == found->second.end()) continue;
-    replace_words(words, i, fits->words.size(), fits->by);
+    size_t longest = 0;
+    const char* by_text = nullptr;
+    for (const vocabulary::Compound* one : found->second)
+      if (const size_t length = longest_match(one->first, words, i); length > longest) {
+        longest = length;
+        by_text = one->second;
+      }
+    if (longest == 0) continue;
+    const Words by = words_of(by_text);
+    replace_words(words, i, longest, by);
     replaced = true;
-    i += fits->by.empty() ? 0 : fits->by.size() - 1;
-    if (fits->by.empty()) --i;
+    i += by.empty() ? 0 : by.size() - 1;
+    if (by.empty()) --i;
   }
   return replaced;
 }
@@ -349,6 +303,16 @@ Words sentence_words(const std::string& sentence) {
   return result;
 }
 
+std::vector<std::string_view> word_views(std::string_view text) {
+  constexpr std::string_view kSeparators = " ()[]|";
+  std::vector<std::string_view> words;
+  for (size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
+    end = std::min(text.find_first_of(kSeparators, begin), text.size());
+    if (end > begin) words.push_back(text.substr(begin, end - begin));
+  }
+  return words;
+}
+
 std::set<std::string> word_set(const char* words) {
   const Words all = words_of(words);
   return {all.begin(), all.end()};
@@ -391,10 +355,6 @@ std::string join_words(const Words& words, size_t first, size_t last) {
   return text;
 }
 
-std::vector<Words> expand_form(const std::string& form) {
-  return FormExpander(form).expand();
-}
-
 Tokens tokens_of(Words words) {
   constexpr int kMaxPasses = 3;  // compounds of compounds
   for (int pass = 0; pass < kMaxPasses && replace_compounds(words); ++pass) {
@@ -407,19 +367,16 @@ Tokens tokens_of(Words words) {
   return tokens;
 }
 
-bool is_one_typo(const std::string& a, const std::string& b) {
+bool is_one_typo(std::string_view a, std::string_view b) {
   if (a == b || a.size() > b.size() + 1 || b.size() > a.size() + 1) return false;
   size_t i = 0;
   while (i < a.size() && i < b.size() && a[i] == b[i]) ++i;
-  const std::string rest_a = a.substr(i), rest_b = b.substr(i);
-  const auto tail = [](const std::string& text, size_t count) {
-    return text.size() < count ? std::string() : text.substr(count);
-  };
-  if (rest_a.size() == rest_b.size())
-    return tail(rest_a, 1) == tail(rest_b, 1) ||
-           (rest_a.size() > 1 && rest_a[0] == rest_b[1] && rest_a[1] == rest_b[0] &&
-            tail(rest_a, 2) == tail(rest_b, 2));
-  return rest_a.size() > rest_b.size() ? tail(rest_a, 1) == rest_b : tail(rest_b, 1) == rest_a;
+  a.remove_prefix(i);
+  b.remove_prefix(i);
+  if (a.size() > b.size()) return a.substr(1) == b;
+  if (a.size() < b.size()) return b.substr(1) == a;
+  return a.substr(1) == b.substr(1) ||
+         (a.size() > 1 && a[0] == b[1] && a[1] == b[0] && a.substr(2) == b.substr(2));
 }
 
 }  // namespace loci::memory

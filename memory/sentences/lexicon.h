@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace loci::memory {
@@ -57,6 +58,8 @@ struct Tokens {
 };
 Tokens tokens_of(Words words);
 
+/// Words between blanks or brackets and bars of forms, as parts of the text, which has to outlive them.
+std::vector<std::string_view> word_views(std::string_view text);
 /// The words of a text, each once.
 std::set<std::string> word_set(const char* words);
 /// Whether all lemmas are in a set.
@@ -71,10 +74,7 @@ bool starts_with_words(const Words& words, const Words& head, size_t at = 0);
 /// Words [first, last) with blanks between them.
 std::string join_words(const Words& words, size_t first, size_t last);
 
-/// All plain sequences of words that a form with (a|b) and [optional] parts stands for.
-std::vector<Words> expand_form(const std::string& form);
-
 /// Whether one edit makes one word of the other: a letter more, less or other, or two neighbours exchanged.
-bool is_one_typo(const std::string& a, const std::string& b);
+bool is_one_typo(std::string_view a, std::string_view b);
 
 }  // namespace loci::memory

@@ -83,7 +83,10 @@ class Conversation {
     if (!answer.reply)
       if (auto respelled = answer_respelled(named)) answer = std::move(*respelled);
     answer.sentence = sentence;
-    if (!answer.query) set_not_understood(answer);
+    if (!answer.query) {
+      set_not_understood(answer);
+      answer.nearest = nearest_examples(sentence);
+    }
     return answer;
   }
 
@@ -237,6 +240,8 @@ class Conversation {
     NaturalLanguageAnswer event = answer_plainly((condition ? "" : "when ") + clause->event);
     if (!event.reply || !(condition ? event.reply->verdict.has_value() : event.reply->time.has_value()))
       return std::nullopt;
+    // What was so for some time is no moment: "while the milk was on the table".
+    if (clause->link == EventClause::Link::at && event.query->question == "was") return std::nullopt;
     const std::string note = event.reply->text;
     NaturalLanguageAnswer answer = std::move(event);
     if (!condition || answer.reply->verdict == Verdict::yes) {
@@ -291,7 +296,6 @@ class Conversation {
   static void set_not_understood(NaturalLanguageAnswer& answer) {
     answer.why_not = NoAnswer{
         "not_understood", fmt::format("'{}' is not understood.", shortened(answer.sentence, 80)), {}};
-    answer.nearest = nearest_examples(answer.sentence);
   }
 
   /// Whether a name has a word before its noun that nobody knows, or ends like a verb or an adverb, or is
@@ -377,16 +381,17 @@ class Conversation {
 
   std::vector<Query> readings_of(const std::string& sentence) const {
     std::vector<Query> readings;
+    const std::vector<Clause> clauses = clauses_of(sentence, times_);
     // "What about the jam?" asks what was asked of the milk.
     const Words words = sentence_words(sentence);
     const size_t first = starts_with_words(words, {"and"}) || starts_with_words(words, {"so"}) ? 1 : 0;
     if (last_ && (starts_with_words(words, {"what", "about"}, first) ||
                   starts_with_words(words, {"how", "about"}, first)))
-      readings = parse_follow_up(sentence, *last_, times_);
-    if (readings.empty()) readings = parse_readings(sentence, times_);
-    if (readings.empty() && last_) readings = parse_follow_up(sentence, *last_, times_);
+      readings = parse_follow_up(clauses, *last_, times_);
+    if (readings.empty()) readings = parse_readings(clauses, times_);
+    if (readings.empty() && last_) readings = parse_follow_up(clauses, *last_, times_);
     if (readings.empty())
-      if (auto named = parse_name(sentence, times_); named && is_known(*named)) readings = {*named};
+      if (auto named = parse_name(clauses); named && is_known(*named)) readings = {*named};
     return readings;
   }
 

@@ -54,7 +54,11 @@ void ReferenceResolver::resolve(Query& query, std::vector<std::string>& notes) {
     if (text.ends_with(" one") && text != "other one" && text != "this one" && text != "that one" &&
         !last_subject_.empty())
       text.replace(text.size() - 3, 3, last_subject_.substr(last_subject_.rfind(' ') + 1));
-    if (text == "other one" || text == "other" || text == "other ones") replace_other(text, notes);
+    const size_t end = std::min(last_subject_.find(" on "), last_subject_.find(" in "));
+    if (text == "other one" || text == "other" || text == "other ones")
+      replace_other(text, last_subject_.substr(0, end), notes);
+    else if (text.starts_with("other ") && !last_objects_.empty())
+      replace_other(text, text.substr(text.find(' ') + 1), notes);
     if (kPronouns.contains(text) && is_place(parameter.type) && !last_place_.empty()) {
       notes.push_back(fmt::format("'{}' is taken as {}", text, last_place_));
       text = last_place_;
@@ -117,11 +121,11 @@ void ReferenceResolver::replace_pronoun(std::string& text, std::vector<std::stri
   text = object_name(latest->object);
 }
 
-/// "the other one" is of the kind spoken of, and not what the last answer named.
-void ReferenceResolver::replace_other(std::string& text, std::vector<std::string>& notes) const {
-  const size_t end = std::min({last_subject_.find(" on "), last_subject_.find(" in "), last_subject_.size()});
+/// "The other one" is of the kind spoken of, "the other cup" a cup, and neither what the last answer named.
+void ReferenceResolver::replace_other(std::string& text, const std::string& kind,
+                                      std::vector<std::string>& notes) const {
   try {
-    for (const Id object : snapshot_.find_objects(last_subject_.substr(0, end)))
+    for (const Id object : snapshot_.find_objects(kind))
       if (std::ranges::count(last_objects_, object) == 0) {
         notes.push_back(fmt::format("'{}' is taken as {}", text, object_name(object)));
         text = object_name(object);

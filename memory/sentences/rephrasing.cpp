@@ -1,4 +1,5 @@
 #include "memory/sentences/rephrasing.h"
+#include "memory/sentences/word_forms.h"
 
 #include <algorithm>
 #include <map>
@@ -236,7 +237,20 @@ const std::vector<Pattern>& meanings() {
       {"^ compared with|to <t> , what is|are new on|in|at <p:name> $", "what newsince is on <p> at <t>"},
       {"^ what is|are new on|in|at <p:name> compared with|to <t> $", "what newsince is on <p> at <t>"},
       {"^ <x:name> total|count|tally $", "how many <x>"},
+      // Which one of that name: "the cup, the red one, where is it?"
+      {"the|my <x:name> , the <c:colour> one , <z>", "the <c> <x> , <z>"},
+      {"the|my <x:name> , the <c:colour> one $", "the <c> <x>"},
+      {"the|my <x:name> , the one that? is? in|inside <p:name> , <z>", "the <x> in <p> , <z>"},
+      {"the|my <x:name> , the one that? is? on|at <p:name> , <z>", "the <x> on <p> , <z>"},
+      // Telegrams.
+      {"^ objects|things|items that|which <x>", "what <x>"},
+      {"^ objects|things|items moved|touched|handled <x>", "what was moved <x>"},
+      {"^ objects|things|items appeared|added <x>", "what appeared <x>"},
+      {"^ gone|missing|vanished objects|things|items $", "what has gone"},
+      {"how long <x> at most $", "how long <x>"},
       // A choice after a question that is complete without it.
+      {"^ do|have i|we have? two|three|four <n:noun> or one|two|three|four|five $", "how many <n> are there"},
+      {"^ are there two|three|four <n:noun> or one|two|three|four|five $", "how many <n> are there"},
       {"which|what of? the? two? <n:noun> is|was closer|nearer to <y> , the <a> one? or the <b> one $",
        "is <y> nearer to the <a> <n> or to the <b> <n>"},
       {"which|what of? the? two? <n:noun> is|was <v> , the <a> one or the <b> one $", "which <n> is <v>"}};

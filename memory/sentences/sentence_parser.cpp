@@ -22,9 +22,9 @@ struct Slot {
 
 /// A form, read from its text.
 struct Rule {
-  std::set<std::string> moods = {};
-  std::vector<std::set<std::string>> required = {};  ///< of each, one has to be there
-  std::set<std::string> optional = {}, forbidden = {};
+  Words moods = {};
+  std::vector<Words> required = {};  ///< of each, one has to be there
+  Words optional = {}, forbidden = {};
   std::vector<Slot> slots = {};
   const Question* question = nullptr;
   const SentenceForm* form = nullptr;
@@ -32,9 +32,16 @@ struct Rule {
   size_t specificity() const { return 2 * required.size() + slots.size(); }
 };
 
-std::set<std::string> alternatives(std::string_view text) {
-  const std::vector<std::string> words = words_of(text, "|");
-  return {words.begin(), words.end()};
+Words alternatives(std::string_view text) {
+  return words_of(text, "|");
+}
+
+void append(Words more, Words& words) {
+  words.insert(words.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+bool contains(const Words& words, const std::string& word) {
+  return std::ranges::find(words, word) != words.end();
 }
 
 Rule read_rule(const Question& question, const SentenceForm& form) {
@@ -45,9 +52,9 @@ Rule read_rule(const Question& question, const SentenceForm& form) {
     if (const size_t slot = element.find('<'); slot != std::string::npos)
       rule.slots.push_back({element.substr(0, slot), element.substr(slot + 1, element.size() - slot - 2)});
     else if (element[0] == '[')
-      rule.optional.merge(alternatives(element.substr(1, element.size() - 2)));
+      append(alternatives(element.substr(1, element.size() - 2)), rule.optional);
     else if (element[0] == '-')
-      rule.forbidden.merge(alternatives(element.substr(1)));
+      append(alternatives(element.substr(1)), rule.forbidden);
     else
       rule.required.push_back(alternatives(element));
   }
@@ -118,28 +125,29 @@ bool is_request(const Rule& rule, const Clause& clause) {
 }
 
 std::optional<Slots> match(const Rule& rule, const Clause& clause) {
-  if (!rule.moods.contains(clause.mood) || is_request(rule, clause)) return std::nullopt;
-  std::set<std::string> allowed = rule.optional;
-  for (const std::set<std::string>& one_of : rule.required) {
-    if (std::ranges::none_of(one_of, [&](const std::string& one) {
-          return clause.concepts.contains(one) || clause.marks.contains(one);
-        }))
-      return std::nullopt;
-    allowed.insert(one_of.begin(), one_of.end());
-  }
+  if (!contains(rule.moods, clause.mood) || is_request(rule, clause)) return std::nullopt;
+  const auto is_said = [&](const std::string& one) {
+    return clause.concepts.contains(one) || clause.marks.contains(one);
+  };
+  for (const Words& one_of : rule.required)
+    if (std::ranges::none_of(one_of, is_said)) return std::nullopt;
   for (const std::string& one : clause.concepts)
-    if (!allowed.contains(one)) return std::nullopt;
-  for (const std::string& one : rule.forbidden)
-    if (clause.concepts.contains(one) || clause.marks.contains(one)) return std::nullopt;
-  // "except for the milk"
+    if (!contains(rule.optional, one) &&
+        std::ranges::none_of(rule.required, [&](const Words& one_of) { return contains(one_of, one); }))
+      return std::nullopt;
+  if (std::ranges::any_of(rule.forbidden, is_said)) return std::nullopt;
+  // "except for the milk", "more than once"
   std::vector<Phrase> phrases = clause.phrases;
-  const auto except = std::ranges::find(phrases, "except", &Phrase::relation);
-  if (except == phrases.end()) return assigned(rule.slots, phrases);
-  if (std::ranges::count(rule.question->parameters, "except", &Parameter::name) == 0) return std::nullopt;
-  const std::string text = except->text;
-  phrases.erase(except);
+  Slots restrictions;
+  for (const auto& [relation, parameter] : {std::pair("except", "except"), {"repeated", "times"}}) {
+    const auto restriction = std::ranges::find(phrases, relation, &Phrase::relation);
+    if (restriction == phrases.end()) continue;
+    if (std::ranges::count(rule.question->parameters, parameter, &Parameter::name) == 0) return std::nullopt;
+    restrictions[parameter] = restriction->text;
+    phrases.erase(restriction);
+  }
   auto slots = assigned(rule.slots, phrases);
-  if (slots) (*slots)["except"] = text;
+  if (slots) slots->merge(restrictions);
   return slots;
 }
 
@@ -181,6 +189,9 @@ bool add_time(Query& query, const Question& question, SentenceTime time, std::op
   }
   if (!period) return true;
   const std::string &from = period->from, &to = period->to;
+  // "How long has it been there now" is not about this moment only.
+  const bool lasts = query.asks == Asks::duration || query.asks == Asks::closed_for;
+  if (lasts && from == "now" && to == "now") return true;
   if (time == SentenceTime::none) return false;
   if (time == SentenceTime::during) {
     if (from.empty() || to.empty()) return false;
@@ -220,10 +231,16 @@ bool same(const Query& a, const Query& b) {
   return a.question == b.question && a.arguments == b.arguments && a.asks == b.asks;
 }
 
-std::vector<Query> matching(const std::string& sentence, const TimeReader& times) {
+}  // namespace
+
+std::vector<Clause> clauses_of(const std::string& sentence, const TimeReader& times) {
+  return parse_clauses(sentence, grammar_concepts(), times);
+}
+
+std::vector<Query> parse_readings(const std::vector<Clause>& clauses, const TimeReader& times) {
   constexpr size_t kMaxReadings = 8;
   std::vector<Query> queries;
-  for (const Clause& clause : parse_clauses(sentence, grammar_concepts(), times))
+  for (const Clause& clause : clauses)
     for (const Rule& rule : rules()) {
       if (queries.size() == kMaxReadings) return queries;
       const auto slots = match(rule, clause);
@@ -238,13 +255,15 @@ std::vector<Query> matching(const std::string& sentence, const TimeReader& times
   return queries;
 }
 
+namespace {
+
 /// Shared words, and a little less for words with a similar spelling.
 double similarity(const Words& a, const Words& b) {
   double shared = 0;
   for (const std::string& word : a) {
     if (std::ranges::count(b, word) > 0)
       shared += 1;
-    else if (!nearest_name(word, b).empty())
+    else if (std::ranges::any_of(b, [&](const std::string& other) { return is_one_typo(word, other); }))
       shared += 0.7;
   }
   return shared / static_cast<double>(std::max<size_t>(1, a.size() + b.size()));
@@ -252,19 +271,14 @@ double similarity(const Words& a, const Words& b) {
 
 }  // namespace
 
-std::vector<Query> parse_readings(const std::string& sentence, const TimeReader& times) {
-  return matching(sentence, times);
-}
-
 std::optional<Query> parse_sentence(const std::string& sentence, const TimeReader& times) {
   std::vector<Query> queries;
   for (const Respelling& respelling : respellings(sentence, {}))
-    if (queries.empty()) queries = parse_readings(respelling.sentence, times);
+    if (queries.empty()) queries = parse_readings(clauses_of(respelling.sentence, times), times);
   return queries.empty() ? std::nullopt : std::optional(std::move(queries.front()));
 }
 
-std::optional<Query> parse_name(const std::string& sentence, const TimeReader& times) {
-  const std::vector<Clause> clauses = parse_clauses(sentence, grammar_concepts(), times);
+std::optional<Query> parse_name(const std::vector<Clause>& clauses) {
   if (clauses.empty()) return std::nullopt;
   const Clause& clause = clauses.back();
   const bool alone = clause.mood == "bare" && clause.concepts.empty() && clause.phrases.size() == 1 &&
@@ -294,9 +308,9 @@ std::optional<Query> bare_follow_up(const std::string& mood, const Query& last) 
 
 }  // namespace
 
-std::vector<Query> parse_follow_up(const std::string& sentence, const Query& last, const TimeReader& times) {
+std::vector<Query> parse_follow_up(const std::vector<Clause>& clauses, const Query& last,
+                                   const TimeReader& times) {
   const Question* question = find_question(last.question);
-  const std::vector<Clause> clauses = parse_clauses(sentence, grammar_concepts(), times);
   if (question == nullptr || clauses.empty()) return {};
   const Clause& clause = clauses.front();
   Query query = last;

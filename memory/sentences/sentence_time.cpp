@@ -1,4 +1,5 @@
 #include "memory/sentences/sentence_time.h"
+#include "memory/sentences/word_forms.h"
 
 #include <algorithm>
 #include <map>
@@ -15,10 +16,26 @@ constexpr size_t kMaxWordsOfTime = 12;
 
 using WordSet = std::set<std::string>;
 
+/// Reads each text that may be a time once: spans of a sentence overlap.
+class TimesOfSentence {
+ public:
+  explicit TimesOfSentence(const TimeReader& times) : times_(times) {}
+  std::optional<TimeSpan> try_read(const std::string& text) {
+    const auto [slot, fresh] = known_.try_emplace(text);
+    if (fresh) slot->second = times_.try_read(text);
+    return slot->second;
+  }
+  TimeSpan read(const std::string& text) { return times_.read(text); }
+
+ private:
+  const TimeReader& times_;
+  std::map<std::string, std::optional<TimeSpan>> known_;
+};
+
 /// Words [first, last) of a sentence that may be a time.
 class PeriodReader {
  public:
-  PeriodReader(const Words& words, size_t first, size_t last, const TimeReader& times)
+  PeriodReader(const Words& words, size_t first, size_t last, TimesOfSentence& times)
       : words_(words), first_(first), last_(last), times_(times) {}
 
   std::optional<SentencePeriod> read() const {
@@ -148,7 +165,7 @@ class PeriodReader {
 
   const Words& words_;
   size_t first_, last_;
-  const TimeReader& times_;
+  TimesOfSentence& times_;
 };
 
 /// "at the moment" is now, "earlier today" is today, "8.30" after "at" is 8:30.
@@ -271,7 +288,7 @@ void drop_activities(Words& words, const TimeReader& times) {
   }
 }
 
-std::optional<SentencePeriod> cut_longest(Words& words, const TimeReader& times) {
+std::optional<SentencePeriod> cut_longest(Words& words, TimesOfSentence& times) {
   for (size_t length = std::min(words.size(), kMaxWordsOfTime); length > 0; --length)
     for (size_t first = words.size() - length + 1; first-- > 0;) {
       if (first > 0 && is_digit(words[first][0]) && is_furniture(words[first - 1]))
@@ -304,10 +321,11 @@ std::optional<SentencePeriod> combined(const SentencePeriod& inner, const Senten
 std::optional<SentencePeriod> cut_time(Words& words, const TimeReader& times) {
   normalize_times(words);
   drop_activities(words, times);
-  const auto first = cut_longest(words, times);
+  TimesOfSentence texts(times);
+  const auto first = cut_longest(words, texts);
   if (!first) return std::nullopt;
   Words rest = words;
-  const auto second = cut_longest(rest, times);
+  const auto second = cut_longest(rest, texts);
   if (!second) return first;
   auto both = combined(*first, *second, times);
   if (!both) both = combined(*second, *first, times);

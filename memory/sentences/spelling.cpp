@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "mapping/base/text.h"
 #include "memory/questions/question.h"
@@ -17,12 +18,13 @@ namespace {
 constexpr size_t kMaxSentences = 8;
 constexpr size_t kMaxLength = 1000;  ///< of a sentence that is corrected
 
-/// Words of the grammar, of times and of households.
-const std::set<std::string>& known_words() {
-  static const std::set<std::string> all = [] {
-    std::set<std::string> words;
+/// Words of the grammar, of times and of households, sorted.
+const std::vector<std::string_view>& vocabulary_words() {
+  static const std::vector<std::string_view> all = [] {
+    std::vector<std::string_view> words;
     const auto add = [&](std::string_view text) {
-      for (std::string& word : words_of(text, " ()[]|")) words.insert(std::move(word));
+      const std::vector<std::string_view> more = word_views(text);
+      words.insert(words.end(), more.begin(), more.end());
     };
     for (const auto& [lemma, forms] : vocabulary::lemmas()) {
       add(lemma);
@@ -35,8 +37,17 @@ const std::set<std::string>& known_words() {
     add(vocabulary::kFurniture);
     add(vocabulary::kHouseholdWords);
     add(vocabulary::kOtherWords);
-    for (const std::string& feature : trained_intents().features)
-      if (feature.find_first_of(" '#") == std::string::npos) words.insert(feature);
+    std::ranges::sort(words);
+    words.erase(std::ranges::unique(words).begin(), words.end());
+    return words;
+  }();
+  return all;
+}
+
+/// Words of the questions, which few sentences need beside those.
+const std::set<std::string>& question_words() {
+  static const std::set<std::string> all = [] {
+    std::set<std::string> words;
     for (const Question& question : questions())
       for (const SentenceForm& form : question.sentences) {
         for (const std::string& word : sentence_words(form.example)) words.insert(word);
@@ -47,9 +58,15 @@ const std::set<std::string>& known_words() {
   return all;
 }
 
+/// Features of the classifier that are words by themselves.
+bool is_plain_word(std::string_view feature) {
+  return feature.find_first_of(" '#") == std::string_view::npos;
+}
+
 bool is_known(const std::string& word, const std::set<std::string>& names) {
   const auto knows = [&](const std::string& one) {
-    return known_words().contains(one) || names.contains(one);
+    return std::ranges::binary_search(vocabulary_words(), std::string_view(one)) || names.contains(one) ||
+           (is_plain_word(one) && trained_intents().has_feature(one)) || question_words().contains(one);
   };
   if (knows(word)) return true;
   for (const std::string ending : {"s", "es", "'s", "'", "'re", "'ve", "'d", "'ll", "n't"})
@@ -78,22 +95,28 @@ std::vector<std::string> corrections(const std::string& word, const std::set<std
                                      int max_rank) {
   constexpr size_t kMinLength = 4;
   constexpr size_t kMaxCorrections = 3;
-  std::vector<std::string> found;
-  for (const std::set<std::string>* words : {&known_words(), &names})
-    for (const std::string& one : *words) {
-      if (!is_one_typo(word, one)) continue;
-      const int rank = rank_of(word, one);
-      if (rank > max_rank) continue;
-      // Short words are only taken for one another where letters were exchanged, or one is missing: "mlk".
-      const bool one_missing = rank == 2 && word.size() + 1 == kMinLength;
-      if (std::min(word.size(), one.size()) < kMinLength && rank > 1 && !one_missing) continue;
-      if (std::ranges::count(found, one) == 0) found.push_back(one);
-    }
-  std::ranges::stable_sort(found, {}, [&](const std::string& one) {
+  std::set<std::string> found;
+  const auto try_word = [&](std::string_view meant) {
+    if (!is_one_typo(word, meant)) return;
+    const std::string one(meant);
+    const int rank = rank_of(word, one);
+    if (rank > max_rank) return;
+    // Short words are only taken for one another where letters were exchanged, or one is missing: "mlk".
+    const bool one_missing = rank == 2 && word.size() + 1 == kMinLength;
+    if (std::min(word.size(), one.size()) < kMinLength && rank > 1 && !one_missing) return;
+    found.insert(one);
+  };
+  std::ranges::for_each(vocabulary_words(), try_word);
+  std::ranges::for_each(question_words(), try_word);
+  for (const std::string_view feature : trained_intents().features)
+    if (is_plain_word(feature)) try_word(feature);
+  std::ranges::for_each(names, try_word);
+  std::vector<std::string> ranked(found.begin(), found.end());
+  std::ranges::stable_sort(ranked, {}, [&](const std::string& one) {
     return std::pair(rank_of(word, one), names.contains(one) ? 0 : 1);
   });
-  if (found.size() > kMaxCorrections) found.resize(kMaxCorrections);
-  return found;
+  if (ranked.size() > kMaxCorrections) ranked.resize(kMaxCorrections);
+  return ranked;
 }
 
 bool is_word(const std::string& text) {

@@ -115,6 +115,7 @@ constexpr Lemma kLemmas[] = {
     {"content", "contents inventory"},
     {"colour", "color hue shade colours colors coloured colored"},
     {"state", "status condition states"},
+    {"scene", "scenes"},
     {"summary", "overview recap summarise summarize"},
     {"write", "written"},
     {"print", "printed"},
@@ -327,6 +328,16 @@ constexpr Compound kCompounds[] = {
     {"(closed|shut) or open", "state"},
     {"(anything|something) (else|other|more)", "something else"},
     {"[the] most (often|frequently|times)", "mostoften"},
+    {"[the] most (moves|movements|relocations|(place|location|position) changes)", "mostoften move"},
+    {"[the] most openings", "mostoften opened"},
+    {"[the] most (things|objects|items|stuff|crowded|cluttered|occupied|full)|[the] (fullest|busiest)",
+     "mostthings"},
+    {"[the] longest (stay|time)|for the longest [time]", "longesttime"},
+    {"more than (once|one time)|at least (twice|two times)|(several|multiple|many|repeated) times|repeatedly|"
+     "over and over [again]|again and again",
+     "repeated 2"},
+    {"more than (twice|two times)|at least (thrice|three times)", "repeated 3"},
+    {"more than three times|at least four times", "repeated 4"},
     {"(but|and|that|which) (is|are|was|were|have|has) (not|no longer|no more) (here|there|around|present) "
      "[now|anymore]",
      "vanished"},
@@ -369,7 +380,7 @@ constexpr ClassWords kClasses[] = {
      "accessible reachable own's yes"},
     {WordClass::relation,
      "on in at to into from of near with behind under infront above about for and or like within between "
-     "than as over except"},
+     "than as over except repeated"},
     {WordClass::ordinary,
      "because if whether unless while much nice good bad better worse best nicest old young tomorrow "
      "soon later early late more most less least fewer almost nearly twice once per "

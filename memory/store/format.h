@@ -23,6 +23,7 @@ struct MemoryFormat {
   int version;                            ///< user_version
   const char* schema;                     ///< of that version
   std::span<const Migration> migrations;  ///< in order, since version 1.0
+  const char* schema_digest = "";         ///< that schema_digest() has for it; "" = it is compared in full
 
   constexpr int major() const { return version / 1000; }
   constexpr int minor() const { return version % 1000; }

@@ -4,9 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <set>
 
+#include "memory/questions/contents.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
 #include "memory/questions/names/names.h"
@@ -87,6 +89,8 @@ bool was_watched(const Snapshot& snapshot, const ReplyContext& context, const Ch
 /// What the changes that were asked for are called: "No move of it is known."
 std::string none_text(const Query& query) {
   const std::string kind = query.argument("kind"), place = name_in_words(query.argument("place"));
+  if (const std::string times = query.argument("times"); !times.empty())
+    return fmt::format("nothing of the kind was seen {} times", times);
   const std::string what = kind == "opened"    ? place + " was not opened"
                            : kind == "closed"  ? place + " was not closed"
                            : kind == "handled" ? "no move was seen"
@@ -120,29 +124,30 @@ void no_changes(const ChangesAnswer& answer, const Snapshot& snapshot, const Rep
   }
 }
 
-/// From the last opening to the closing after it, or to the last scene.
-void how_long_open(const ChangesAnswer& answer, const ReplyContext& context, Reply& reply) {
-  const Change *opened = nullptr, *closed = nullptr;
+/// From the last opening to the closing after it, or to the last scene; or how long it was closed.
+void how_long_open(const ChangesAnswer& answer, bool open, const ReplyContext& context, Reply& reply) {
+  const Change *begin = nullptr, *end = nullptr;
   for (const Change& change : answer.changes) {
     if (change.kind != EventKind::joint_changed) continue;
-    if (is_opening(change))
-      opened = &change, closed = nullptr;
-    else if (opened != nullptr)
-      closed = &change;
+    if (is_opening(change) == open)
+      begin = &change, end = nullptr;
+    else if (begin != nullptr)
+      end = &change;
   }
-  if (opened == nullptr) {
+  if (begin == nullptr) {
     reply.not_known = true;
-    reply.text = "Not known: it was not seen open.";
+    reply.text = fmt::format("Not known: it was not seen {}.", open ? "open" : "to close");
     return;
   }
   const auto latest = context.store.latest_scene(context.as_of);
-  const TimeNs end = closed != nullptr ? closed->time : latest ? latest->time : opened->time;
-  reply.duration = std::max<TimeNs>(0, end - opened->since.value_or(opened->time));
-  reply.time = TimeSpan{opened->time, end};
-  reply.text =
-      fmt::format("At most {}: {} opened by {} and {}.", duration_text(*reply.duration),
-                  joint_in_words(*opened), context.times.text(opened->time),
-                  closed != nullptr ? "closed by " + context.times.text(closed->time) : "is still open");
+  const TimeNs last = end != nullptr ? end->time : latest ? latest->time : begin->time;
+  reply.duration = std::max<TimeNs>(0, last - begin->since.value_or(begin->time));
+  reply.time = TimeSpan{begin->time, last};
+  const auto at = [&](const Change& change) { return context.times.text(change.time); };
+  reply.text = fmt::format("At most {}: {} {} by {} and {}.", duration_text(*reply.duration),
+                           joint_in_words(*begin), open ? "opened" : "closed", at(*begin),
+                           end == nullptr ? fmt::format("is still {}", open ? "open" : "closed")
+                                          : fmt::format("{} by {}", open ? "closed" : "opened", at(*end)));
 }
 
 /// What the most changes are of.
@@ -193,13 +198,24 @@ std::optional<TimeNs> person_in_view(const ReplyContext& context, const Change& 
                                       change.time, context.as_of);
 }
 
+/// The last change; of several that one look showed, the one whose time is known best.
+const Change& last_of(const std::vector<Change>& changes) {
+  const auto key = [](const Change& change) {
+    return std::pair(change.time, change.since.value_or(std::numeric_limits<TimeNs>::min()));
+  };
+  const Change* last = &changes.front();
+  for (const Change& change : changes)
+    if (key(change) >= key(*last)) last = &change;
+  return *last;
+}
+
 }  // namespace
 
 void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
   if (answer.changes.empty()) return no_changes(answer, snapshot, context, reply);
-  const Change& last = answer.changes.back();
+  const Change& last = last_of(answer.changes);
   std::vector<std::string> list;
   for (const Change& change : answer.changes) {
     const std::string name = change.object ? without_place(names.of(*change.object)) : joint_in_words(change);
@@ -234,7 +250,8 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
       break;
     }
     case Asks::duration:
-      how_long_open(answer, context, reply);
+    case Asks::closed_for:
+      how_long_open(answer, context.query.asks == Asks::duration, context, reply);
       break;
     case Asks::most:
       most_often(answer, names, reply);
@@ -259,6 +276,7 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
       break;
     case Asks::place:
       if (last.place) reply.places = {last.place->name};
+      reply.time = TimeSpan{last.since.value_or(last.time), last.time};
       reply.text = fmt::format("{}, by {}.", joint_in_words(last), context.times.text(last.time));
       break;
     case Asks::agent:
@@ -415,6 +433,7 @@ void opens_verdict(const OpensAnswer& answer, bool asks_open, const ReplyContext
     return;
   }
   reply.verdict = open.empty() == asks_open ? Verdict::no : Verdict::yes;
+  reply.places = open;
   const std::vector<std::string>& named = open.empty() ? closed : open;
   const std::optional<SceneRef>& seen = answer.parts.front().motion->seen;
   reply.text = fmt::format("{}: {} {} {}{}.", *reply.verdict == Verdict::yes ? "Yes" : "No", list_of(named),
@@ -435,14 +454,18 @@ void write_reply(const OpensAnswer& answer, const ReplyContext& context, Reply& 
     reply.text = parts.empty() ? fmt::format("None of '{}' is {}.", answer.asked, answer.state)
                                : fmt::format("{} {} {}.", list_of(parts), parts.size() == 1 ? "is" : "are",
                                              answer.state);
+  } else if (parts.empty() && asks == Asks::property &&
+             !Snapshot(context.store, context.as_of).places_meant(answer.asked).empty()) {
+    // The state of what does not move is what is on it.
+    write_reply(ask(context.store, ContentsQuestion{answer.asked, context.as_of}), context, reply);
   } else if (parts.empty()) {
     reply.not_known = true;
     reply.text = answer.asked.empty() ? "Nothing is known to open."
                                       : fmt::format("'{}' has no part that moves.", answer.asked);
   } else if (asks == Asks::last_time) {
     last_opened(answer, context, reply);
-  } else if (asks == Asks::open || asks == Asks::closed) {
-    opens_verdict(answer, asks == Asks::open, context, reply);
+  } else if (asks == Asks::open || asks == Asks::closed || asks == Asks::property) {
+    opens_verdict(answer, asks != Asks::closed, context, reply);
   } else {
     reply.number = parts.size();
     reply.text = fmt::format("{} can be opened: {}.", counted(parts.size(), "part"), list_of(parts));

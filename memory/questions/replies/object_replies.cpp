@@ -203,6 +203,16 @@ void until_when(const ObjectHistory& history, const Stay& stay, const std::strin
                            missed > last ? ", and not at " + context.times.text(missed) : "");
 }
 
+/// The last scene, where an object is believed to be where it was seen last and no time was asked about; else
+/// the last sighting.
+TimeNs believed_until(const ObjectHistory& history, const Stay& stay, const ReplyContext& context) {
+  const bool timed = context.query.arguments.contains("from") || context.query.arguments.contains("to");
+  const auto latest = context.store.latest_scene(context.as_of);
+  const bool still =
+      history.now.place && stay.place && history.now.place->id == stay.place->id && is_there(history.now);
+  return still && !timed && latest ? latest->time : stay.scenes.back().time;
+}
+
 }  // namespace
 
 void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
@@ -222,12 +232,7 @@ void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply
                              context.query.argument("place").empty() ? "" : " there");
     return;
   }
-  // A stay goes on while the object is where it was, whichever spot of the place that is.
-  size_t first = longest->stays.size() - 1;
-  while (first > 0 && !longest->stays[first].moved_in && stay->place && longest->stays[first - 1].place &&
-         longest->stays[first - 1].place->id == stay->place->id)
-    --first;
-  const TimeNs from = longest->stays[first].scenes.front().time, to = stay->scenes.back().time;
+  const TimeNs from = spans_of(longest->stays).back().first, to = stay->scenes.back().time;
   const std::string name = bare_subject(longest->now.object, names),
                     spot = spot_in_words(stay->place, stay->position);
   reply.objects = {longest->now.object.id};
@@ -237,6 +242,12 @@ void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply
     reply.text = fmt::format("{} was {} {}.", name, spot, context.times.span_text(from, to));
   } else if (context.query.asks == Asks::until) {
     until_when(*longest, *stay, name, spot, context, reply);
+  } else if (const TimeNs now = believed_until(*longest, *stay, context);
+             context.query.asks == Asks::duration && now > to) {
+    reply.duration = now - from;
+    reply.time = TimeSpan{from, now};
+    reply.text = fmt::format("{}: {} was seen {} {} and is believed to be there still.",
+                             duration_text(now - from), name, spot, context.times.span_text(from, to));
   } else if (context.query.asks == Asks::duration) {
     reply.duration = to - from;
     const std::string lasted = duration_text(to - from);
@@ -440,6 +451,29 @@ void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& re
 
 // ---- objects, about
 
+namespace {
+
+/// "On counter_1 5 objects: cup, …": each object at its place.
+void by_place(const std::vector<ObjectBelief>& there, const Names& names, Reply& reply) {
+  std::vector<std::pair<PlaceRef, std::vector<std::string>>> places;
+  for (const ObjectBelief& object : there) {
+    if (!object.place) continue;
+    auto at = std::ranges::find(places, object.place->id, [](const auto& one) { return one.first.id; });
+    if (at == places.end()) at = places.insert(places.end(), {*object.place, {}});
+    at->second.push_back(without_place(names.of(object.object)));
+  }
+  std::ranges::stable_sort(places, std::ranges::greater(), [](const auto& one) { return one.second.size(); });
+  std::vector<std::string> counts;
+  for (const auto& [place, objects] : places) {
+    reply.places.push_back(place.name);
+    counts.push_back(fmt::format("{} {}", objects.size(), in_words(place)));
+    reply.evidence.push_back(fmt::format("{}: {}", in_words(place), list_in_words(objects, 12)));
+  }
+  reply.text = fmt::format("{}: {}.", counted(there.size(), "object"), list_in_words(counts, 6));
+}
+
+}  // namespace
+
 void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
@@ -466,6 +500,7 @@ void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply
     reply.verdict = is ? Verdict::yes : Verdict::no;
     reply.text = fmt::format("{}: {}", is ? "Yes" : "No", reply.text);
   }
+  if (asks == Asks::place && !there.empty()) return by_place(there, names, reply);
   add_sightings(there, names, context, reply);
 }
 

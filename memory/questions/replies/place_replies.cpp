@@ -7,6 +7,7 @@
 
 #include "memory/questions/contents.h"
 #include "memory/questions/environment.h"
+#include "memory/questions/location.h"
 #include "memory/questions/names/names.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
@@ -356,9 +357,80 @@ void seen_there_last(const ContentsHistoryAnswer& answer, const Names& names, co
                            in_words(at->place), context.times.text(last->last.time));
 }
 
+/// What was there longest without having been elsewhere in between; what is there still is until the last
+/// scene.
+void there_longest(const ContentsHistoryAnswer& answer, const Names& names, const ReplyContext& context,
+                   Reply& reply) {
+  const auto latest = context.store.latest_scene(context.as_of);
+  TimeSpan longest = {0, -1};
+  std::vector<std::string> list;
+  reply.objects.clear();
+  for (const PlaceContentsHistory& place : answer.places)
+    for (const PastContent& object : place.objects) {
+      const HistoryAnswer history = ask(context.store, HistoryQuestion{.subject = object.now.object.name,
+                                                                       .as_of = context.as_of,
+                                                                       .place = place.place.name});
+      std::vector<TimeSpan> spans = spans_of(history.objects.front().stays);
+      if (object.still_there && is_there(object.now) && latest && !spans.empty())
+        spans.back().last = latest->time;
+      for (const TimeSpan& span : spans) {
+        const TimeNs more = span.last - span.first - (longest.last - longest.first);
+        if (more < 0 || (more == 0 && std::ranges::count(reply.objects, object.now.object.id) > 0)) continue;
+        if (more > 0) {
+          reply.objects.clear();
+          list.clear();
+          longest = span;
+        }
+        reply.objects.push_back(object.now.object.id);
+        list.push_back(bare_subject(object.now.object, names));
+      }
+    }
+  reply.time = longest;
+  reply.duration = longest.last - longest.first;
+  reply.text = fmt::format("{}: {}, {}.", list_in_words(list), duration_text(*reply.duration),
+                           context.times.span_text(longest.first, longest.last));
+}
+
+/// How long it is since anything was seen there, where nothing is there.
+void empty_for(const ContentsHistoryAnswer& answer, const Names& names, const ReplyContext& context,
+               const std::string& where, Reply& reply) {
+  const auto latest = context.store.latest_scene(context.as_of);
+  std::vector<std::string> there;
+  for (const PlaceContentsHistory& place : answer.places)
+    for (const PastContent& object : place.objects)
+      if (object.still_there && is_there(object.now)) there.push_back(bare_subject(object.now.object, names));
+  reply.not_known = !latest || reply.objects.empty();
+  if (reply.not_known) {
+    reply.text = fmt::format("Not known: nothing was ever seen {}.", where);
+    return;
+  }
+  if (!there.empty()) {
+    reply.duration = 0;
+    reply.text =
+        fmt::format("Not now: {} {} {}.", list_in_words(there), there.size() > 1 ? "are" : "is", where);
+    return;
+  }
+  seen_there_last(answer, names, context, reply);
+  reply.duration = latest->time - reply.time->first;
+  reply.text = fmt::format("At most {}: {}", duration_text(*reply.duration), reply.text);
+}
+
+/// How often each place was looked at.
+void how_often_looked(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
+  std::vector<std::string> list;
+  for (const PlaceContentsHistory& place : answer.places)
+    list.push_back(fmt::format("{} in {}", name_in_words(place.place.name), counted(place.looks, "scene")));
+  if (answer.places.size() == 1) reply.number = answer.places.front().looks;
+  const std::optional<SceneRef>& last = answer.places.front().last_view;
+  const std::string when =
+      answer.places.size() == 1 && last ? ", last at " + context.times.text(last->time) : "";
+  reply.text = fmt::format("{}{}.", list_in_words(list), when);
+}
+
 }  // namespace
 
 void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
+  if (context.query.asks == Asks::looks) return how_often_looked(answer, context, reply);
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
   std::vector<std::string> list;
@@ -376,8 +448,11 @@ void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& contex
   const PlaceRef& first = answer.places.front().place;
   if (context.query.asks == Asks::last_time && !reply.objects.empty())
     return seen_there_last(answer, names, context, reply);
+  if (context.query.asks == Asks::longest && !reply.objects.empty())
+    return there_longest(answer, names, context, reply);
   const std::string where =
       answer.places.size() == 1 ? in_words(first) : (first.container ? "in " : "on ") + answer.asked;
+  if (context.query.asks == Asks::duration) return empty_for(answer, names, context, where, reply);
   const std::string seen =
       fmt::format("{} {} seen {}.", list_in_words(list), list.size() > 1 ? "were" : "was", where);
   const Asks asks = context.query.asks;
@@ -416,9 +491,30 @@ std::string where_part_is(const EnvironmentPart& part, const RoomAnswer& room) {
   return text;
 }
 
+/// The places with the most objects.
+void with_most_objects(const RoomAnswer& answer, Reply& reply) {
+  size_t most = 0;
+  std::vector<std::string> list;
+  for (const EnvironmentPart& part : answer.parts)
+    if (part.place) most = std::max(most, part.objects);
+  for (const EnvironmentPart& part : answer.parts) {
+    if (!part.place || most == 0) continue;
+    if (part.objects == most) {
+      reply.places.push_back(part.place->name);
+      list.push_back(name_in_words(part.place->name));
+    }
+    reply.evidence.push_back(fmt::format("{}: {}", in_words(*part.place), counted(part.objects, "object")));
+  }
+  reply.not_known = list.empty();
+  reply.text = list.empty() ? "Not known: nothing is known to be at a place."
+                            : fmt::format("{}: {}{}.", list_in_words(list), counted(most, "object"),
+                                          list.size() > 1 ? " each" : "");
+}
+
 }  // namespace
 
 void write_reply(const RoomAnswer& answer, const ReplyContext& context, Reply& reply) {
+  if (context.query.asks == Asks::most) return with_most_objects(answer, reply);
   if (context.query.asks == Asks::place) {
     const RoomAnswer room = ask(context.store, RoomQuestion{.as_of = context.as_of});
     std::vector<std::string> list;

@@ -137,6 +137,7 @@ const Record<UsualPlace>& usual_place_record() {
 PlaceContentsHistory contents_history_of(const Snapshot& snapshot, const PlaceRow& place,
                                          const ContentsHistoryQuestion& question,
                                          const std::optional<std::set<Id>>& meant) {
+  constexpr double kMinLook = 0.1;
   const auto is_then = [&](TimeNs time) {
     return (!question.from || time >= *question.from) && (!question.to || time <= *question.to);
   };
@@ -145,6 +146,7 @@ PlaceContentsHistory contents_history_of(const Snapshot& snapshot, const PlaceRo
     const SceneRow* scene = snapshot.scene(view.scene);
     if (scene == nullptr || view.fraction.value_or(0) <= 0 || !is_then(scene->time)) continue;
     ++history.views;
+    if (*view.fraction >= kMinLook) ++history.looks;
     if (!history.last_view || history.last_view->time <= scene->time)
       history.last_view = snapshot.scene_ref(*scene);
   }
@@ -385,6 +387,7 @@ const Record<PlaceContentsHistory>& place_history_record() {
   static const auto record = Record<PlaceContentsHistory>("PlaceContentsHistory")
                                  .value("place", &PlaceContentsHistory::place)
                                  .value("views", &PlaceContentsHistory::views)
+                                 .value("looks", &PlaceContentsHistory::looks)
                                  .record("objects", &PlaceContentsHistory::objects, past_content_record())
                                  .record("last_view", &PlaceContentsHistory::last_view, scene_record());
   return record;
@@ -515,6 +518,17 @@ std::vector<SentenceForm> contents_history_sentences() {
       {"what: newsince at<place> [thing]", objects, "", state("new")},
       {"what: newsince which<object> at<place>", objects, "", state("new")},
       {"what: been at<place> [stand|thing|put|see|keep]", objects, "What has been on the table today?"},
+      {"what: longesttime at<place> [thing|keep|leave]", longest, "What has been on the table the longest?"},
+      {"what: longesttime which<object> at<place> [keep|leave]", longest},
+      {"howlong: empty <place> -was -did -had",
+       duration,
+       "How long has the drawer been empty?",
+       {},
+       SentenceTime::none},
+      {"sincewhen: empty <place> -was -did -had", duration, "", {}, SentenceTime::none},
+      {"howoften: look <place>", looks, "How often did you look at the shelf?"},
+      {"howoften: look|see at<place>", looks},
+      {"howmany: look at<place>", looks},
   };
 }
 

@@ -80,6 +80,7 @@ struct PastContent {
 struct PlaceContentsHistory {
   PlaceRef place = {};
   size_t views = 0;  ///< scenes that saw any of it
+  size_t looks = 0;  ///< those that saw at least a tenth of it
   std::optional<SceneRef> last_view = {};
   std::vector<PastContent> objects = {};  ///< most sightings first
 };

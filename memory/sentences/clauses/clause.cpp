@@ -90,7 +90,7 @@ class ClauseReader {
   }
 
   void close() {
-    static const WordSet superlatives = {"biggest", "largest", "smallest", "tallest"};
+    static const WordSet superlatives = {"biggest", "largest", "smallest", "tallest", "longest"};
     if (!name_.empty()) {
       if (relation_.empty() && clause_.mood == "what" && superlatives.contains(name_[0])) relation_ = "most";
       if (!joint_.empty() && relation_.empty()) relation_ = joint_;
@@ -123,6 +123,7 @@ class ClauseReader {
       clause_.marks.insert("person");
       return true;
     }
+    if (one == "longest" && is_of_time()) return add_concept("longesttime");
     if (one == "this" || one == "that") return take_demonstrative();
     if (one == "there") return take_there();
     if (is_pronoun(one)) return take_pronoun();
@@ -162,6 +163,13 @@ class ClauseReader {
     // After a person comes a verb; this is one that no rule knows.
     if (after_person && !clause_.marks.contains("have")) return false;
     return take_name();
+  }
+
+  /// "Which has been on the table the longest?", not "the longest spoon".
+  bool is_of_time() const {
+    const WordClass next = class_of(lemma(1));
+    const bool stays = clause_.marks.contains("been") || clause_.marks.contains("stand");
+    return lemma(1).empty() || next == WordClass::auxiliary || (stays && next == WordClass::relation);
   }
 
   /// "before the table", "before it came to the table".
@@ -363,7 +371,7 @@ class ClauseReader {
 
   bool take_name() {
     const bool counts = name_.empty() && is_number(word()) && is_name(lemma(1));
-    if (counts && relation_ != "within") {
+    if (counts && relation_ != "within" && relation_ != "repeated") {
       clause_.phrases.push_back({"count", word()});
       return true;
     }
@@ -424,7 +432,7 @@ std::optional<Clause> with_coordination(const Clause& clause) {
 std::optional<Clause> read_clause(Words words, const WordSet& concepts, const TimeReader& times) {
   const auto period = cut_time(words, times);
   if (period) strip_surroundings(words);
-  if (words.empty()) return std::nullopt;
+  if (words.empty() && !period) return std::nullopt;  // "And at noon?" is a time only
   auto clause = ClauseReader(tokens_of(words), concepts).read();
   if (!clause || !period) return clause;
   clause->period = period;

@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <map>
 
@@ -17,23 +16,28 @@ namespace loci::memory {
 namespace {
 
 std::string source_of(const IntentModel& model) {
-  std::vector<int> steps;
-  for (const float weight : model.weights)
-    steps.push_back(static_cast<int>(std::lround(weight / kIntentWeightStep)));
-  const auto strings = [](const std::vector<std::string>& texts) {
+  const auto strings = [](const auto& texts) {
     std::string text;
-    for (const std::string& one : texts) text += fmt::format("  \"{}\",\n", one);
+    for (const auto& one : texts) text += fmt::format("  \"{}\",\n", one);
     return text;
   };
   return fmt::format(
-      "// Written by loci_train_intents.\n#include \"memory/sentences/intent_model.h\"\n\nnamespace "
+      "// Written by loci_train_intents.\n#include <iterator>\n\n#include "
+      "\"memory/sentences/intent_model.h\"\n\nnamespace "
       "loci::memory {{\n"
-      "namespace {{\nconst char* const kForms[] = {{\n{}}};\nconst char* const kFeatures[] = {{\n{}}};\n"
+      "namespace {{\nconst char* const kForms[] = {{\n{}}};\nconst char* const kSignatures[] = "
+      "{{\n{}}};\nconst char* const kFeatures[] = {{\n{}}};\n"
       "constexpr short kWeights[] = {{{}}};\nconst char* const kWords[] = {{\n{}}};\n}}  // namespace\n\n"
       "const IntentModel& trained_intents() {{\n"
-      "  static const IntentModel model = quantized_intents(kForms, kFeatures, kWeights, kWords);\n"
+      "  static const IntentModel model = {{.forms = {{std::begin(kForms), std::end(kForms)}},\n"
+      "                                    .signatures = {{std::begin(kSignatures), "
+      "std::end(kSignatures)}},\n"
+      "                                    .features = kFeatures,\n"
+      "                                    .weights = kWeights,\n"
+      "                                    .words = kWords}};\n"
       "  return model;\n}}\n\n}}  // namespace loci::memory\n",
-      strings(model.forms), strings(model.features), fmt::join(steps, ","), strings(model.words));
+      strings(model.forms), strings(model.signatures), strings(model.features), fmt::join(model.weights, ","),
+      strings(model.words));
 }
 
 /// Every form's paraphrases in five blocks of neighbours; each is read by what the other four teach.
@@ -55,11 +59,10 @@ void cross_validate(const Paraphrases& paraphrases) {
     for (size_t i = 0; i < folds.size(); ++i)
       if (folds[i] != fold) others.push_back(paraphrases.samples[i]);
     const IntentModel model = train_intents(paraphrases.forms, others);
-    const std::vector<std::string> signatures = signatures_of(paraphrases.forms);
     for (size_t i = 0; i < folds.size(); ++i) {
       if (folds[i] != fold) continue;
       const IntentSample& sample = paraphrases.samples[i];
-      const IntentReading best = best_intent(model, signatures, sample.tokens);
+      const IntentReading best = best_intent(model, sample.tokens);
       const Words beyond = uncovered_words(model, best.form, sample.tokens);
       results.push_back(
           {best.probability, best.form == sample.form, model.forms[best.form] == kNoIntent, beyond.size()});

@@ -4,6 +4,8 @@
 #include <cctype>
 #include <mutex>
 
+#include "mapping/base/hash.h"
+
 namespace loci::memory {
 namespace {
 
@@ -83,6 +85,13 @@ Schema read_schema(SQLite::Database& database) {
   return schema;
 }
 
+std::string digest_of(const Schema& schema) {
+  std::string text;
+  for (const auto& [name, object] : schema)
+    for (const std::string& part : {object.type, name, object.table, object.sql}) text += part + '\0';
+  return content_hash(text);
+}
+
 /// The schema of a version of the format, this one or an older one.
 const Schema& schema_of(int version, const MemoryFormat& format) {
   static std::mutex mutex;
@@ -149,6 +158,10 @@ void check_known_tables(SQLite::Database& database, const Schema& found, const S
 
 }  // namespace
 
+std::string schema_digest(SQLite::Database& database) {
+  return digest_of(read_schema(database));
+}
+
 std::string sql_name(std::string_view identifier) {
   std::string result = "\"";
   for (const char c : identifier) result += c == '"' ? "\"\"" : std::string(1, c);
@@ -158,6 +171,8 @@ std::string sql_name(std::string_view identifier) {
 void check_schema(SQLite::Database& database, const std::filesystem::path& path, int version,
                   const MemoryFormat& format) {
   const Schema found = read_schema(database);
+  // Making the schema to compare with takes longer than most questions.
+  if (version == format.version && digest_of(found) == format.schema_digest) return;
   if (version > format.version)
     check_known_tables(database, found, schema_of(format.version, format), path);
   else

@@ -14,6 +14,9 @@ namespace loci::memory {
 void check_schema(SQLite::Database& database, const std::filesystem::path& path, int version,
                   const MemoryFormat& format);
 
+/// Of all objects of a schema: the same for a file whose schema was migrated to it.
+std::string schema_digest(SQLite::Database& database);
+
 /// Puts this program's views before those of a file of a newer minor version, which are never run.
 void shadow_views(SQLite::Database& database, const MemoryFormat& format);
 

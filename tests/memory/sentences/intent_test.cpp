@@ -1,4 +1,5 @@
 #include "mapping/base/error.h"
+#include "mapping/base/json.h"
 #include "memory/questions/facts.h"
 #include "memory/sentences/discourse.h"
 #include "memory/sentences/intent_model.h"
@@ -10,6 +11,7 @@ namespace loci::memory {
 namespace {
 
 using testing::ElementsAre;
+using testing::ElementsAreArray;
 using testing::HasSubstr;
 
 Paraphrases few_paraphrases() {
@@ -24,11 +26,11 @@ TEST(Intents, AreTrainedFromParaphrases) {
   const Paraphrases paraphrases = few_paraphrases();
   EXPECT_THAT(paraphrases.forms, ElementsAre("Where is OBJECT?", "Is OBJECT on PLACE?", "none"));
   const IntentModel model = train_intents(paraphrases.forms, paraphrases.samples);
-  EXPECT_EQ(model.weights, train_intents(paraphrases.forms, paraphrases.samples).weights);
-  const auto signatures = signatures_of(model.forms);
-  EXPECT_THAT(signatures, ElementsAre("OBJECT", "OBJECT PLACE", "*"));
+  const IntentModel again = train_intents(paraphrases.forms, paraphrases.samples);
+  EXPECT_THAT(model.weights, ElementsAreArray(again.weights));
+  EXPECT_THAT(model.signatures, ElementsAre("OBJECT", "OBJECT PLACE", "*"));
   const auto form_of = [&](const Words& words) {
-    return model.forms[best_intent(model, signatures, intent_tokens(words)).form];
+    return model.forms[best_intent(model, intent_tokens(words)).form];
   };
   EXPECT_EQ(form_of({"where", "did", "she", "put", "OBJECT"}), "Where is OBJECT?");
   EXPECT_EQ(form_of({"OBJECT", "on", "PLACE"}), "Is OBJECT on PLACE?");
@@ -42,7 +44,7 @@ TEST(Intents, SynonymsOfAParaphraseCount) {
       "= Where is OBJECT?\nwho has espied OBJECT\n= Is OBJECT gone?\nhas OBJECT vanished\n", "few.txt");
   const IntentModel model = train_intents(paraphrases.forms, paraphrases.samples);
   const Tokens tokens = intent_tokens({"who", "has", "descried", "OBJECT"});  // a synonym
-  EXPECT_EQ(best_intent(model, signatures_of(model.forms), tokens).form, 0U);
+  EXPECT_EQ(best_intent(model, tokens).form, 0U);
   EXPECT_THAT(uncovered_words(model, 0, tokens), ElementsAre());
   EXPECT_THAT(uncovered_words(model, 0, intent_tokens({"who", "has", "painted", "OBJECT"})),
               ElementsAre("paint"));
@@ -164,7 +166,7 @@ TEST_F(SecondReader, TopicsOfSeveralAndPlansRestrictNothing) {
 
 TEST_F(SecondReader, PassesOverNewWordsButNoneThatMeansSomethingElse) {
   EXPECT_EQ(say("Where in blazes is the tea cup?").query->text(), "where 'tea cup'");
-  EXPECT_FALSE(say("How long has the drawer been shut?").reply);
+  EXPECT_EQ(say("How long has the drawer been shut?").query->asks, Asks::closed_for) << "not open";
   EXPECT_FALSE(say("Where is most of the tea cup?").reply);
 }
 

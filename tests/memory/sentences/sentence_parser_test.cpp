@@ -128,6 +128,28 @@ TEST(Sentences, OneOfAllThatChangedIsAskedForByWhichAndWhat) {
   EXPECT_EQ(parse_sentence("How long ago was the pot moved?", kTimes)->asks, Asks::ago);
 }
 
+TEST(Sentences, HowOftenAndHowLongAreTakenIntoAccount) {
+  expect_commands({
+      {"What was moved more than once?", "changes --kind relocated --times 2"},
+      {"Was the cup moved at least three times today?",
+       "changes --between today today --kind handled --object cup --times 3"},
+      {"Which drawers were opened several times?", "changes --kind opened --place drawers --times 2"},
+      {"Where was everything at nine?", "objects --at nine"},
+      {"Which place has the most objects?", "room"},
+      {"What is the most crowded drawer?", "room drawer"},
+      {"Which object has been on the table the longest?", "contents-history table"},
+      {"How long has the drawer been empty?", "contents-history drawer"},
+      {"How often did you look at the shelf today?", "contents-history shelf --between today today"},
+      {"How long has the drawer been closed?", "changes --kind joint_changed --place drawer"},
+  });
+  const auto asks = [](const char* sentence) { return parse_sentence(sentence, kTimes)->asks; };
+  EXPECT_EQ(asks("Which object has been on the table the longest?"), Asks::longest);
+  EXPECT_EQ(asks("What is the longest object on the table?"), Asks::objects);
+  EXPECT_EQ(asks("Which place has the most objects?"), Asks::most);
+  EXPECT_EQ(asks("How often did you look at the shelf?"), Asks::looks);
+  EXPECT_FALSE(parse_sentence("Where was the cup more than once?", kTimes)) << "no answer counts that";
+}
+
 TEST(Sentences, PlacesAreAskedForAndWhetherTheyAreEmpty) {
   expect_commands({
       {"Which drawers are empty?", "room drawers --state empty"},
@@ -397,7 +419,8 @@ TEST(Sentences, EveryExampleMeansItsQuestion) {
     for (const SentenceForm& form : question.sentences) {
       if (form.example.empty()) continue;
       std::vector<std::string> meant;  // the memory decides which
-      for (const Query& query : parse_readings(form.example, kTimes)) meant.push_back(query.question);
+      for (const Query& query : parse_readings(clauses_of(form.example, kTimes), kTimes))
+        meant.push_back(query.question);
       EXPECT_THAT(meant, testing::Contains(question.name)) << form.example;
     }
 }

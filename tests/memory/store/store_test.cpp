@@ -8,6 +8,7 @@
 
 #include "mapping/base/time_limits.h"
 #include "memory/store/format.h"
+#include "memory/store/rows/schema_check.h"
 #include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"
@@ -79,6 +80,12 @@ TEST_F(StoreTest, TellsTheTimesOfItsFirstAndLastScenes) {
   EXPECT_THAT(store.scene_times_at_ends(2), testing::ElementsAre(1000, 2000, 4000, 5000));
   EXPECT_THAT(store.scene_times_at_ends(4), testing::ElementsAre(1000, 2000, 3000, 4000, 5000));
   EXPECT_EQ(store.run_of_scene(last), run);
+}
+
+TEST_F(StoreTest, TheSchemaHasItsDigest) {
+  SQLite::Database database(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  database.exec(kMemoryFormat.schema);
+  EXPECT_EQ(schema_digest(database), kMemoryFormat.schema_digest);
 }
 
 TEST_F(StoreTest, KeepsWhatASceneCommitted) {
