@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
 #include "mapping/base/text.h"
 
@@ -13,15 +14,21 @@ namespace loci::mapping {
 namespace {
 
 constexpr struct {
-  size_t frames = 8;              ///< spread over the recording
-  int columns = 120;              ///< points across an image
+  size_t frames = 24;             ///< spread over the recording
+  int samples = 120;              ///< points along the longer side of an image
   double cone_deg = 50;           ///< how far up may be off the side of the image that is up
   double plane_deg = 8;           ///< normals of one plane
   double bin_m = 0.03;            ///< heights of one plane
   double min_share = 0.04;        ///< of all points that the largest level plane has
   double upright_preference = 2;  ///< people and robots hold cameras upright
   double roll = 0.15;             ///< and their horizon level: standard deviation, rad
+  double tilt = 0.6;              ///< of cameras against the horizon, in the mean: standard deviation, rad
   double turn = 0.02;             ///< of image axes that counts as none: mean square, rad²
+  double min_pan = 0.05;          ///< that tells the vertical without a plane: mean square, rad²
+  double squared_deg = 12;        ///< by which normals of walls and level surfaces may be off
+  double squared = 0.03;          ///< the same for their mean: standard deviation, rad
+  double min_squared = 0.1;       ///< share of points on such surfaces that says anything
+  double wall_evidence = 0.1;     ///< of a point on a wall, of that of one on the largest level plane
   size_t max_seeds = 150;
 } kUp;
 
@@ -31,7 +38,7 @@ struct OrientedPoint {
 
 /// Points of a frame with normals that face the camera, in the frame of `pose`.
 void add_points(const RgbdFrame& frame, const Isometry3d& pose, std::vector<OrientedPoint>& points) {
-  const int step = std::max(1, frame.depth.cols / kUp.columns), arm = 2 * step;
+  const int step = std::max(1, std::max(frame.depth.cols, frame.depth.rows) / kUp.samples), arm = 3 * step;
   const auto point = [&](int u, int v) {
     return frame.camera.depth.unproject(u, v, static_cast<double>(frame.depth.at<float>(v, u)));
   };
@@ -105,37 +112,95 @@ Vector3d mean(const std::vector<Vector3d>& directions) {
   return sum / static_cast<double>(directions.size());
 }
 
-/// How much better than any other way of holding a camera it is that `up` is up, `vertical` the axis of the
-/// images nearest to it and `level` the other one: the horizon is level in the images, and cameras turn about
-/// the vertical more than they nod.
-double holding(const Vector3d& up, const std::vector<Vector3d>& level,
-               const std::vector<Vector3d>& vertical) {
-  double roll = 0;
-  for (const Vector3d& axis : level) roll += std::pow(axis.dot(up), 2) / static_cast<double>(level.size());
-  const double pan = 1 - mean(level).squaredNorm() + kUp.turn,
-               nod = 1 - mean(vertical).squaredNorm() + kUp.turn;
-  return std::exp(-roll / (2 * kUp.roll * kUp.roll)) * pan / (pan + nod);
+/// A way of holding a camera: which axes of its images are level, and which point up.
+struct Holding {
+  const std::vector<Vector3d>& level;
+  const std::vector<Vector3d>& vertical;
+  double sign;  ///< of the vertical axes
+  double preference;
+
+  double roll(const Vector3d& up) const {
+    double sum = 0;
+    for (const Vector3d& axis : level) sum += std::pow(axis.dot(up), 2);
+    return sum / static_cast<double>(level.size());
+  }
+  /// How much better this explains the axes than any other way of holding does, if `up` is up: the horizon is
+  /// level in the images, and cameras turn about the vertical more than they nod.
+  double probability(const Vector3d& up) const {
+    const double pan = 1 - mean(level).squaredNorm() + kUp.turn,
+                 nod = 1 - mean(vertical).squaredNorm() + kUp.turn;
+    return preference * std::exp(-roll(up) / (2 * kUp.roll * kUp.roll)) * pan / (pan + nod);
+  }
+};
+
+/// What is up near `hint`: all level axes are level, as are normals of walls, and surfaces that are level in
+/// the room have it as their normal.
+Vector3d upright(const Holding& held, const Vector3d& hint, const std::vector<OrientedPoint>& points) {
+  const double same = std::cos(kUp.squared_deg * kPi / 180), level = std::sin(kUp.squared_deg * kPi / 180);
+  Eigen::Matrix3d of_axes = (Eigen::Matrix3d::Identity() - hint * hint.transpose()) / (kUp.tilt * kUp.tilt);
+  for (const Vector3d& axis : held.level)
+    of_axes += axis * axis.transpose() / (kUp.roll * kUp.roll * static_cast<double>(held.level.size()));
+  Eigen::Matrix3d squared = Eigen::Matrix3d::Zero();  // of the surfaces
+  Vector3d up = hint;
+  for (int i = 0; i < 6; ++i) {
+    up = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(of_axes + squared).eigenvectors().col(0);
+    if (up.dot(hint) < 0) up = -up;
+    squared.setZero();
+    double count = 0;
+    for (const OrientedPoint& each : points) {
+      const double along = std::abs(each.normal.dot(up));
+      if (along > level && along < same) continue;
+      squared += (along > same ? -1 : 1) * each.normal * each.normal.transpose();
+      ++count;
+    }
+    if (count < kUp.min_squared * static_cast<double>(points.size())) return up;
+    squared /= count * kUp.squared * kUp.squared;
+  }
+  return up;
+}
+
+/// Shares of the points: on walls, and on surfaces that face up.
+struct Shares {
+  double walls = 0, facing_up = 0;
+};
+Shares shares_of(const std::vector<OrientedPoint>& points, const Vector3d& up) {
+  const double level = std::sin(kUp.plane_deg * kPi / 180), same = std::cos(kUp.plane_deg * kPi / 180);
+  Shares shares;
+  for (const OrientedPoint& each : points) {
+    const double along = each.normal.dot(up);
+    if (std::abs(along) < level) ++shares.walls;
+    if (along > same) ++shares.facing_up;
+  }
+  shares.walls /= static_cast<double>(points.size());
+  shares.facing_up /= static_cast<double>(points.size());
+  return shares;
 }
 
 std::optional<Vector3d> up_of_points(const std::vector<OrientedPoint>& points, const ImageAxes& axes) {
   if (points.size() < 500) return std::nullopt;
   std::optional<Vector3d> best;
   double best_score = 0;
-  for (const bool is_sideways : {false, true})
-    for (const double sign : {-1.0, 1.0}) {
-      const auto& vertical = is_sideways ? axes.x : axes.y;
-      const Vector3d hint = sign * mean(vertical);
-      if (hint.norm() < 1e-6) continue;
-      const auto normal = normal_peak(points, hint.normalized());
-      if (!normal) continue;
-      const double share = plane_share(points, *normal);
-      const bool is_upright = !is_sideways && sign < 0;
-      const double score = share * holding(*normal, is_sideways ? axes.y : axes.x, vertical) *
-                           (is_upright ? kUp.upright_preference : 1);
-      if (share < kUp.min_share || score <= best_score) continue;
+  for (const Holding& held :
+       {Holding{axes.x, axes.y, -1, kUp.upright_preference}, Holding{axes.x, axes.y, 1, 1},
+        Holding{axes.y, axes.x, -1, 1}, Holding{axes.y, axes.x, 1, 1}}) {
+    const Vector3d side = held.sign * mean(held.vertical);
+    if (side.norm() < 1e-6) continue;
+    const auto judge = [&](const Vector3d& up, double level_share) {
+      const double score =
+          (level_share + kUp.wall_evidence * shares_of(points, up).walls) * held.probability(up);
+      if (score <= best_score) return;
       best_score = score;
-      best = normal;
+      best = up;
+    };
+    const auto normal = normal_peak(points, side.normalized());
+    const double share = normal ? plane_share(points, *normal) : 0;
+    if (share >= kUp.min_share) judge(*normal, share);
+    // Where the camera turned far enough, how it was held says what is up without a large plane.
+    if (1 - mean(held.level).squaredNorm() > kUp.min_pan) {
+      const Vector3d up = upright(held, side.normalized(), points);
+      judge(up, std::min(shares_of(points, up).facing_up, kUp.min_share));
     }
+  }
   return best;
 }
 
@@ -143,21 +208,23 @@ std::optional<Vector3d> up_of_points(const std::vector<OrientedPoint>& points, c
 
 std::optional<Vector3d> find_up(const Recording& recording) {
   const bool posed = recording.info().frames_with_pose > 0;
-  const size_t stride = std::max<size_t>(1, recording.size() / kUp.frames);
   std::vector<OrientedPoint> points;
   ImageAxes axes;
-  for (size_t i = 0; i < recording.size(); i += posed ? stride : 1) {
-    if (!posed && i >= kUp.frames) break;
-    const RgbdFrame frame = recording.frame(i);
-    if (posed && !frame.map_from_camera) continue;
-    const Isometry3d pose = frame.map_from_camera.value_or(Isometry3d::Identity());
-    add_points(frame, pose, points);
-    axes.add(pose);
-    if (posed) continue;
-    if (const auto up = up_of_points(points, axes)) return up;
-    points.clear();
-    axes = {};
-  }
+  // Where frames lack a pose, the next ones that have one are taken.
+  const size_t parts = std::min(kUp.frames, recording.size());
+  for (size_t part = 0; part < parts; ++part)
+    for (size_t i = part * recording.size() / parts; i < (part + 1) * recording.size() / parts; ++i) {
+      const RgbdFrame frame = recording.frame(posed ? i : part);
+      if (posed && !frame.map_from_camera) continue;
+      const Isometry3d pose = frame.map_from_camera.value_or(Isometry3d::Identity());
+      add_points(frame, pose, points);
+      axes.add(pose);
+      if (posed) break;
+      if (const auto up = up_of_points(points, axes)) return up;
+      points.clear();
+      axes = {};
+      break;
+    }
   return posed ? up_of_points(points, axes) : std::nullopt;
 }
 

@@ -471,6 +471,52 @@ TEST(Up, OfACameraThatIsHeldSidewaysOrUpsideDownIsSeenByTheTable) {
   }
 }
 
+/// A camera that pans and nods in a room of which it sees walls only, in a frame where `up` is up.
+class WallsOnly : public Recording {
+ public:
+  explicit WallsOnly(const Eigen::Matrix3d& turn) : turn_(turn) {
+    info_.camera.depth = {160, 120, 146, 146, 79.5, 59.5};
+    info_.frames = info_.frames_with_pose = 60;
+  }
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return info_.frames; }
+  TimeNs time_of(size_t i) const override { return static_cast<TimeNs>(i) * kSecond; }
+  int64_t index_of(size_t i) const override { return static_cast<int64_t>(i); }
+  RgbdFrame frame(size_t i) const override {
+    const auto t = static_cast<double>(i);
+    const double pan = 0.4 + 0.03 * t, tilt = -0.4 + 0.25 * std::sin(t / 4);
+    const Vector3d forward(std::cos(pan) * std::cos(tilt), std::sin(pan) * std::cos(tilt), std::sin(tilt)),
+        right(std::sin(pan), -std::cos(pan), 0);
+    Eigen::Matrix3d room_from_camera;
+    room_from_camera << right, forward.cross(right), forward;
+    RgbdFrame frame;
+    frame.camera = info_.camera;
+    frame.depth = cv::Mat1f(120, 160, std::numeric_limits<float>::quiet_NaN());
+    for (int v = 0; v < 120; ++v)
+      for (int u = 0; u < 160; ++u) {
+        const Vector3d ray = room_from_camera * info_.camera.depth.unproject(u, v, 1);
+        const double x = (ray.x() > 0 ? 2.2 : -1.8) / ray.x(), y = (ray.y() > 0 ? 1.4 : -1.9) / ray.y(),
+                     depth = std::min(x, y);
+        if (1.5 + depth * ray.z() > 0) frame.depth.at<float>(v, u) = static_cast<float>(depth);
+      }
+    frame.map_from_camera = Isometry3d(turn_ * room_from_camera);
+    return frame;
+  }
+
+ private:
+  Eigen::Matrix3d turn_;
+  RecordingInfo info_;
+};
+
+TEST(Up, IsKnownFromHowACameraTurnedWhereNoFloorIsInView) {
+  for (const Vector3d& axis : {Vector3d(1, 0, 0), Vector3d(0, 0.6, 0.8), Vector3d(0.6, 0.8, 0)}) {
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.9, axis).toRotationMatrix();
+    const auto up = find_up(WallsOnly(turn));
+    ASSERT_TRUE(up);
+    EXPECT_GT(up->dot(turn * Vector3d::UnitZ()), 0.9998) << axis.transpose();
+  }
+}
+
 TEST_F(Formats, ATumFolderWhoseWorldHasYDownIsTurnedUpright) {
   const fs::path source = fs::path(LOCI_SHARED_DIR) / "data/redkitchen_rgbd";
   if (!fs::exists(source)) GTEST_SKIP() << "no shared data";
