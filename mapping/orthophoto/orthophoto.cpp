@@ -190,6 +190,7 @@ class Photographer {
     if (!plane) return;
     view = project(frame, pose, *plane);
     view.frame = candidates_[i].number;
+    view.ground = {plane->depth(0, 0), plane->tilt_u, plane->tilt_v};
   }
 
   /// The frame as seen through the plane.
@@ -349,6 +350,7 @@ class Photographer {
 
   void fuse() {
     photo_.weight = cv::Mat::zeros(size_, CV_32F);
+    photo_.ground = cv::Mat::zeros(size_, CV_32F);
     photo_.relief = cv::Mat(size_, CV_32F, cv::Scalar(kNaN));
     photo_.relief_sd = cv::Mat(size_, CV_32F, cv::Scalar(kNaN));
     photo_.slope = cv::Mat::zeros(size_, CV_32FC2);
@@ -398,6 +400,7 @@ class Photographer {
     };
     warp(photo_.color, cv::INTER_LINEAR, {});
     warp(photo_.weight, cv::INTER_NEAREST, {});
+    warp(photo_.ground, cv::INTER_NEAREST, {});
     warp(photo_.relief, cv::INTER_NEAREST, cv::Scalar(kNaN));
     warp(photo_.relief_sd, cv::INTER_NEAREST, cv::Scalar(kNaN));
     warp(photo_.slope, cv::INTER_NEAREST, {});
@@ -438,6 +441,7 @@ class Photographer {
     cv::Vec3b& color = photo_.color.at<cv::Vec3b>(y, x);
     color = {};
     if (total > 0) {
+      fuse_ground(y, x, samples);
       slope /= total;
       photo_.slope.at<cv::Vec2f>(y, x) = slope;
       for (int i = 0; i < 2; ++i)
@@ -489,6 +493,16 @@ class Photographer {
     return layer;
   }
 
+  /// Where the frames have the surface: their drift along the normal is not a step of it, so the median.
+  void fuse_ground(int y, int x, std::vector<std::pair<float, float>>& samples) {
+    samples.clear();
+    const Vector3d at(1, photo_.u(x), photo_.v(y));
+    for (const PhotoView& view : views_)
+      if (const float weight = view.quality.at<float>(y, x); weight > 0)
+        samples.emplace_back(static_cast<float>(view.ground.dot(at)), weight);
+    photo_.ground.at<float>(y, x) = weighted_median(samples);
+  }
+
   /// Median over the frames, each weighted by its depth's precision.
   void fuse_relief(int y, int x, std::vector<std::pair<float, float>>& samples) {
     samples.clear();
@@ -522,10 +536,13 @@ LayerScaling Orthophoto::scaling(const PhotoView& view, double depth) const {
   return {scale, (1 - scale) * column(view.camera.x()), (1 - scale) * row(view.camera.y())};
 }
 
+cv::Point Orthophoto::pixel_at(const Vector2d& at) const {
+  return {std::clamp(static_cast<int>(std::lround(column(at.x()))), 0, width() - 1),
+          std::clamp(static_cast<int>(std::lround(row(at.y()))), 0, height() - 1)};
+}
+
 Vector2d Orthophoto::slope_at(const Vector2d& at) const {
-  const int x = std::clamp(static_cast<int>(std::lround(column(at.x()))), 0, width() - 1);
-  const int y = std::clamp(static_cast<int>(std::lround(row(at.y()))), 0, height() - 1);
-  const cv::Vec2f& leaning = slope.at<cv::Vec2f>(y, x);
+  const cv::Vec2f& leaning = slope.at<cv::Vec2f>(pixel_at(at));
   return {static_cast<double>(leaning[0]), static_cast<double>(leaning[1])};
 }
 
@@ -535,18 +552,22 @@ Vector2d Orthophoto::turned(const Vector2d& at) const {
 
 Vector3d Orthophoto::in_map(const Vector2d& at, double depth) const {
   const Vector2d on_face = middle() + Eigen::Rotation2Dd(-roll) * (at - middle()) + depth * slope_at(at);
-  return face.at(on_face.x(), on_face.y(), depth);
+  return face.at(on_face.x(), on_face.y(), static_cast<double>(ground.at<float>(pixel_at(at))) + depth);
 }
 
 Vector3d Orthophoto::in_layer(const Vector2d& at, double depth) const {
   const Vector2d on_face = middle() + Eigen::Rotation2Dd(-roll) * (at - middle());
-  return face.at(on_face.x(), on_face.y(), depth);
+  return face.at(on_face.x(), on_face.y(), static_cast<double>(ground.at<float>(pixel_at(at))) + depth);
 }
 
 Vector2d Orthophoto::seen_at(const Vector3d& point) const {
-  const Vector3d on_face = face.coordinates(point);
-  const Vector2d slope_there = slope_at(turned(on_face.head<2>()));
-  return turned(on_face.head<2>() - on_face.z() * slope_there);
+  const Vector2d stands = stands_at(point);
+  const double depth = face.coordinates(point).z() - static_cast<double>(ground.at<float>(pixel_at(stands)));
+  return turned(face.coordinates(point).head<2>() - depth * slope_at(stands));
+}
+
+Vector2d Orthophoto::stands_at(const Vector3d& point) const {
+  return turned(face.coordinates(point).head<2>());
 }
 
 Orthophoto make_orthophoto(const Recording& recording,

@@ -25,6 +25,8 @@ struct PhotoView {
   cv::Mat quality;                     ///< CV_32F, weight; 0 = not seen
   cv::Mat relief;                      ///< CV_32F, metres before the plane; NaN = not measured
   Vector3d camera = Vector3d::Zero();  ///< position of the colour camera in the face's coordinates
+  Vector3d ground =
+      Vector3d::Zero();  ///< of the frame: the surface is at ground · (1, u, v) before the plane
 };
 
 /// Where a frame shows on the face what it shows in a layer: scaled about the foot of the camera.
@@ -46,7 +48,8 @@ struct Orthophoto {
   double roll = 0;        ///< radians by which the images were turned about their middle, clockwise
   cv::Mat color;          ///< CV_8UC3, BGR; black where nothing was seen
   cv::Mat weight;         ///< CV_32F, sum of the weights of the frames; 0 = not seen
-  cv::Mat relief;         ///< CV_32F, metres before the plane; NaN = not measured
+  cv::Mat ground;         ///< CV_32F, metres before the plane, of the surface that fronts are part of
+  cv::Mat relief;         ///< CV_32F, metres before that surface; NaN = not measured
   cv::Mat relief_sd;      ///< CV_32F, metres, of the relief
   cv::Mat slope;          ///< CV_32FC2, mean change of (u, v) of the rays per metre towards the observer
   cv::Mat slope_sd;       ///< CV_32FC2, standard deviation of it over the frames
@@ -60,17 +63,20 @@ struct Orthophoto {
   double v(double row) const { return v0 + (height() - row - 0.5) * pixel_m; }
   double column(double u) const { return (u - u0) / pixel_m - 0.5; }
   double row(double v) const { return height() - 0.5 - (v - v0) / pixel_m; }
-  /// The point of the map that the images show at (u, v), when it stands `depth` before the plane.
+  /// The point of the map that the images show at (u, v), when it stands `depth` before the surface.
   Vector3d in_map(const Vector2d& at, double depth = 0) const;
   /// The point of the map that a layer shows at (u, v).
   Vector3d in_layer(const Vector2d& at, double depth) const;
   /// Where the images show a point of the map that is on or before the face: the inverse of in_map().
   Vector2d seen_at(const Vector3d& point) const;
+  /// Where the images show the place of the face before which a point of the map stands.
+  Vector2d stands_at(const Vector3d& point) const;
   /// Where the images show a place of the face, (u, v).
   Vector2d turned(const Vector2d& at) const;
   LayerScaling scaling(const PhotoView& view, double depth) const;
 
  private:
+  cv::Point pixel_at(const Vector2d& at) const;
   Vector2d slope_at(const Vector2d& at) const;
   Vector2d middle() const { return {u0 + width() * pixel_m / 2, v0 + height() * pixel_m / 2}; }
 };

@@ -123,6 +123,8 @@ struct PhotoFrontParameters {
   double hidden_m = 0.02;      ///< around bars: their shadows
   double hidden_sigmas = 2;    ///< of the relief of such bars
   double bar_margin_m = 0.01;  ///< between a bar and the edge of its front
+  double unsure_shift =
+      0.3;  ///< of a bar's displacement by a view from the side: its protrusion is not exact
   double max_width_m = kFronts.max_width_m;
   double max_area_m2 = kFronts.max_area_m2;
   double front_value = 2;          ///< of a front with a bar where bars are, against none

@@ -93,6 +93,7 @@ class PhotoLayout {
     face_ = (cv::abs(photo.relief) < kBars.face_relief_m) & known_;
     open_ = cv::abs(photo.relief) >= kBars.face_relief_m;
     cv::integral(face_ / 255, face_sums_, CV_32S);
+    for (FaceFixture& bar : bars_) move_to_its_place(bar);
   }
 
   std::vector<Front> run() {
@@ -109,6 +110,21 @@ class PhotoLayout {
 
  private:
   int px(double metres) const { return static_cast<int>(std::lround(metres / photo_.pixel_m)); }
+
+  /// From where the images show a fixture, from the side maybe, to the place of its front before which it
+  /// stands.
+  void move_to_its_place(FaceFixture& bar) const {
+    const Vector2d stands = photo_.stands_at(bar.fixture.centre), shift = stands - Vector2d(bar.u, bar.v);
+    bar.u = stands.x();
+    bar.v = stands.y();
+    const auto moved = [](double& low, double& high, double by) {
+      const double unsure = std::min(kPhotoFronts.unsure_shift * std::abs(by), (high - low) / 2);
+      low += by + unsure;
+      high += by - unsure;
+    };
+    moved(bar.box.u0, bar.box.u1, shift.x());
+    moved(bar.box.v0, bar.box.v1, shift.y());
+  }
 
   /// Trims rows and columns at the border that are not of the face.
   void shrink(Part& part) const {
