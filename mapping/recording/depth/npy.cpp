@@ -20,9 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMaxHeader = 4096;  ///< bytes; NumPy pads to 64 and writes some 80
+constexpr size_t kMaxNpyHeader = 4096;  ///< bytes; NumPy pads to 64 and writes some 80
 constexpr size_t kMaxDimensions = 8;
-constexpr const char* kHint =
+constexpr const char* kNpyHint =
     "write depth in metres: numpy.save(\"NAME.npy\", numpy.ascontiguousarray(depth, \"<f4\"))";
 
 /// What the dictionary says.
@@ -156,7 +156,7 @@ DepthHeader decode_npy(const fs::path& path, cv::Mat* pixels) {
   const size_t length =
       is_short ? size_t{head[8]} | size_t{head[9]} << 8
                : size_t{head[8]} | size_t{head[9]} << 8 | size_t{head[10]} << 16 | size_t{head[11]} << 24;
-  if (length > kMaxHeader) throw Error("the head of this NumPy array is too long", location);
+  if (length > kMaxNpyHeader) throw Error("the head of this NumPy array is too long", location);
   std::string text(length, '\0');
   file.seekg(static_cast<std::streamoff>(begin));
   if (!file.read(text.data(), static_cast<std::streamsize>(length))) throw truncated_depth(path);
@@ -164,8 +164,8 @@ DepthHeader decode_npy(const fs::path& path, cv::Mat* pixels) {
   const std::optional<int> type = type_of(header.descr);
   if (!type)
     throw Error(fmt::format("a NumPy array of type '{}' is not read as depth", header.descr), location,
-                kHint);
-  if (header.fortran_order) throw Error("a NumPy array in Fortran order is not read", location, kHint);
+                kNpyHint);
+  if (header.fortran_order) throw Error("a NumPy array in Fortran order is not read", location, kNpyHint);
   const auto [height, width] = size_of(header.shape, path);
   require_depth_size(width, height, path);
   const uint64_t bytes = width * height * CV_ELEM_SIZE(*type), there = fs::file_size(path) - begin - length;

@@ -25,10 +25,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kMaxSize = uint64_t{64} << 30;
+constexpr uint64_t kMaxUnpacked = uint64_t{64} << 30;
 /// Depth and colour images pack to a fifth or so: what grows a thousandfold was made to fill disks.
 constexpr uint64_t kMaxRatio = 1000, kMaxSmall = uint64_t{16} << 20;
-constexpr size_t kPiece = size_t{1} << 20;
+constexpr size_t kUnpackPiece = size_t{1} << 20;
 
 /// A packing program: the ending that it gives files, and how they begin.
 struct Packer {
@@ -49,7 +49,7 @@ const Packer* packer_of(const fs::path& path) {
 /// Unpacks into a buffer: how many bytes came, 0 at the end. Error where the packed bytes are damaged.
 using Source = std::function<size_t(char* bytes, size_t size)>;
 
-Error damaged() {
+Error damaged_stream() {
   return Error("damaged or truncated");
 }
 
@@ -57,7 +57,9 @@ Error damaged() {
 class ZstdSource {
  public:
   explicit ZstdSource(const fs::path& path)
-      : file_(path, std::ios::binary), stream_(ZSTD_createDStream(), ZSTD_freeDStream), packed_(kPiece) {
+      : file_(path, std::ios::binary),
+        stream_(ZSTD_createDStream(), ZSTD_freeDStream),
+        packed_(kUnpackPiece) {
     ZSTD_DCtx_setParameter(stream_.get(), ZSTD_d_windowLogMax, 27);  // At most 128 MB for the window.
   }
   size_t operator()(char* bytes, size_t size) {
@@ -70,7 +72,7 @@ class ZstdSource {
       }
       const bool at_end = in_.size == 0;
       left_ = ZSTD_decompressStream(stream_.get(), &out, &in_);
-      if (ZSTD_isError(left_) != 0 || (at_end && out.pos == 0)) throw damaged();
+      if (ZSTD_isError(left_) != 0 || (at_end && out.pos == 0)) throw damaged_stream();
     }
     return out.pos;
   }
@@ -90,7 +92,7 @@ class GzipSource {
     const int count = gzread(file_.get(), bytes, static_cast<unsigned>(size));
     int error = Z_OK;
     gzerror(file_.get(), &error);
-    if (count < 0 || (count == 0 && error != Z_OK)) throw damaged();
+    if (count < 0 || (count == 0 && error != Z_OK)) throw damaged_stream();
     return static_cast<size_t>(count);
   }
 
@@ -110,7 +112,7 @@ class Bzip2Source {
     while (stream_ != nullptr) {
       int status = BZ_OK;
       const int count = BZ2_bzRead(&status, stream_, bytes, static_cast<int>(size));
-      if (status != BZ_OK && status != BZ_STREAM_END) throw damaged();
+      if (status != BZ_OK && status != BZ_STREAM_END) throw damaged_stream();
       if (status == BZ_STREAM_END) open_next();
       if (count > 0) return static_cast<size_t>(count);
     }
@@ -121,7 +123,7 @@ class Bzip2Source {
   void open() {
     int status = BZ_OK;
     stream_ = BZ2_bzReadOpen(&status, file_.get(), 0, 0, rest_.data(), static_cast<int>(rest_.size()));
-    if (status != BZ_OK) throw damaged();
+    if (status != BZ_OK) throw damaged_stream();
   }
   void open_next() {
     int status = BZ_OK, count = 0;
@@ -201,9 +203,9 @@ void UnpackedBag::create(const fs::path& folder) {
 }
 
 void UnpackedBag::unpack(const fs::path& packed, const fs::path& folder) {
-  const uint64_t max = std::min(kMaxSize, kMaxSmall + kMaxRatio * fs::file_size(packed));
+  const uint64_t max = std::min(kMaxUnpacked, kMaxSmall + kMaxRatio * fs::file_size(packed));
   uint64_t size = 0;
-  std::vector<char> piece(kPiece);
+  std::vector<char> piece(kUnpackPiece);
   Source source = source_of(packed);
   while (true) {
     size_t count = 0;
