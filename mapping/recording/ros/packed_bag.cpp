@@ -72,7 +72,8 @@ class ZstdSource {
       }
       const bool at_end = in_.size == 0;
       left_ = ZSTD_decompressStream(stream_.get(), &out, &in_);
-      if (ZSTD_isError(left_) != 0 || (at_end && out.pos == 0)) throw damaged_stream();
+      if (ZSTD_isError(left_) != 0) throw Error(ZSTD_getErrorName(left_));
+      if (at_end && out.pos == 0) throw damaged_stream();
     }
     return out.pos;
   }
@@ -212,7 +213,8 @@ void UnpackedBag::unpack(const fs::path& packed, const fs::path& folder) {
     try {
       count = source(piece.data(), piece.size());
     } catch (const Error& error) {
-      if (size == 0) throw Error("the compressed bytes are damaged", {packed.string(), 0, {}});
+      if (size == 0)
+        throw Error(fmt::format("the bag cannot be unpacked: {}", error.message()), {packed.string(), 0, {}});
       problem_ = fmt::format("{}: {} behind {} unpacked bytes; what stands before that is used",
                              packed.string(), error.message(), size);
       return;

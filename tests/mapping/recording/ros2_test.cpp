@@ -443,7 +443,7 @@ TEST_F(PackedBags, ABombIsRefusedWithItsLimit) {
                         " bytes, as many as are allowed for its size; if that is right, unpack it: zstd -d"));
   EXPECT_TRUE(fs::is_empty(temporary_));
   EXPECT_THAT(refusal(write("none.mcap.zstd", "\x28\xb5\x2f\xfd")),
-              HasSubstr("compressed bytes are damaged"));
+              HasSubstr("the bag cannot be unpacked: damaged or truncated"));
 }
 
 TEST_F(PackedBags, AFolderWithoutRoomIsNamed) {
