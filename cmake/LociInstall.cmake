@@ -66,7 +66,7 @@ foreach(library mapping_base mapping_sensor perception_cas perception_types perc
   target_link_libraries(loci_plugin INTERFACE loci_${library})
 endforeach()
 target_compile_features(loci_mapping_base INTERFACE cxx_std_20)
-# Readers of bags and videos are loaded when they are needed.
+# Readers of videos and of some depth images are loaded when they are needed.
 target_link_options(loci_mapping_recording INTERFACE
   "$<INSTALL_INTERFACE:LINKER:-rpath,$<INSTALL_PREFIX>/${CMAKE_INSTALL_LIBDIR}/loci>")
 
@@ -82,7 +82,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/lociConfigVersion.cmake COM
 install(FILES ${CMAKE_BINARY_DIR}/lociConfig.cmake ${CMAKE_BINARY_DIR}/lociConfigVersion.cmake
   ${CMAKE_SOURCE_DIR}/cmake/LociPlugin.cmake DESTINATION ${package})
 
-install(TARGETS loci_video loci_postgres loci_people LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/loci)
+install(TARGETS loci_video loci_depth loci_postgres loci_people LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/loci)
 if(TARGET loci_open3d)
   install(TARGETS loci_open3d LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/loci)
 endif()

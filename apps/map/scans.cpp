@@ -74,6 +74,7 @@ void run(FuseArguments& arguments, Session& session) {
   const auto recording = open_posed(arguments.recording, arguments.reading, session);
   session.check_outputs(arguments.out, {"scans.yaml", "room.ply", "room.glb"});
   const mapping::FusionResult result = fuse(*recording, arguments.options, session.progress());
+  result.frames.explain("frame", {arguments.recording, 0, {}}, session.warnings());
   check_scan_files(result.scans, arguments.out, session);
   write_scan_set(result.scans, arguments.out);
   session.timing("fuse", result.seconds);
@@ -90,7 +91,6 @@ void run(FuseArguments& arguments, Session& session) {
   session.answer(text, json);
   if (const std::string reasons = result.without_color.reasons(); !reasons.empty())
     session.warnings().add("without colour: " + reasons, {arguments.recording, 0, {}});
-  result.frames.explain("frame", {arguments.recording, 0, {}}, session.warnings());
 }
 
 }  // namespace

@@ -46,7 +46,9 @@ mapping::ScanSet read_new(const UpdateArguments& arguments, const mapping::Seman
   for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
   mapping::FusionOptions options;
   options.threads = session.flags().threads;
-  mapping::ScanSet scans = fuse(*recording, options, session.progress()).scans;
+  mapping::FusionResult fused = fuse(*recording, options, session.progress());
+  fused.frames.explain("frame", {path, 0, {}}, session.warnings());
+  mapping::ScanSet scans = std::move(fused.scans);
   if (!has_poses) place(scans, earlier, path, session);
   return scans;
 }

@@ -25,6 +25,7 @@ constexpr std::array<ReasonText, static_cast<size_t>(Reason::count)> kReasons = 
     {"no_matching_frame", "no such frame in the recording",
      "check the times or names of the images, and that it is the recording that was detected in"},
     {"no_depth", "an empty depth image", "check the depth images and invalid_depth"},
+    {"no_color", "no colour image", "record the colour camera, too"},
     {"damaged", "an image that cannot be read", "copy or record these files again"},
     {"no_depth_in_range", "no depth between 0.2 and 5 m",
      "check depth_scale: metres per unit of the depth image"},
@@ -117,7 +118,7 @@ void Tally::explain(const std::string& sought, const FileLocation& where, Warnin
                                : fmt::format("no {} found in {}", sought, counted(total(), unit_));
   if (const std::string why = reasons(); !why.empty()) text += ": " + why;
   const Error error(text, where, hint());
-  if (used_ == 0 && !usable()) throw error;
+  if (!usable()) throw error;
   warnings.add(error.what());
 }
 

@@ -14,6 +14,7 @@ enum class Reason {
   no_pose,
   no_matching_frame,
   no_depth,
+  no_color,
   damaged,
   no_depth_in_range,
   depth_too_sparse,
@@ -57,8 +58,8 @@ class Tally {
   /// {"total", "used", "reasons": {"no_plane": 120}}.
   Json report() const;
 
-  /// The end of a run. When it found no `sought` ("object"): Error that says why and what to try, or the same
-  /// as a warning when usable(). When little could be used: a warning. Nothing happens without units.
+  /// The end of a run. Unless usable(): Error that says why and what to try. When it is usable and found no
+  /// `sought` ("object"): the same as a warning. Nothing happens without units.
   void explain(const std::string& sought, const FileLocation& where, Warnings& warnings) const;
 
  private:

@@ -29,7 +29,8 @@ cv::Mat decode_png(std::string_view bytes, PixelFormat format, const std::string
 /// 8- or 16-bit image of 1, 3 or 4 channels. Same pixels, same bytes.
 std::vector<unsigned char> encode_png(const cv::Mat& image);
 
-/// JPEG through libjpeg-turbo; orientation tags are ignored, arithmetic coding is refused.
+/// JPEG through libjpeg-turbo; orientation tags are ignored, arithmetic coding is refused, and so is an image
+/// of which libjpeg reports that data are missing or corrupt.
 cv::Mat decode_jpeg(std::string_view bytes, PixelFormat format, const std::string& name, uint64_t max_pixels);
 /// 8-bit image of 1 or 3 channels; quality 95, colour at half resolution.
 std::vector<unsigned char> encode_jpeg(const cv::Mat& image);

@@ -22,12 +22,15 @@ constexpr uint64_t kMaxPixelsPerByte = 512;
 /// What the decoder of a progressive image may take: 16-bit coefficients of four channels at full resolution.
 constexpr uint64_t kBytesPerPixel = 8;
 constexpr uint64_t kFixedBytes = uint64_t{16} << 20;
+/// Webcams leave a few bytes before the end marker; more of them are the rest of a cut image.
+constexpr int kMaxExtraneousBytes = 16;
 
 /// libjpeg reports errors by longjmp: functions that call it hold nothing that has a destructor.
 struct JpegErrors {
   jpeg_error_mgr manager;
   std::jmp_buf jump;
   bool truncated = false;
+  bool damaged = false;
   char message[JMSG_LENGTH_MAX] = "";
 };
 
@@ -41,8 +44,27 @@ JpegErrors& errors_of(j_common_ptr codec) {
   std::longjmp(errors.jump, 1);
 }
 
-void on_message(j_common_ptr codec, int /*level*/) {
-  if (codec->err->msg_code == JWRN_JPEG_EOF) errors_of(codec).truncated = true;
+/// Whether a warning means that blocks of the image are missing or made up. libjpeg fills them with grey.
+bool is_damage(const jpeg_error_mgr& manager) {
+  switch (manager.msg_code) {
+    case JWRN_HIT_MARKER:
+    case JWRN_HUFF_BAD_CODE:
+    case JWRN_MUST_RESYNC:
+      return true;
+    case JWRN_EXTRANEOUS_DATA:
+      return manager.msg_parm.i[0] > kMaxExtraneousBytes;
+    default:
+      return false;
+  }
+}
+
+void on_message(j_common_ptr codec, int level) {
+  JpegErrors& errors = errors_of(codec);
+  if (level >= 0) return;  // a trace
+  if (codec->err->msg_code == JWRN_JPEG_EOF) errors.truncated = true;
+  if (errors.damaged || !is_damage(*codec->err)) return;
+  errors.damaged = true;
+  codec->err->format_message(codec, errors.message);
 }
 
 void on_progress(j_common_ptr codec) {
@@ -93,7 +115,7 @@ class JpegReader {
       jpeg_read_scanlines(&codec_, &row, 1);
     }
     jpeg_finish_decompress(&codec_);
-    return !errors_.truncated;
+    return !errors_.truncated && !errors_.damaged;
   }
 
  private:

@@ -10,6 +10,8 @@
 #include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/tally.h"
+#include "mapping/base/text.h"
 #include "mapping/interpretation/fronts/fixtures.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/orthophoto/parameters.h"
@@ -18,18 +20,33 @@
 namespace loci::mapping {
 namespace {
 
-/// Pose of each frame in the map; unset without pose or colour.
-std::vector<std::optional<Isometry3d>> poses_of(const Recording& recording, const InterpretedMap& map,
+/// Pose of each frame in the map; unset without pose or colour, which a note says. Error when fewer than a
+/// tenth have both.
+std::vector<std::optional<Isometry3d>> poses_of(const Recording& recording, InterpretedMap& map,
                                                 int threads) {
   const Isometry3d map_from_recording = map.semantics.map_from_input.value_or(Isometry3d::Identity());
   std::vector<std::optional<Isometry3d>> poses(recording.size());
+  std::vector<std::pair<Reason, std::string>> left_out(recording.size());
   parallel_each(recording.size(), threads, [&](size_t i) {
     const RgbdFrame frame = recording.frame(i);
-    if (frame.map_from_camera && !frame.color.empty()) poses[i] = map_from_recording * *frame.map_from_camera;
+    if (!frame.map_from_camera)
+      left_out[i].first = Reason::no_pose;
+    else if (frame.color.empty())
+      left_out[i] = {frame.damage.empty() ? Reason::no_color : Reason::damaged, frame.damage};
+    else
+      poses[i] = map_from_recording * *frame.map_from_camera;
   });
-  if (std::none_of(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); }))
-    throw Error("no frame has both a pose and a colour image", {recording.info().path, 0, {}},
+  Tally frames;
+  for (size_t i = 0; i < poses.size(); ++i)
+    poses[i] ? frames.add_used() : frames.add(left_out[i].first, left_out[i].second);
+  if (!frames.usable())
+    throw Error(fmt::format("only {} of {} have both a pose and a colour image: {}", frames.used(),
+                            counted(frames.total(), "frame"), frames.reasons()),
+                {recording.info().path, 0, {}},
                 "interpret the scans without --recording, or estimate the poses with loci-map track");
+  if (const std::string reasons = frames.reasons(); !reasons.empty())
+    map.notes.push_back(
+        fmt::format("orthophotos are made of {} of {} frames: {}", frames.used(), frames.total(), reasons));
   return poses;
 }
 

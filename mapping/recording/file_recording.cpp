@@ -13,6 +13,7 @@
 #include "mapping/base/text.h"
 #include "mapping/base/time_limits.h"
 #include "mapping/image/image_io.h"
+#include "mapping/recording/depth_image.h"
 #include "mapping/recording/formats/layouts.h"
 
 namespace loci::mapping {
@@ -56,32 +57,36 @@ const FrameFiles& FileRecording::files(size_t i) const {
 void FileRecording::check_images() {
   std::vector<size_t> damaged;
   std::optional<Error> first;
-  const auto header_of = [&](const fs::path& image, size_t i) -> std::optional<ImageHeader> {
+  bool any_float = false;
+  const auto header_of = [&](const auto& read_header, const fs::path& image, size_t i) {
+    std::optional<decltype(read_header(image))> header;
     try {
-      return read_image_header(image);
+      header = read_header(image);
     } catch (const Error& error) {
       if (!first) first = error;
       if (damaged.empty() || damaged.back() != i) damaged.push_back(i);
-      return std::nullopt;
     }
+    return header;
   };
   for (size_t i = 0; i < content_.frames.size(); ++i) {
     const FrameFiles& frame = content_.frames[i];
-    if (const auto depth = header_of(frame.depth, i)) {
-      if (depth->channels != 1 || depth->bits != 16)
-        throw Error(fmt::format("depth images are 16-bit grey PNG, this one has {} channels of {} bits",
-                                depth->channels, depth->bits),
-                    {frame.depth.string(), 0, {}});
+    if (const auto depth = header_of(read_depth_header, frame.depth, i)) {
+      any_float = any_float || depth->is_float;
       check_size(depth->width, depth->height, content_.info.camera.depth, "depth", frame.depth);
     }
     if (frame.color.empty() || frame.video_frame) continue;  // A video is of one size, known to its reader.
-    if (const auto color = header_of(frame.color, i))
+    if (const auto color = header_of(read_image_header, frame.color, i))
       check_size(color->width, color->height, content_.info.camera.color, "colour", frame.color);
   }
   if (damaged.size() == content_.frames.size()) throw Error(*first);
   if (first)
     content_.info.problems.push_back(fmt::format("{} of {} frames have images that cannot be read ({})",
                                                  damaged.size(), content_.frames.size(), first->what()));
+  if (any_float)
+    content_.info.guesses.push_back(
+        content_.float_depth_scale == 1
+            ? "floating-point depth is taken as metres"
+            : fmt::format("floating-point depth is taken in units of {} m", content_.float_depth_scale));
 }
 
 FileRecordingContent content_in_world(const std::string& format, const std::filesystem::path& folder,
@@ -169,12 +174,20 @@ RgbdFrame FileRecording::frame(size_t i) const {
 }
 
 cv::Mat FileRecording::depth_of(const FrameFiles& from) const {
-  const cv::Mat raw = read_uint16(from.depth);
+  const cv::Mat raw = read_depth_image(from.depth);
   check_size(raw.cols, raw.rows, content_.info.camera.depth, "depth", from.depth);
   cv::Mat depth(raw.rows, raw.cols, CV_32F);
-  for (int v = 0; v < raw.rows; ++v)
-    std::transform(raw.ptr<uint16_t>(v), raw.ptr<uint16_t>(v) + raw.cols, depth.ptr<float>(v),
-                   [&](uint16_t value) { return metres_from_raw_[value]; });
+  const auto scale = static_cast<float>(content_.float_depth_scale);
+  for (int v = 0; v < raw.rows; ++v) {
+    if (raw.type() == CV_16UC1)
+      std::transform(raw.ptr<uint16_t>(v), raw.ptr<uint16_t>(v) + raw.cols, depth.ptr<float>(v),
+                     [&](uint16_t value) { return metres_from_raw_[value]; });
+    else
+      std::transform(raw.ptr<float>(v), raw.ptr<float>(v) + raw.cols, depth.ptr<float>(v), [&](float value) {
+        const float metres = value * scale;
+        return metres > 0 && std::isfinite(metres) ? metres : std::numeric_limits<float>::quiet_NaN();
+      });
+  }
   if (from.confidence.empty()) return depth;
   const std::string bytes = read_file(from.confidence);
   const cv::Mat confidence = decode_image({bytes.begin(), bytes.end()}, from.confidence.string());
@@ -226,8 +239,10 @@ std::string implausible_because(const cv::Mat& depth) {
   std::nth_element(measured.begin(), middle, measured.end());
   const auto median = static_cast<double>(*middle);
   if (median > kMin && median < kMax) return {};
-  return fmt::format("the median depth of the first frame is {:.3g} m: check its unit (depth_scale, unit_m)",
-                     median);
+  return fmt::format(
+      "the median depth of the first frame is {:.3g} m: check its unit (depth_scale, "
+      "unit_m; of floating-point depth float_depth_scale, float_unit_m)",
+      median);
 }
 
 std::optional<int64_t> number_in_name(const std::filesystem::path& path) {
@@ -320,11 +335,20 @@ fs::path beside_or_above(const fs::path& folder, const char* name) {
   return {};
 }
 
+double float_scale_of(const Config& config, const char* key) {
+  const double scale = config.get<double>(key, 1);
+  if (!(scale > 0 && scale <= 1))
+    throw Error("the unit of floating-point depth is out of bounds", config.location(key),
+                "it is metres per unit: 1, or 0.001 for millimetres");
+  return scale;
+}
+
 void read_cameras(const fs::path& path, FileRecordingContent& content) {
   const Config config = Config::read(path);
   const Config depth = config.map("depth");
   content.info.camera.depth = read_pinhole(depth);
   content.depth_scale = depth.get<double>("unit_m", 0.001);
+  content.float_depth_scale = float_scale_of(depth, "float_unit_m");
   content.invalid_depth = depth.get<std::vector<int>>("invalid", {0, 65535});
   for (const int raw : content.invalid_depth)
     if (raw < 0 || raw > 65535) throw Error("depth values are 0 to 65535", depth.location("invalid"));

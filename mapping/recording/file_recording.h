@@ -30,7 +30,8 @@ struct FrameFiles {
 /// What a reader of a layout of single images fills in; the rest is the same for all of them.
 struct FileRecordingContent {
   RecordingInfo info;                    ///< format, path, map_frame, camera, time_assumed, guesses, problems
-  double depth_scale = 0.001;            ///< metres per unit
+  double depth_scale = 0.001;            ///< metres per unit of 16-bit depth
+  double float_depth_scale = 1;          ///< metres per unit of floating-point depth
   std::vector<int> invalid_depth = {0};  ///< raw values that are no measurement
   std::shared_ptr<const Video> video;    ///< of frames with video_frame
   int min_confidence = 0;                ///< depth of less does not count as measured
@@ -61,7 +62,7 @@ FileRecordingContent content_in_world(const std::string& format, const std::file
 /// Sorts frames by time and fills in what can be told from them: counts, times, what is odd.
 void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames);
 
-/// A recording of single PNG and JPEG files.
+/// A recording of single image files.
 class FileRecording : public Recording {
  public:
   /// Sorts by time, checks heads, tails and sizes of all images, and completes info.

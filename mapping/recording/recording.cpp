@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-
 #include "mapping/base/json.h"
 #include "mapping/base/pose.h"
 #include "mapping/base/text.h"
@@ -38,65 +36,28 @@ std::string recording_below(const fs::path& folder) {
   return {};
 }
 
-/// A file of rosbag2 that is compressed as a whole.
-bool is_compressed_bag(const fs::path& path) {
-  const std::string name = path.filename().string();
-  return name.ends_with(".mcap.zstd") || name.ends_with(".db3.zstd");
-}
-
 /// Files that would be read in another form: Error that says in which.
 void refuse_unread_files(const fs::path& folder) {
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (is_compressed_bag(entry.path()))
-      throw Error("the files of this bag are compressed as a whole, which is not read",
-                  {folder.string(), 0, {}},
-                  fmt::format("unpack them: zstd -d {}", (folder / "*.zstd").string()));
   const fs::path depth = folder / "depth";
   if (!fs::is_directory(depth)) return;
   for (const auto& entry : fs::directory_iterator(depth))
-    for (const char* ending : {".tif", ".tiff", ".exr", ".npy", ".pfm"})
+    for (const char* ending : {".pfm", ".pgm", ".npz", ".mat", ".h5", ".hdf5", ".raw", ".bin"})
       if (lower_case(entry.path().extension().string()) == ending)
         throw Error(fmt::format("depth as {} is not read", ending), {entry.path().string(), 0, {}},
-                    "write 16-bit PNG in millimetres, e.g. in Python: cv2.imwrite(\"NAME.png\", (1000 * "
-                    "depth).astype(\"uint16\"))");
+                    "write it in metres, e.g. in Python: numpy.save(\"NAME.npy\", depth.astype(\"<f4\"))");
 }
 
 Error nothing_fits(const fs::path& folder) {
   const std::string below = recording_below(folder);
+  if (below.empty())
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (entry.is_regular_file()) refuse_foreign_format(entry.path());
   return Error(fs::is_empty(folder) ? "the folder is empty" : "the folder holds no recording",
                {folder.string(), 0, {}},
-               below.empty() ? "a recording has recording.yaml, *.depth.png as in 7-Scenes, depth.txt as "
+               below.empty() ? "a recording has recording.yaml, *.depth.* as in 7-Scenes, depth.txt as "
                                "TUM's, *.mcap or *.db3, color/ "
                                "and depth/, transforms.json, or *.pcd"
                              : fmt::format("did you mean '{}'?", below));
-}
-
-/// Formats that are known and not read: Error with the command that converts them.
-void refuse_foreign_format(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string head(4, '\0');
-  stream.read(head.data(), 4);
-  const FileLocation location{file.string(), 0, {}};
-  const std::string name = file.string();
-  if (head == "\x1a\x45\xdf\xa3")
-    throw Error(
-        "a recording of an Azure Kinect (Matroska) is not read as it is", location,
-        fmt::format("convert it with Open3D: python azure_kinect_mkv_reader.py --input {} --output FOLDER",
-                    name));
-  if (head.starts_with("PK") && file.extension() == ".r3d")
-    throw Error(
-        "a recording of Record3D is not read as it is", location,
-        "export it from the app as 'EXR + RGB' and convert it with nerfstudio: ns-process-data record3d "
-        "--data FOLDER --output-dir OUT");
-  if (head == "\x28\xb5\x2f\xfd")
-    throw Error("this file is compressed as a whole, which is not read", location,
-                fmt::format("unpack it: zstd -d {}", name));
-  if (head.starts_with("\x1f\x8b"))
-    throw Error("this file is compressed", location,
-                fmt::format("unpack it: {} {}",
-                            name.find(".t") != std::string::npos ? "tar xzf" : "gunzip -k", name));
-  if (head.starts_with("PK"))
-    throw Error("this is an archive", location, fmt::format("unpack it: unzip {} -d FOLDER", name));
 }
 
 /// The reader of the format.

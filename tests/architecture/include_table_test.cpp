@@ -36,6 +36,8 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"png.h", "libpng"},
                                                                      {"jpeglib.h", "libjpeg"},
                                                                      {"jerror.h", "libjpeg"},
+                                                                     {"tiffio.h", "libtiff"},
+                                                                     {"Imf", "OpenEXR"},
                                                                      {"urdf_parser/", "urdfdom"},
                                                                      {"urdf_model/", "urdfdom"},
                                                                      {"urdf_world/", "urdfdom"},

@@ -1,5 +1,6 @@
 // A run that finds nothing says why, and fails when fewer than a tenth of the frames could be used.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "mapping/base/files.h"
@@ -114,6 +115,33 @@ TEST_F(SilentNothing, FramesOutsideTheMapAreNamed) {
   const Outcome outcome = run("loci-perceive run " + record(view, pose) + " --map apps/samples/kitchen.urdf");
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.error.find("nothing of the map in view in 3"), std::string::npos) << outcome.error;
+}
+
+TEST_F(SilentNothing, FuseOfFewReadableFramesFailsAndWritesNothing) {
+  const auto view = [](int64_t i) { return BoxTable{table_camera(0.02 * static_cast<double>(i))}; };
+  const auto pose = [&](int64_t i) { return std::optional(view(i).map_from_camera); };
+  const std::string recording = record(view, pose, 20), scans = folder_ + "/scans";
+  const auto spoil = [&](int from, int to) {
+    for (int i = from; i < to; ++i) {
+      const std::string file = fmt::format("{}/frames/{:06}_depth.png", recording, i);
+      write_file_atomically(file, read_file(file).substr(0, 100));
+    }
+  };
+  spoil(0, 10);
+  const std::string command = "loci-map fuse " + recording + " -o " + scans + " --mesh-voxel-m 0";
+  const Outcome half = run(command);
+  EXPECT_EQ(half.exit_code, 0) << half.error;
+  EXPECT_NE(half.out.find("10 frames became 1 scan"), std::string::npos) << half.out;
+  EXPECT_NE(half.out.find("left out: an image that cannot be read in 10"), std::string::npos) << half.out;
+  std::filesystem::remove_all(scans);
+  spoil(10, 19);
+  const Outcome few = run(command);
+  EXPECT_EQ(few.exit_code, 1);
+  EXPECT_NE(few.error.find("only 1 of 20 frames could be used: an image that cannot be read in 19 ("),
+            std::string::npos)
+      << few.error;
+  EXPECT_NE(few.error.find("; copy or record these files again"), std::string::npos) << few.error;
+  EXPECT_FALSE(std::filesystem::exists(scans + "/scans.yaml"));
 }
 
 TEST(SilentNothingReal, ABinWithoutASupportIsSeenAllTheSame) {

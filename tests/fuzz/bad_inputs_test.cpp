@@ -31,6 +31,13 @@ std::pair<size_t, size_t> number_in(const std::string& text, size_t n) {
   return {begin, end};
 }
 
+/// A NumPy array that has this head and no numbers.
+std::string npy(const std::string& head) {
+  const std::array<char, 2> length = {static_cast<char>(head.size() & 255),
+                                      static_cast<char>(head.size() >> 8)};
+  return std::string("\x93NUMPY\x01\0", 8) + std::string(length.data(), 2) + head;
+}
+
 /// The same mistakes for any file.
 std::vector<std::pair<std::string, std::string>> mistakes(const std::string& seed) {
   std::vector<std::pair<std::string, std::string>> made;
@@ -182,6 +189,29 @@ std::vector<ByHand> by_hand() {
            std::string("\x01\0\0\0\xff\xff\xff\x7f", 8)},
       {"bag", "version alone", "#ROSBAG V2.0\n"},
       {"bag", "huge header", "#ROSBAG V2.0\n" + std::string("\xff\xff\xff\x7f", 4)},
+      {"bag", "zstd of nothing", std::string("\x28\xb5\x2f\xfd", 4)},
+      {"bag", "zstd with a window of 2 GB",
+       std::string("\x28\xb5\x2f\xfd\x00\xa8", 6) + std::string(100, 'x')},
+      {"bag", "gzip of nothing", std::string("\x1f\x8b\x08\0\0\0\0\0\0\x03", 10)},
+      {"bag", "bzip2 of nothing", "BZh9\x17\x72\x45\x38\x50\x90"},
+      {"depth", "npy of 4 G x 4 G",
+       npy("{'descr': '<f4', 'fortran_order': False, 'shape': (4294967296, 4294967296), }")},
+      {"depth", "npy whose size overflows",
+       npy("{'descr': '<f8', 'fortran_order': False, 'shape': (4611686018427387904, 2), }")},
+      {"depth", "npy of many dimensions",
+       npy("{'descr': '<f4', 'fortran_order': False, 'shape': (" + repeated("1,", 1000) + "), }")},
+      {"depth", "npy of code", npy("__import__('os').system('true')")},
+      {"depth", "npy with a key twice",
+       npy("{'descr': '<f4', 'descr': '<f4', 'fortran_order': False, 'shape': (1, 1), }")},
+      {"depth", "npy of an open text", npy("{'descr': '<f4")},
+      {"depth", "npy with a head of 4 GB", std::string("\x93NUMPY\x02\0\xff\xff\xff\xff", 12)},
+      {"depth", "npy of the future", std::string("\x93NUMPY\x09\0\x01\0{}", 12)},
+      {"depth", "tiff of nothing", std::string("II*\0\x08\0\0\0\0\0", 10)},
+      {"depth", "tiff whose directory is its head", std::string("II*\0\0\0\0\0", 8)},
+      {"depth", "tiff with 65535 tags", std::string("II*\0\x08\0\0\0\xff\xff", 10) + std::string(1000, '\1')},
+      {"depth", "exr of nothing", std::string("\x76\x2f\x31\x01\x02\0\0\0\0", 9)},
+      {"depth", "exr with an attribute of 2 GB",
+       std::string("\x76\x2f\x31\x01\x02\0\0\0a\0string\0\xff\xff\xff\x7f", 21)},
       {"recording", "no separator", "version: 1\n"},
       {"recording", "alias", "version: &a [*a]\n---\nindex\n"},
       {"rvl", "huge", std::string("\xff\xff\xff\xff\xff\xff\xff\xff", 8)},

@@ -15,6 +15,7 @@
 #include "mapping/base/progress.h"
 #include "mapping/base/terminal.h"
 #include "mapping/image/image_io.h"
+#include "mapping/recording/depth_image.h"
 #include "mapping/recording/recording.h"
 #include "mapping/recording/ros/rvl.h"
 #include "mapping/sensor/pcd.h"
@@ -181,9 +182,14 @@ void read_frames(const fs::path& path) {
   for (size_t i = 0; i < std::min<size_t>(recording->size(), 3); ++i) recording->frame(i);
 }
 
-/// A bag of ROS 1, MCAP, or the database of rosbag2, which is known by its name, too.
+/// A bag of ROS 1, MCAP, or the database of rosbag2, plain or compressed, which is known by its name, too.
 void bag(std::string_view bytes) {
-  read_frames(file_of(bytes, bytes.starts_with("SQLite format 3") ? "input.db3" : "input.bag"));
+  const char* name = "input.bag";
+  if (bytes.starts_with("SQLite format 3")) name = "input.db3";
+  if (bytes.starts_with("\x28\xb5\x2f\xfd")) name = "input.mcap.zstd";
+  if (bytes.starts_with("\x1f\x8b")) name = "input.bag.gz";
+  if (bytes.starts_with("BZh")) name = "input.bag.bz2";
+  read_frames(file_of(bytes, name));
 }
 
 /// recording.yaml and frames.csv with a line "---" between them.
@@ -244,6 +250,13 @@ void image(std::string_view bytes) {
   } catch (const Error&) {  // The decoder does not rely on it.
   }
   mapping::decode_color(bytes, "input.png", kMaxPixels);
+}
+
+/// PNG, NumPy, TIFF or OpenEXR.
+void depth(std::string_view bytes) {
+  const fs::path file = file_of(bytes, "input.depth");
+  mapping::read_depth_header(file);
+  mapping::read_depth_image(file);
 }
 
 void rvl(std::string_view bytes) {
@@ -398,6 +411,7 @@ const std::vector<Target>& targets() {
                                           {"canonical_json", canonical_json},
                                           {"catalogue", catalogue},
                                           {"condition", condition},
+                                          {"depth", depth},
                                           {"detections", detections},
                                           {"detections_2d", detections_2d},
                                           {"goal", goal},

@@ -18,10 +18,10 @@ FileRecordingContent read_loci_layout(const std::filesystem::path& folder);
 /// Fields of a pinhole camera from a map (width, height, fx, fy, cx, cy); the caller finishes the map.
 PinholeCamera read_pinhole(const Config& config);
 
-/// Whether a folder holds a sequence in the layout of 7-Scenes (*.depth.png).
+/// Whether a folder holds a sequence in the layout of 7-Scenes (*.depth.png, or of another kDepthEndings).
 bool is_seven_scenes(const std::filesystem::path& folder);
 
-/// Reads *.depth.png, *.color.*, *.pose.txt (4x4, camera to world); cameras.yaml and world_to_map.txt beside
+/// Reads *.depth.*, *.color.*, *.pose.txt (4x4, camera to world); cameras.yaml and world_to_map.txt beside
 /// them or one folder above. Without cameras.yaml the cameras are taken as a Kinect's.
 FileRecordingContent read_seven_scenes(const std::filesystem::path& folder);
 
@@ -81,6 +81,9 @@ FileRecordingContent read_nerfstudio(const std::filesystem::path& folder);
 bool is_stray_scanner(const std::filesystem::path& folder);
 FileRecordingContent read_stray_scanner(const std::filesystem::path& folder);
 
+/// Error with the command that converts it, for a file of a format that is known and not read.
+void refuse_foreign_format(const std::filesystem::path& file);
+
 /// Whether sizes and focal lengths are positive and finite, sides at most 32768 and pixels at most 2^26.
 bool is_usable(const PinholeCamera& camera);
 
@@ -103,14 +106,21 @@ std::vector<double> numbers_in(const std::filesystem::path& path, size_t min_cou
 /// A pose from the 16 numbers of a 4 x 4 matrix, row by row.
 Isometry3d pose_from_rows(const std::vector<double>& rows, const FileLocation& location);
 
+/// Files of depth images in a folder, by number. Of several kinds the one is taken of which there are `count`
+/// files, or the most; of equally many the first of kDepthEndings.
+std::vector<std::filesystem::path> depth_images_in(const std::filesystem::path& folder, size_t count);
+
+/// Metres per unit of floating-point depth: the value of a key, or 1.
+double float_scale_of(const Config& config, const char* key);
+
 /// A file beside the images or one folder above; empty when there is none.
 std::filesystem::path beside_or_above(const std::filesystem::path& folder, const char* name);
 
 /// A 4 x 4 matrix of 16 numbers. Error when they are no pose.
 Isometry3d read_pose_file(const std::filesystem::path& path);
 
-/// cameras.yaml: `depth` with size, f, c and optionally `unit_m` and `invalid`, optional `color` and
-/// `color_from_depth` (R, t). Fills cameras, depth scale and invalid values.
+/// cameras.yaml: `depth` with size, f, c and optionally `unit_m`, `float_unit_m` and `invalid`, optional
+/// `color` and `color_from_depth` (R, t). Fills cameras, depth scale and invalid values.
 void read_cameras(const std::filesystem::path& path, FileRecordingContent& content);
 
 }  // namespace loci::mapping

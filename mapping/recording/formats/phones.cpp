@@ -9,7 +9,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/base/text.h"
-#include "mapping/image/image_io.h"
+#include "mapping/recording/depth_image.h"
 #include "mapping/recording/formats/layouts.h"
 #include "mapping/recording/video.h"
 
@@ -88,8 +88,9 @@ FileRecordingContent read_nerfstudio(const fs::path& folder) {
   if (!frames.is_array()) throw Error("'frames' is a list", location);
   if (json.contains("depth_unit_scale_factor"))
     content.depth_scale = number_of(json["depth_unit_scale_factor"]);
-  if (!(content.depth_scale > 0 && content.depth_scale < 1))
+  if (!(content.depth_scale > 0 && content.depth_scale <= 1))
     throw Error("depth_unit_scale_factor is metres per unit, e.g. 0.001", location);
+  content.float_depth_scale = content.depth_scale;  // nerfstudio multiplies any image by it.
   for (const Json& each : frames) {
     FrameFiles frame;
     frame.depth = file_below(folder, each, "depth_file_path", location);
@@ -119,7 +120,7 @@ FileRecordingContent read_nerfstudio(const fs::path& folder) {
                                  value("cx") - 0.5, value("cy") - 0.5},
                                 location);
   content.color_distortion = nerfstudio_distortion(json, first, location);
-  const ImageHeader depth = read_image_header(content.frames[0].depth);
+  const DepthHeader depth = read_depth_header(content.frames[0].depth);
   camera.depth = scaled_camera(camera.color, depth.width, depth.height);
   content.depth_distortion = content.color_distortion;
   if (first.contains("fl_x"))
@@ -169,10 +170,8 @@ FileRecordingContent read_stray_scanner(const fs::path& folder) {
     }
     const std::string name = fmt::format("{:06}.png", frame.index);
     frame.depth = folder / "depth" / name;
+    if (!fs::exists(frame.depth)) frame.depth.replace_extension(".npy");  // Old versions wrote that.
     if (!fs::exists(frame.depth)) {
-      if (fs::exists(fs::path(frame.depth).replace_extension(".npy")))
-        throw Error("depth of old versions of Stray Scanner (.npy) is not read",
-                    {frame.depth.string(), 0, {}}, "export again with a newer version, which writes PNG");
       content.info.problems.push_back(fmt::format("{}: no depth image {}", frame.location.text(), name));
       break;
     }
@@ -194,7 +193,7 @@ FileRecordingContent read_stray_scanner(const fs::path& folder) {
   }
   content.info.camera.color =
       checked_camera({size.width, size.height, k[0], k[4], k[2] - 0.5, k[5] - 0.5}, {folder.string(), 0, {}});
-  const ImageHeader depth = read_image_header(content.frames[0].depth);
+  const DepthHeader depth = read_depth_header(content.frames[0].depth);
   content.info.camera.depth = scaled_camera(content.info.camera.color, depth.width, depth.height);
   content.info.guesses.emplace_back("no date in the stamps: they begin at 2000-01-01T00:00:00Z");
   content.info.guesses.emplace_back("depth of low confidence is left out");

@@ -7,6 +7,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/text.h"
 #include "mapping/image/image_io.h"
+#include "mapping/recording/depth_image.h"
 #include "mapping/recording/formats/layouts.h"
 
 namespace loci::mapping {
@@ -14,8 +15,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr size_t kPngEnding = kDepthEndings.size() - 1;  ///< of depth_ending_of(); colour has it, too
 constexpr std::array<const char*, 3> kColorFolders = {"color", "image", "rgb"};
 
+/// "2.png" comes before "10.png".
+void sort_by_number(std::vector<fs::path>& files) {
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    const auto number_a = number_in_name(a), number_b = number_in_name(b);
+    return number_a && number_b && number_a != number_b ? *number_a < *number_b : a < b;
+  });
+}
+
+/// Colour images.
 std::vector<fs::path> images_in(const fs::path& folder) {
   std::vector<fs::path> files;
   if (!fs::is_directory(folder)) return files;
@@ -23,11 +34,7 @@ std::vector<fs::path> images_in(const fs::path& folder) {
     const std::string ending = lower_case(entry.path().extension().string());
     if (ending == ".png" || ending == ".jpg" || ending == ".jpeg") files.push_back(entry.path());
   }
-  // "2.png" comes before "10.png".
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    const auto number_a = number_in_name(a), number_b = number_in_name(b);
-    return number_a && number_b && number_a != number_b ? *number_a < *number_b : a < b;
-  });
+  sort_by_number(files);
   return files;
 }
 
@@ -63,12 +70,21 @@ std::optional<PinholeCamera> open3d_camera(const fs::path& folder) {
   return std::nullopt;
 }
 
+std::pair<int, int> image_size(const fs::path& image) {
+  if (depth_ending_of(image) < kPngEnding) {
+    const DepthHeader header = read_depth_header(image);
+    return {header.width, header.height};
+  }
+  const ImageHeader header = read_image_header(image);
+  return {header.width, header.height};
+}
+
 /// ScanNet's intrinsic/intrinsic_depth.txt: a 4 x 4 matrix.
 std::optional<PinholeCamera> scannet_camera(const fs::path& file, const fs::path& image) {
   if (!fs::exists(file)) return std::nullopt;
   const std::vector<double> m = numbers_in(file, 16);
-  const ImageHeader header = read_image_header(image);
-  return checked_camera({header.width, header.height, m[0], m[5], m[2], m[6]}, {file.string(), 0, {}});
+  const auto [width, height] = image_size(image);
+  return checked_camera({width, height, m[0], m[5], m[2], m[6]}, {file.string(), 0, {}});
 }
 
 void set_cameras_of_folder(const fs::path& folder, const fs::path& depth, const fs::path& color,
@@ -113,13 +129,27 @@ void set_poses(const fs::path& folder, FileRecordingContent& content) {
 
 }  // namespace
 
+std::vector<fs::path> depth_images_in(const fs::path& folder, size_t count) {
+  std::array<std::vector<fs::path>, kDepthEndings.size()> kinds;
+  if (!fs::is_directory(folder)) return {};
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (const size_t kind = depth_ending_of(entry.path()); kind < kinds.size())
+      kinds[kind].push_back(entry.path());
+  std::vector<fs::path>& files = *std::ranges::max_element(kinds, {}, [&](const auto& of_kind) {
+    return std::pair(count > 0 && of_kind.size() == count, of_kind.size());
+  });
+  sort_by_number(files);
+  return files;
+}
+
 bool is_redwood(const fs::path& folder) {
-  return !color_folder(folder).empty() && !images_in(folder / "depth").empty();
+  return !color_folder(folder).empty() && !depth_images_in(folder / "depth", 0).empty();
 }
 
 FileRecordingContent read_redwood(const fs::path& folder) {
   FileRecordingContent content = content_in_world("redwood", folder, false);
-  const std::vector<fs::path> depths = images_in(folder / "depth"), colors = images_in(color_folder(folder));
+  const std::vector<fs::path> colors = images_in(color_folder(folder)),
+                              depths = depth_images_in(folder / "depth", colors.size());
   if (depths.size() != colors.size())
     throw Error(
         fmt::format("{} depth and {} colour images do not belong together", depths.size(), colors.size()),
@@ -139,6 +169,17 @@ FileRecordingContent read_redwood(const fs::path& folder) {
   content.info.guesses.emplace_back("no date in the stamps: they begin at 2000-01-01T00:00:00Z");
   set_poses(folder, content);
   return content;
+}
+
+/// depth*.png, or of another kind, by number.
+std::vector<fs::path> depths_of_replica(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().filename().string().starts_with("depth") &&
+        depth_ending_of(entry.path()) < kDepthEndings.size())
+      files.push_back(entry.path());
+  sort_by_number(files);
+  return files;
 }
 
 bool is_replica(const fs::path& folder) {
@@ -164,9 +205,7 @@ FileRecordingContent read_replica(const fs::path& folder) {
   }
   content.info.camera.color = content.info.camera.depth;
   const std::vector<double> values = numbers_in(folder / "traj.txt", 0);
-  for (const fs::path& depth : images_in(folder / "results")) {
-    const std::string name = depth.filename().string();
-    if (!name.starts_with("depth")) continue;
+  for (const fs::path& depth : depths_of_replica(folder / "results")) {
     FrameFiles frame;
     frame.index = number_in_name(depth).value_or(static_cast<int64_t>(content.frames.size()));
     frame.depth = depth;

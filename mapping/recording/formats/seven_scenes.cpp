@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "mapping/recording/depth_image.h"
 #include "mapping/sensor/kinect.h"
 
 namespace loci::mapping {
@@ -16,16 +17,26 @@ struct Parts {
   fs::path depth, color, pose;
 };
 
+/// "frame-000012" of "frame-000012.depth.png" or of another kind of depth; empty for other files.
+std::string frame_of_depth(const fs::path& file) {
+  const std::string name = file.stem().string();
+  return depth_ending_of(file) < kDepthEndings.size() && name.ends_with(".depth")
+             ? name.substr(0, name.size() - 6)
+             : std::string();
+}
+
 std::map<std::string, Parts> find_parts(const fs::path& folder) {
   std::map<std::string, Parts> frames;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string file = entry.path().filename().string();
-    if (file.ends_with(".depth.png"))
-      frames[file.substr(0, file.size() - 10)].depth = entry.path();
-    else if (const size_t at = file.rfind(".color."); at != std::string::npos)
+    if (const std::string frame = frame_of_depth(entry.path()); !frame.empty()) {
+      fs::path& depth = frames[frame].depth;
+      if (depth.empty() || depth_ending_of(entry.path()) < depth_ending_of(depth)) depth = entry.path();
+    } else if (const size_t at = file.rfind(".color."); at != std::string::npos) {
       frames[file.substr(0, at)].color = entry.path();
-    else if (file.ends_with(".pose.txt"))
+    } else if (file.ends_with(".pose.txt")) {
       frames[file.substr(0, file.size() - 9)].pose = entry.path();
+    }
   }
   return frames;
 }
@@ -56,7 +67,7 @@ void check_complete(const std::map<std::string, Parts>& frames, const fs::path& 
 
 bool is_seven_scenes(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().filename().string().ends_with(".depth.png")) return true;
+    if (!frame_of_depth(entry.path()).empty()) return true;
   return false;
 }
 

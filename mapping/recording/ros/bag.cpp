@@ -9,6 +9,7 @@
 #include "mapping/base/config.h"
 #include "mapping/base/error.h"
 #include "mapping/recording/compression.h"
+#include "mapping/recording/ros/packed_bag.h"
 
 namespace loci::mapping {
 namespace {
@@ -29,17 +30,42 @@ bool is_mcap(const fs::path& path) {
   return fs::is_regular_file(path) && begins_with(path, kMcapMagic);
 }
 
+bool is_ros1(const fs::path& path) {
+  return fs::is_regular_file(path) && begins_with(path, kRos1Magic);
+}
+
 bool is_sqlite(const fs::path& path) {
   return path.extension() == ".db3" && fs::is_regular_file(path) && begins_with(path, kSqliteMagic);
+}
+
+/// A file of rosbag2 that is compressed as a whole, and not there unpacked, too.
+bool is_packed_alone(const fs::path& path) {
+  return is_packed_bag(path) && !is_ros1_bag(path) && !fs::exists(fs::path(path).replace_extension());
 }
 
 /// The files of a recording of rosbag2 in their order.
 std::vector<fs::path> storage_files(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder))
-    if (is_mcap(entry.path()) || is_sqlite(entry.path())) files.push_back(entry.path());
+    if (is_mcap(entry.path()) || is_sqlite(entry.path()) || is_packed_alone(entry.path()))
+      files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
+}
+
+/// A file of any format; of one that is compressed as a whole, `problems` says where it is damaged.
+std::unique_ptr<BagReader> open_file(const fs::path& path, std::vector<std::string>& problems) {
+  if (is_mcap(path)) return open_mcap(path, path);
+  if (is_sqlite(path)) return open_sqlite_bag(path, path);
+  if (is_ros1(path)) return open_ros1_bag(path, path);
+  if (!is_packed_bag(path))
+    throw Error("this file is not a ROS 1 bag", {path.string(), 0, {}}, "a bag begins with '#ROSBAG V2.0'");
+  const UnpackedBag bag(path);  // Its name is gone when its reader has opened it.
+  if (!bag.problem().empty()) problems.push_back(bag.problem());
+  if (is_mcap(bag.path())) return open_mcap(bag.path(), path);
+  if (begins_with(bag.path(), kSqliteMagic)) return open_sqlite_bag(bag.path(), path);
+  if (is_ros1(bag.path())) return open_ros1_bag(bag.path(), path);
+  throw Error("what is compressed in this file is no bag", {path.string(), 0, {}});
 }
 
 /// Several files as one bag; with compression per message, as metadata.yaml says.
@@ -49,7 +75,7 @@ class BagFolder : public BagReader {
     read_metadata();
     for (const fs::path& file : storage_files(folder)) {
       try {
-        readers_.push_back(is_mcap(file) ? open_mcap(file) : open_sqlite_bag(file));
+        readers_.push_back(open_file(file, problems_));
       } catch (const Error& error) {
         problems_.emplace_back(error.what());
       }
@@ -113,10 +139,7 @@ class BagFolder : public BagReader {
   void check_listed(const std::string& name) {
     const fs::path file = folder_ / fs::path(name).filename();
     const fs::path plain = fs::path(file).replace_extension();
-    if (file.extension() == ".zstd" && fs::exists(file) && !fs::exists(plain))
-      problems_.push_back(fmt::format("{} is compressed as a file and not read: unpack it with 'zstd -d {}'",
-                                      file.string(), file.string()));
-    else if (!fs::exists(file) && !fs::exists(plain))
+    if (!fs::exists(file) && !fs::exists(plain))
       problems_.push_back(fmt::format("{}, which metadata.yaml names, is missing", file.string()));
   }
 
@@ -148,26 +171,26 @@ class BagFolder : public BagReader {
 }  // namespace
 
 bool is_ros1_bag(const fs::path& path) {
-  return begins_with(path, kRos1Magic);
+  return is_ros1(path) || (path.stem().extension() == ".bag" && is_packed_bag(path));
 }
 
 bool is_ros2_bag(const fs::path& path) {
-  if (!fs::is_directory(path)) return is_mcap(path) || is_sqlite(path);
+  if (!fs::is_directory(path))
+    return is_mcap(path) || is_sqlite(path) || (is_packed_bag(path) && !is_ros1_bag(path));
   return !storage_files(path).empty();
 }
 
 RosBag::RosBag(const fs::path& path) : path_(path) {
-  if (fs::is_directory(path) && is_ros2_bag(path)) {
+  if (fs::is_directory(path) && is_ros2_bag(path))
     reader_ = std::make_unique<BagFolder>(path);
-  } else if (is_mcap(path)) {
-    reader_ = open_mcap(path);
-  } else if (is_sqlite(path)) {
-    reader_ = open_sqlite_bag(path);
-  } else {
-    if (!is_ros1_bag(path))
-      throw Error("this file is not a ROS 1 bag", {path.string(), 0, {}}, "a bag begins with '#ROSBAG V2.0'");
-    reader_ = open_ros1_bag(path);
-  }
+  else
+    reader_ = open_file(path, problems_);
+}
+
+std::vector<std::string> RosBag::problems() const {
+  std::vector<std::string> all = problems_;
+  for (std::string& text : reader_->problems()) all.push_back(std::move(text));
+  return all;
 }
 
 const BagTopic* RosBag::find(const std::string& topic) const {

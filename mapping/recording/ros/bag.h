@@ -96,7 +96,8 @@ class BagReader {
 };
 
 /// A bag of ROS 1 (format 2.0, chunks plain, bz2 or lz4) or ROS 2 (MCAP, SQLite, a folder of these), read
-/// only. One thread at a time. Damaged MCAP and SQLite files give what is whole.
+/// only; files that are compressed as a whole are unpacked into the temporary folder. One thread at a time.
+/// Damaged MCAP and SQLite files give what is whole.
 class RosBag {
  public:
   /// Error when the path is missing or holds no bag; for ROS 1 also when it is truncated or was not closed.
@@ -113,21 +114,26 @@ class RosBag {
   void visit(const std::function<bool(const BagTopic&)>& wanted, const BagReader::Visitor& visitor) const {
     reader_->visit(wanted, visitor);
   }
-  std::vector<std::string> problems() const { return reader_->problems(); }
+  std::vector<std::string> problems() const;
 
  private:
   std::filesystem::path path_;
+  std::vector<std::string> problems_;
   std::unique_ptr<BagReader> reader_;
 };
 
-/// Whether a file begins as a bag of ROS 1 does.
+/// Whether a file begins as a bag of ROS 1 does, or is named NAME.bag.gz or the like.
 bool is_ros1_bag(const std::filesystem::path& path);
-/// Whether a path is an MCAP file, a database of rosbag2, or a folder with such files.
+/// Whether a path is an MCAP file, a database of rosbag2, one of them compressed as a whole, or a folder with
+/// such files.
 bool is_ros2_bag(const std::filesystem::path& path);
 
-/// Readers of single storage formats; Error when the file cannot be read at all.
-std::unique_ptr<BagReader> open_ros1_bag(const std::filesystem::path& path);
-std::unique_ptr<BagReader> open_mcap(const std::filesystem::path& path);
-std::unique_ptr<BagReader> open_sqlite_bag(const std::filesystem::path& path);
+/// Readers of single storage formats; Error when the file cannot be read at all. Messages have `name` for the
+/// file, which may be removed once it is opened.
+std::unique_ptr<BagReader> open_ros1_bag(const std::filesystem::path& path,
+                                         const std::filesystem::path& name);
+std::unique_ptr<BagReader> open_mcap(const std::filesystem::path& path, const std::filesystem::path& name);
+std::unique_ptr<BagReader> open_sqlite_bag(const std::filesystem::path& path,
+                                           const std::filesystem::path& name);
 
 }  // namespace loci::mapping

@@ -59,7 +59,7 @@ Serialization serialization_of(std::string_view encoding) {
 
 class McapReader : public BagReader {
  public:
-  explicit McapReader(const fs::path& path) : path_(path), file_(path, std::ios::binary) {
+  McapReader(const fs::path& path, const fs::path& name) : path_(name), file_(path, std::ios::binary) {
     size_ = fs::file_size(path);
     walk();
     collect_topics();
@@ -280,11 +280,11 @@ class McapReader : public BagReader {
 
 }  // namespace
 
-std::unique_ptr<BagReader> open_mcap(const fs::path& path) {
-  auto reader = std::make_unique<McapReader>(path);
+std::unique_ptr<BagReader> open_mcap(const fs::path& path, const fs::path& name) {
+  auto reader = std::make_unique<McapReader>(path, name);
   if (reader->topics().empty() && !reader->problems().empty())
     throw Error("nothing in this MCAP file can be read: " + reader->problems().front(),
-                {path.string(), 0, {}});
+                {name.string(), 0, {}});
   return reader;
 }
 

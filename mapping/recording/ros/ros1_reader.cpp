@@ -70,17 +70,17 @@ class HeaderFields {
 
 class Ros1Reader : public BagReader {
  public:
-  explicit Ros1Reader(const fs::path& path) : path_(path), file_(path, std::ios::binary) {
+  Ros1Reader(const fs::path& path, const fs::path& name) : path_(name), file_(path, std::ios::binary) {
     size_ = fs::file_size(path);
     try {
       walk();
     } catch (const Error& error) {
-      throw Error(fmt::format("the bag cannot be read: {}", error.message()), {path.string(), 0, {}},
+      throw Error(fmt::format("the bag cannot be read: {}", error.message()), {name.string(), 0, {}},
                   kReindex);
     }
     if (!indexed_)
       throw Error("the bag has no index: it is truncated, or its recording was not finished",
-                  {path.string(), 0, {}}, kReindex);
+                  {name.string(), 0, {}}, kReindex);
     collect_topics();
   }
 
@@ -245,8 +245,8 @@ class Ros1Reader : public BagReader {
 
 }  // namespace
 
-std::unique_ptr<BagReader> open_ros1_bag(const fs::path& path) {
-  return std::make_unique<Ros1Reader>(path);
+std::unique_ptr<BagReader> open_ros1_bag(const fs::path& path, const fs::path& name) {
+  return std::make_unique<Ros1Reader>(path, name);
 }
 
 }  // namespace loci::mapping

@@ -32,8 +32,8 @@ class SqliteBag : public BagReader {
  public:
   /// With `cut_off` also a file that is shorter than its head says, which SQLite refuses unless the schema
   /// may be repaired.
-  explicit SqliteBag(const fs::path& path, bool cut_off = false)
-      : path_(path), database_(file_uri(path), SQLite::OPEN_READONLY | SQLite::OPEN_URI) {
+  SqliteBag(const fs::path& path, const fs::path& name, bool cut_off = false)
+      : path_(name), database_(file_uri(path), SQLite::OPEN_READONLY | SQLite::OPEN_URI) {
     sqlite3* handle = database_.getHandle();
     sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, cut_off ? 0 : 1, nullptr);
@@ -120,17 +120,17 @@ class SqliteBag : public BagReader {
 
 }  // namespace
 
-std::unique_ptr<BagReader> open_sqlite_bag(const fs::path& path) {
+std::unique_ptr<BagReader> open_sqlite_bag(const fs::path& path, const fs::path& name) {
   try {
     try {
-      return std::make_unique<SqliteBag>(path);
+      return std::make_unique<SqliteBag>(path, name);
     } catch (const SQLite::Exception& error) {
       if (error.getErrorCode() != SQLITE_CORRUPT) throw;
-      return std::make_unique<SqliteBag>(path, true);
+      return std::make_unique<SqliteBag>(path, name, true);
     }
   } catch (const SQLite::Exception& error) {
     throw Error(fmt::format("the database cannot be read as a rosbag2 recording: {}", error.what()),
-                {path.string(), 0, {}}, "it has the tables topics and messages");
+                {name.string(), 0, {}}, "it has the tables topics and messages");
   }
 }
 

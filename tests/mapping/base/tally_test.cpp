@@ -49,6 +49,23 @@ TEST(Tally, FewerThanATenthOfUsableFramesIsAnError) {
   EXPECT_THAT(warnings.texts()[0], HasSubstr("no object found in 102 frames"));
 }
 
+TEST(Tally, FewUsedFramesAreAnErrorToo) {
+  Tally tally;
+  tally.add(Reason::damaged, 91);
+  for (int i = 0; i < 9; ++i) tally.add_used();
+  Warnings warnings;
+  try {
+    tally.explain("frame", {"here", 0, {}}, warnings);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("here: only 9 of 100 frames could be used: an image that cannot be "
+                                        "read in 91; copy"));
+  }
+  for (int i = 0; i < 2; ++i) tally.add_used();
+  tally.explain("frame", {"here", 0, {}}, warnings);
+  EXPECT_TRUE(warnings.empty());
+}
+
 TEST(Tally, NothingToDoIsNoFailure) {
   Warnings warnings;
   Tally().explain("object", {}, warnings);

@@ -124,6 +124,29 @@ TEST(ImageBytes, EveryFlippedByteOfAPngIsRefused) {
   }
 }
 
+TEST(ImageBytes, AJpegThatIsCutInsideAndEndsProperlyIsRefused) {
+  cv::Mat noise(480, 640, CV_8UC3);
+  cv::randu(noise, 0, 255);
+  const std::vector<unsigned char> whole = encode_image(noise, ".jpg");
+  for (const size_t part : {3U, 5U, 8U}) {
+    std::vector<unsigned char> cut = whole;
+    const auto at = cut.begin() + static_cast<std::ptrdiff_t>(cut.size() * part / 10);
+    cut.erase(at, at + static_cast<std::ptrdiff_t>(cut.size() / 20));
+    try {
+      decode_image(cut, "cut.jpg");
+      FAIL() << "no error";
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr("cut.jpg: the image is damaged (Corrupt JPEG data"));
+    }
+  }
+}
+
+TEST(ImageBytes, AFewBytesBeforeTheEndOfAJpegAreNoDamage) {
+  std::vector<unsigned char> padded = encode_image(gradient(CV_8UC3), ".jpg");
+  padded.insert(padded.end() - 2, 8, 0);  // as webcams do
+  EXPECT_FALSE(decode_image(padded, "padded.jpg").empty());
+}
+
 TEST(ImageBytes, SizesAreCheckedBeforeMemoryIsTaken) {
   // The frame header of a JPEG states its size; there is no check sum.
   std::vector<unsigned char> jpeg = encode_image(gradient(CV_8UC3), ".jpg");

@@ -322,6 +322,48 @@ TEST(PhotoInterpretation, PhotographsAFaceOnceThatDepthErrorsDivide) {
   EXPECT_EQ(map.fronts.size(), 2U);
 }
 
+/// The painted recording over and over, of which only some frames have colour.
+class ColorlessRecording : public PaintedRecording {
+ public:
+  explicit ColorlessRecording(size_t with_color) : PaintedRecording(two_doors()), with_color_(with_color) {}
+  size_t size() const override { return 5 * PaintedRecording::size(); }
+  TimeNs time_of(size_t i) const override { return static_cast<TimeNs>(i); }
+  int64_t index_of(size_t i) const override { return static_cast<int64_t>(i); }
+  RgbdFrame frame(size_t i) const override {
+    RgbdFrame frame = PaintedRecording::frame(i % PaintedRecording::size());
+    if (i >= with_color_) {
+      frame.color = cv::Mat();
+      if (i % 2 == 0) frame.damage = "a.jpg: the image is damaged";
+    }
+    return frame;
+  }
+
+ private:
+  size_t with_color_;
+};
+
+TEST(PhotoInterpretation, FewerThanATenthOfUsableFramesIsAnErrorAndOthersLeftOutANote) {
+  NoProgress progress;
+  InterpretedMap map = map_with_face();
+  try {
+    interpret_photos(ColorlessRecording(3), 2, progress, map);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find("only 3 of 40 frames have both a pose and a colour image: no colour "
+                        "image in 19, an image that cannot be read in 18 (a.jpg: the "
+                        "image is damaged); interpret the scans without --recording"),
+              std::string::npos)
+        << error.what();
+  }
+  interpret_photos(ColorlessRecording(20), 2, progress, map);
+  EXPECT_EQ(
+      std::ranges::count(map.notes,
+                         "orthophotos are made of 20 of 40 frames: no colour image in 10, an image that "
+                         "cannot be read in 10 (a.jpg: the image is damaged)"),
+      1);
+}
+
 TEST(PhotoInterpretation, RefusesARecordingWithoutPoses) {
   InterpretedMap map = map_with_face();
   PaintedRecording recording(two_doors());

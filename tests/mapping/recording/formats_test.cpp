@@ -317,19 +317,40 @@ TEST_F(Formats, ForeignFormatsAreRefusedWithTheCommandThatConvertsThem) {
   EXPECT_THAT(refusal(root_ / "a.r3d"), HasSubstr("ns-process-data record3d"));
   write("a.zip", "PK\3\4");
   EXPECT_THAT(refusal(root_ / "a.zip"), HasSubstr("unzip"));
-  write("a.mcap.zstd", "\x28\xb5\x2f\xfd");
-  EXPECT_THAT(refusal(root_ / "a.mcap.zstd"), HasSubstr("zstd -d"));
-  EXPECT_THAT(refusal(root_), HasSubstr("zstd -d"));
+  write("a.tar.zst", "\x28\xb5\x2f\xfd");
+  EXPECT_THAT(refusal(root_ / "a.tar.zst"), HasSubstr("zstd -d"));
   write("a.tar.gz", "\x1f\x8b\x08\x01");
   EXPECT_THAT(refusal(root_ / "a.tar.gz"), HasSubstr("tar xzf"));
+  const std::vector<std::array<const char*, 3>> table = {
+      {"a.svo2", "", "svo_export.py --mode 4 --input_svo_file"},
+      {"a.oni", "NI10", "pcl_oni2pcd"},
+      {"a.klg", "\1", "depth.txt and rgb.txt"},
+      {"a.xef", "EVENTS1", "KinectXEFTools"},
+      {"map.db", "SQLite format 3", "rtabmap-export --images"},
+      {"a.ply", "ply\nformat", "pcl_ply2pcd"},
+      {"a.MP4", "ftyp", "a video alone has no depth"},
+      {"a.e57", "ASTM-E57", "loci-map interpret takes scans as PCD"},
+      {"a.npz", "PK\3\4", "numpy.save"},
+      {"a.tar.bz2", "BZh9", "tar xjf"},
+      {"a.tar.xz",
+       "\xfd"
+       "7zXZ",
+       "tar xJf"},
+      {"a.7z", "7z\xbc\xaf", "7z x"}};
+  for (const auto& [name, bytes, text] : table) {
+    write(std::string("folder/") + name, bytes + std::string("..."));
+    EXPECT_THAT(refusal(root_ / "folder" / name), HasSubstr(text));
+    EXPECT_THAT(refusal(root_ / "folder"), HasSubstr(text)) << "in a folder of nothing else";
+    fs::remove_all(root_ / "folder");
+  }
   write("a.mcap", "");
   EXPECT_THAT(refusal(root_ / "a.mcap"), HasSubstr("the file is empty"));
 }
 
 TEST_F(Formats, DepthImagesOfOtherKindsAreNamed) {
   write_color("color/0.png");
-  write("depth/0.tiff", "II*");
-  EXPECT_THAT(refusal(root_), HasSubstr("0.tiff: depth as .tiff is not read; write 16-bit PNG"));
+  write("depth/0.pfm", "Pf");
+  EXPECT_THAT(refusal(root_), HasSubstr("0.pfm: depth as .pfm is not read; write"));
 }
 
 // Poses from elsewhere

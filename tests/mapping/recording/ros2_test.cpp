@@ -1,8 +1,12 @@
 // Bags of ROS 2 that other programs wrote (../shared/data/ros2), whole, cut off and damaged.
 
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <zstd.h>
 
+#include <csignal>
 #include <fstream>
 #include <map>
 #include <random>
@@ -13,6 +17,7 @@
 #include "mapping/recording/recording.h"
 #include "mapping/recording/ros/bag.h"
 #include "mapping/recording/ros/messages.h"
+#include "mapping/recording/ros/packed_bag.h"
 
 namespace loci::mapping {
 namespace {
@@ -294,6 +299,167 @@ TEST_F(Ros2, FlippedBytesNeverDoMoreThanHideMessages) {
       }
     }
   }
+}
+
+// Compressed as a whole
+// -----------------------------------------------------------------------------------------
+
+/// Bags that the programs zstd, gzip and bzip2 packed.
+class PackedBags : public testing::Test {
+ protected:
+  PackedBags() {
+    fs::remove_all(root_);
+    make_folder(root_);
+    make_folder(temporary_);
+    setenv("TMPDIR", temporary_.c_str(), 1);
+  }
+  ~PackedBags() override {
+    unsetenv("TMPDIR");
+    fs::remove_all(root_);
+  }
+
+  fs::path write(const std::string& name, const std::string& bytes) const {
+    make_folder((root_ / name).parent_path());
+    write_file_atomically(root_ / name, bytes);
+    return root_ / name;
+  }
+  static std::string refusal(const fs::path& path) {
+    try {
+      open_recording(path);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  const fs::path seeds_ = fs::path(LOCI_SOURCE_DIR) / "tests/data/fuzz/bag";
+  fs::path root_ = fs::path(testing::TempDir()) /
+                   (std::string("packed_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path temporary_ = root_ / "tmp";
+};
+
+TEST_F(PackedBags, ReadAsTheBagsThatTheyHold) {
+  const std::map<std::string, std::string> plain_of = {{"seed_cdr.mcap.zstd", "seed_cdr.mcap"},
+                                                       {"seed.db3.zst", "seed.db3"},
+                                                       {"seed.bag.gz", "seed.bag"},
+                                                       {"seed.bag.bz2", "seed.bag"}};
+  for (const auto& [packed, plain] : plain_of) {
+    const auto a = open_recording(seeds_ / plain), b = open_recording(seeds_ / packed);
+    EXPECT_TRUE(fs::is_empty(temporary_)) << "nothing is left there, even while the bag is open";
+    EXPECT_EQ(a->info().format, b->info().format) << packed;
+    EXPECT_EQ(a->info().problems, b->info().problems) << packed;
+    ASSERT_EQ(a->size(), b->size()) << packed;
+    for (size_t i = 0; i < a->size(); ++i) {
+      EXPECT_EQ(a->time_of(i), b->time_of(i));
+      EXPECT_EQ(cv::norm(a->frame(i).color, b->frame(i).color, cv::NORM_INF), 0) << packed;
+    }
+  }
+}
+
+TEST_F(PackedBags, SeveralStreamsBehindEachOtherAreOneFile) {
+  const std::string plain = read_file(seeds_ / "seed.bag");
+  for (const char* ending : {".gz", ".bz2"}) {
+    // The bag twice: what stands behind its end is not looked at, but has to be unpacked.
+    const std::string packed = read_file(seeds_ / (std::string("seed.bag") + ending));
+    const UnpackedBag bag(write(std::string("twice.bag") + ending, packed + packed));
+    EXPECT_EQ(bag.problem(), "");
+    EXPECT_EQ(read_file(bag.path()), plain + plain) << ending;
+  }
+  const std::string packed = read_file(seeds_ / "seed_cdr.mcap.zstd");
+  const UnpackedBag bag(write("twice.mcap.zstd", packed + packed));
+  const std::string mcap = read_file(seeds_ / "seed_cdr.mcap");
+  EXPECT_EQ(read_file(bag.path()), mcap + mcap);
+}
+
+TEST_F(PackedBags, FoldersOfRosbag2AreReadWithTheirMetadata) {
+  write("bag/a_0.mcap.zstd", read_file(seeds_ / "seed_cdr.mcap.zstd"));
+  write("bag/metadata.yaml",
+        "rosbag2_bagfile_information:\n  compression_format: zstd\n  compression_mode: FILE\n"
+        "  relative_file_paths: [a_0.mcap.zstd]\n");
+  const auto alone = open_recording(seeds_ / "seed_cdr.mcap");
+  const auto folder = open_recording(root_ / "bag");
+  EXPECT_EQ(folder->size(), alone->size());
+  EXPECT_EQ(folder->info().format, "rosbag2");
+  EXPECT_EQ(folder->info().problems, alone->info().problems);
+  // Unpacked beside it, each message is still there once.
+  write("bag/a_0.mcap", read_file(seeds_ / "seed_cdr.mcap"));
+  EXPECT_EQ(open_recording(root_ / "bag")->size(), alone->size());
+  write("bag/metadata.yaml", "rosbag2_bagfile_information:\n  relative_file_paths: [b_1.mcap.zstd]\n");
+  EXPECT_THAT(open_recording(root_ / "bag")->info().problems, Contains(HasSubstr("b_1.mcap.zstd, which")));
+}
+
+TEST_F(PackedBags, MessagesOfADatabaseMayBePackedEach) {
+  make_folder(root_ / "bag");
+  fs::copy_file(seeds_ / "seed.db3", root_ / "bag/a_0.db3");
+  {
+    SQLite::Database database((root_ / "bag/a_0.db3").string(), SQLite::OPEN_READWRITE);
+    std::map<int64_t, std::string> packed;
+    SQLite::Statement query(database, "SELECT id, data FROM messages");
+    while (query.executeStep()) {
+      const SQLite::Column data = query.getColumn(1);
+      std::string bytes(ZSTD_compressBound(static_cast<size_t>(data.getBytes())), '\0');
+      bytes.resize(
+          ZSTD_compress(bytes.data(), bytes.size(), data.getBlob(), static_cast<size_t>(data.getBytes()), 1));
+      packed[query.getColumn(0).getInt64()] = bytes;
+    }
+    query.reset();
+    for (const auto& [id, bytes] : packed) {
+      SQLite::Statement update(database, "UPDATE messages SET data = ? WHERE id = ?");
+      update.bind(1, bytes.data(), static_cast<int>(bytes.size()));
+      update.bind(2, id);
+      update.exec();
+    }
+  }
+  write("bag/metadata.yaml",
+        "rosbag2_bagfile_information:\n  compression_format: zstd\n  compression_mode: MESSAGE\n"
+        "  relative_file_paths: [a_0.db3]\n");
+  const auto a = open_recording(seeds_ / "seed.db3"), b = open_recording(root_ / "bag");
+  ASSERT_EQ(a->size(), b->size());
+  EXPECT_EQ(cv::norm(a->frame(0).color, b->frame(0).color, cv::NORM_INF), 0);
+}
+
+TEST_F(PackedBags, TruncatedAndDamagedGiveWhatIsWholeOrOneLine) {
+  for (const char* name : {"seed_cdr.mcap.zstd", "seed.db3.zst", "seed.bag.gz", "seed.bag.bz2"}) {
+    const std::string whole = read_file(seeds_ / name);
+    for (const size_t part : {1U, 5U, 9U}) {
+      const std::string text = refusal(write(name, whole.substr(0, whole.size() * part / 10)));
+      EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+      EXPECT_EQ(text.find(temporary_.string()), std::string::npos) << text;
+    }
+    std::string damaged = whole;
+    for (size_t at = 20; at < damaged.size(); at += 50) damaged[at] = static_cast<char>(damaged[at] ^ 0x55);
+    EXPECT_NE(refusal(write(name, damaged)), "no error");
+    EXPECT_TRUE(fs::is_empty(temporary_));
+  }
+  const UnpackedBag cut(write(
+      "cut.bag.gz", read_file(seeds_ / "seed.bag.gz").substr(0, fs::file_size(seeds_ / "seed.bag.gz") - 20)));
+  EXPECT_THAT(cut.problem(), HasSubstr("cut.bag.gz: damaged or truncated behind"));
+}
+
+TEST_F(PackedBags, ABombIsRefusedWithItsLimit) {
+  const std::string bomb = read_file(seeds_ / "bomb.mcap.zstd");  // 100 MB of zeros in 3 kB
+  EXPECT_THAT(refusal(write("bomb.mcap.zstd", bomb)),
+              HasSubstr("the bag unpacks to more than " + std::to_string((1U << 24) + 1000 * bomb.size()) +
+                        " bytes, as many as are allowed for its size; if that is right, unpack it: zstd -d"));
+  EXPECT_TRUE(fs::is_empty(temporary_));
+  EXPECT_THAT(refusal(write("none.mcap.zstd", "\x28\xb5\x2f\xfd")),
+              HasSubstr("the bag cannot be unpacked: damaged or truncated"));
+}
+
+TEST_F(PackedBags, AFolderWithoutRoomIsNamed) {
+  setenv("TMPDIR", "/dev/full", 1);
+  EXPECT_THAT(refusal(seeds_ / "seed_cdr.mcap.zstd"), HasSubstr("name a folder with room in TMPDIR"));
+  setenv("TMPDIR", temporary_.c_str(), 1);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{1000, before.rlim_max};
+  std::signal(SIGXFSZ, SIG_IGN);  // Writing fails as on a full disk.
+  setrlimit(RLIMIT_FSIZE, &small);
+  const std::string text = refusal(seeds_ / "seed_cdr.mcap.zstd");
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_THAT(text, HasSubstr("seed_cdr.mcap.zstd: the bag cannot be unpacked into " + temporary_.string() +
+                              ": File too large; name a folder with room in TMPDIR, or unpack it: zstd -d"));
+  EXPECT_TRUE(fs::is_empty(temporary_));
 }
 
 TEST(Compression, LiesAboutSizesAndDamageAreRefused) {
