@@ -167,6 +167,7 @@ Orthophoto plain_photo() {
   photo.v0 = 0.3;
   photo.color = cv::Mat(size, CV_8UC3, cv::Scalar(40, 50, 150));
   photo.weight = cv::Mat(size, CV_32F, cv::Scalar(1));
+  photo.ground = cv::Mat(size, CV_32F, cv::Scalar(0));
   photo.relief = cv::Mat(size, CV_32F, cv::Scalar(0));
   photo.relief_sd = cv::Mat(size, CV_32F, cv::Scalar(0.001));
   photo.slope = cv::Mat(size, CV_32FC2, cv::Scalar::all(0));
