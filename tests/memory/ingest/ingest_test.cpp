@@ -92,6 +92,20 @@ TEST_F(Ingest, WhatIsFoundAtItsSpotHasNotMovedThoughNoViewIsStated) {
   EXPECT_THAT(events(), ElementsAre("appeared", "appeared", "moved"));
 }
 
+TEST_F(Ingest, LinesAreReadWhateverTheFileIsCalled) {
+  const IngestResult result = take(write(moment("08:00:00", kMug) + moment("08:10:00", ""), "lines.json"));
+  EXPECT_THAT(result.summary(), testing::StartsWith("2 scenes with 1 detection added;"));
+}
+
+TEST_F(Ingest, AnAbsentFileIsNotTakenForImages) {
+  try {
+    take(folder / "absent.json");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("absent.json: no such file"));
+  }
+}
+
 TEST_F(Ingest, WhatNobodyLookedAtIsNotDeclaredGone) {
   std::string text = moment("08:00:00", kMug + "," + kBox);
   for (int minute = 10; minute < 40; ++minute) text += moment(fmt::format("08:{}:00", minute), "");
