@@ -69,8 +69,8 @@ void FileRecording::check_images() {
     const FrameFiles& frame = content_.frames[i];
     if (const auto depth = header_of(frame.depth, i)) {
       if (depth->channels != 1 || depth->bits != 16)
-        throw Error(fmt::format("depth images are 16-bit grey PNG, this one has {} channels of {} bits",
-                                depth->channels, depth->bits),
+        throw Error(fmt::format("depth images are 16-bit grey PNG, this one has {} of {} bits",
+                                counted(static_cast<size_t>(depth->channels), "channel"), depth->bits),
                     {frame.depth.string(), 0, {}});
       check_size(depth->width, depth->height, content_.info.camera.depth, "depth", frame.depth);
     }
