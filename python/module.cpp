@@ -1,4 +1,8 @@
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
+#include <regex>
+#include <set>
+#include <string>
 
 #include "mapping/base/error.h"
 #include "python/bindings.h"
@@ -145,6 +149,30 @@ void raise_warnings(const Warnings& warnings) {
     if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
 }
 
+namespace {
+
+/// A message as users of Python need it: options of the command line are keywords here, except in the command
+/// lines that it names.
+std::string in_python(const std::string& message) {
+  static const std::regex option("--([a-z][a-z-]*)");
+  static const std::set<std::string> flags = {"fixed-camera", "force", "keep-people", "resume", "strict"};
+  std::string text;
+  auto rest = message.begin();
+  for (std::sregex_iterator it(message.begin(), message.end(), option), end; it != end; ++it) {
+    const std::smatch& match = *it;
+    text.append(rest, match[0].first);
+    rest = match[0].second;
+    const size_t clause = text.find_last_of(";:(,");
+    const bool in_command = text.find("loci-", clause == std::string::npos ? 0 : clause) != std::string::npos;
+    std::string keyword = match[1].str();
+    const std::string value = flags.contains(keyword) ? "=True" : "=...";
+    std::ranges::replace(keyword, '-', '_');
+    text += in_command ? match[0].str() : keyword + value;
+  }
+  return text.append(rest, message.end());
+}
+
+}  // namespace
 }  // namespace loci::python
 
 PYBIND11_MODULE(_loci, module) {
@@ -156,7 +184,7 @@ PYBIND11_MODULE(_loci, module) {
     try {
       if (exception) std::rethrow_exception(exception);
     } catch (const loci::Error& failure) {
-      error(failure.what());
+      error(in_python(failure.what()).c_str());
     }
   });
   add_memory(module);

@@ -216,7 +216,7 @@ struct RunOptions {
   std::vector<Held> annotators;
   std::vector<std::filesystem::path> types;
   bool resume = false, fixed_camera = false;
-  int threads = 0;
+  int threads = 0, every = 0;  ///< all cores; as the pipeline says
   std::optional<TimeNs> now;
 };
 
@@ -237,10 +237,11 @@ memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recordi
                                      const std::function<void(perception::cas::Cas&)>& done,
                                      Progress& progress, Warnings& warnings) {
   const perception::AnnotatorRegistry registry = registry_with(options.annotators);
-  perception::Pipeline pipeline =
-      options.pipeline.empty()
-          ? perception::Pipeline::parse(perception::default_pipeline(), "the default pipeline", registry)
-          : perception::Pipeline::parse(options.pipeline, "pipeline", registry);
+  const Config config = options.pipeline.empty()
+                            ? Config::parse(perception::default_pipeline(), "the default pipeline")
+                            : Config::parse(options.pipeline, "pipeline");
+  perception::Pipeline pipeline = perception::Pipeline::parse(
+      options.every > 0 ? perception::with_every(config, options.every) : config, registry);
   for (const Held& type : options.annotators) pipeline.add(PythonAnnotator(type).descriptor().name, registry);
   if (!options.fixed_camera)
     recording = with_known_poses(std::move(recording), mapping::PosesFor::perception, options.threads,
@@ -269,7 +270,7 @@ memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recordi
 
 std::string run(const std::filesystem::path& path, const std::string& pipeline, const py::list& annotators,
                 const std::vector<std::filesystem::path>& types, const std::filesystem::path& map,
-                const std::filesystem::path& memory, bool resume, bool fixed_camera, int threads,
+                const std::filesystem::path& memory, bool resume, bool fixed_camera, int threads, int every,
                 const py::object& done, const ProgressCallable& progress, const TimeArgument& now,
                 const py::kwargs& keywords) {
   RunOptions options{.map = map,
@@ -280,6 +281,7 @@ std::string run(const std::filesystem::path& path, const std::string& pipeline, 
                      .resume = resume,
                      .fixed_camera = fixed_camera,
                      .threads = threads,
+                     .every = every,
                      .now = time_or_none(now)};
   for (const py::handle& type : annotators)
     options.annotators.push_back(hold(py::reinterpret_borrow<py::object>(type)));

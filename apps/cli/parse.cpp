@@ -71,7 +71,9 @@ void ArgumentTable::parse(const std::vector<std::string>& words) const {
       if (argument.required) throw UsageError(argument.name + " is required");
       continue;
     }
-    if (texts.size() > 1 && !argument.list() && !argument.flag())
+    const size_t values = argument.list() ? static_cast<size_t>(argument.values) : 1;
+    if (texts.size() < values) throw UsageError(fmt::format("{} needs {} values", argument.name, values));
+    if (texts.size() > values && !argument.flag() && (values > 1 || !argument.list()))
       throw UsageError(argument.name + " is given several times");
     for (const std::string& other : argument.needs)
       if (!given(other)) throw UsageError(fmt::format("{} needs {}", argument.name, other));

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -97,12 +100,32 @@ void check_output(const Argument& output, const std::filesystem::path& path, con
   if (output.replaces) loci::check_output(path, options);
 }
 
+/// Before the work begins: the folder that an output goes to can be written, or made.
+void require_writable(const std::filesystem::path& output) {
+  std::error_code none;
+  std::filesystem::path above = std::filesystem::absolute(output, none).lexically_normal();
+  const std::filesystem::path own = above;
+  while (!std::filesystem::exists(above, none) && above.has_relative_path()) above = above.parent_path();
+  if (!std::filesystem::is_directory(above, none)) {
+    if (above == own) return;
+    throw Error(fmt::format("cannot be written: {} is a file", above.string()), {output.string(), 0, {}},
+                "write to another path");
+  }
+  if (::access(above.c_str(), W_OK | X_OK) != 0)
+    throw Error(fmt::format("cannot be written: {}: {}", above.string(), std::strerror(errno)),
+                {output.string(), 0, {}}, "write to another path");
+}
+
 void check_outputs(const ArgumentTable& arguments, const OutputOptions& options) {
   std::error_code none;
-  for (const Argument& argument : arguments.all())
-    if (is_output(argument))
-      for (const std::filesystem::path& path : paths_of(argument))
-        if (!path.empty() && std::filesystem::exists(path, none)) check_output(argument, path, options);
+  for (const Argument& argument : arguments.all()) {
+    if (!is_output(argument)) continue;
+    for (const std::filesystem::path& path : paths_of(argument)) {
+      if (path.empty()) continue;
+      if (std::filesystem::exists(path, none)) check_output(argument, path, options);
+      require_writable(path);
+    }
+  }
 }
 
 /// The memory to use when none was named, and where its name comes from.

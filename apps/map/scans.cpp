@@ -10,6 +10,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text.h"
 #include "mapping/exchange/formats/gltf.h"
 #include "mapping/exchange/formats/ply.h"
 #include "mapping/exchange/map_report.h"
@@ -204,7 +205,7 @@ void run(RegisterArguments arguments, bool dof_given, Session& session) {
   json["dof"] = arguments.options.dof;
   if (result.usable() && !arguments.out.empty()) {
     write_connected(scans, result, arguments.out, session);
-    text += fmt::format("{} scans in {}\n", result.connected_count(), arguments.out);
+    text += fmt::format("{} in {}\n", counted(result.connected_count(), "scan"), arguments.out);
     json["out"] = arguments.out;
   }
   session.answer(text, json);

@@ -5,6 +5,7 @@
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "memory/store/memory_file.h"
 
 namespace loci::apps {
@@ -15,7 +16,8 @@ void answer(Session& session, const std::string& done, const memory::BackupResul
   int64_t scenes = 0;
   for (const auto& [table, count] : result.report.counts)
     if (table == "scene") scenes = count;
-  session.answer(fmt::format("{} {}: {} scenes, {} bytes, verified.", done, file, scenes, result.bytes),
+  session.answer(fmt::format("{} {}: {}, {} bytes, verified.", done, file, counted(size_t(scenes), "scene"),
+                             result.bytes),
                  {{"file", file}, {"scenes", scenes}, {"bytes", result.bytes}, {"ok", true}});
 }
 

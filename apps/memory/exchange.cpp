@@ -9,6 +9,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/base/output_file.h"
+#include "mapping/base/text.h"
 #include "mapping/exchange/formats/ply.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
@@ -305,7 +306,7 @@ void export_to(const CatalogueArguments& arguments, Session& session) {
                {.replace = arguments.force ? Replace::anything : Replace::own, .inputs = {arguments.memory}});
   std::map<std::string, size_t> classes;
   for (const memory::CatalogueEntry& entry : catalogue.entries) ++classes[entry.class_name];
-  std::string text = fmt::format("{} objects in {}", catalogue.entries.size(), arguments.file);
+  std::string text = fmt::format("{} in {}", counted(catalogue.entries.size(), "object"), arguments.file);
   Json named = Json::object();
   for (const auto& [name, count] : classes) {
     text += fmt::format("\n  {:20} {:4}", name.empty() ? "(unknown class)" : name, count);

@@ -1,7 +1,9 @@
 // Memories of many robots in PostgreSQL: push, grant, unify.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -96,8 +98,13 @@ Command grant_command() {
             throw UsageError("--robot or --reader is required");
           if (!arguments->reader) arguments->role.robot = arguments->robot;
           const memory::FleetRole& role = arguments->role;
-          (arguments->revoke ? memory::revoke_role : memory::grant_role)(
-              memory::parse_fleet_url(arguments->url), role);
+          const memory::FleetUrl url = memory::parse_fleet_url(arguments->url);
+          (arguments->revoke ? memory::revoke_role : memory::grant_role)(url, role);
+          const std::vector<std::string> homes =
+              role.robot ? memory::homes_of(url, *role.robot) : std::vector<std::string>();
+          if (!homes.empty() && std::ranges::count(homes, role.home) == 0)
+            session.warnings().add(fmt::format("home '{}' has no memory of robot '{}'; with --home: '{}'",
+                                               role.home, *role.robot, fmt::join(homes, "', '")));
           const std::string what =
               arguments->reader ? fmt::format("read the memories of home '{}'", role.home)
                                 : fmt::format("push robot '{}' of home '{}'", arguments->robot, role.home);

@@ -140,9 +140,11 @@ void verify_forgotten(Session& session, const std::filesystem::path& memory, con
       left.push_back(copy + ", kept before a migration, has it: delete it");
   const size_t searched =
       tokens.texts.size() + tokens.hashes.size() + tokens.numbers.size() + tokens.images.size();
-  std::string text = searched == 0  ? "There are no tokens: nothing can be proven."
-                     : left.empty() ? fmt::format("None of {} is left.", counted(searched, "token"))
-                                    : fmt::format("Of {}, this is left:", counted(searched, "token"));
+  if (searched == 0)
+    throw Error("there are no tokens: nothing can be proven", {file, 0, {}},
+                "what was erased had only short words, and numbers that others have, too");
+  std::string text = left.empty() ? fmt::format("None of {} is left.", counted(searched, "token"))
+                                  : fmt::format("Of {}, this is left:", counted(searched, "token"));
   for (const std::string& line : left) text += "\n  " + line;
   session.answer(text, {{"ok", left.empty()}, {"tokens", searched}, {"left", left}});
   if (!left.empty())
@@ -257,9 +259,15 @@ memory::ForgetRequest forget_request(const memory::Store& store, const std::stri
   request.object = memory::object_id(name);
   if (request.object) return request;
   const std::vector<memory::PlaceRow> places = memory::Snapshot(store, {}).places_called(name);
-  if (places.size() != 1)
+  if (places.size() != 1) {
+    // What is erased is lost: a name that may come to mean another object is not enough.
+    std::vector<std::string> meant;
+    for (const memory::Id object : memory::Snapshot(store, {}).find_objects(name))
+      meant.push_back(memory::object_name(object));
     throw Error(fmt::format("'{}' is neither an object, as object_12, nor a place", name), {},
-                "loci-memory objects and loci-memory room list them");
+                meant.empty() ? "loci-memory objects and loci-memory room list them"
+                              : "give its number: " + loci::joined(meant, ", "));
+  }
   request.place = places.front().id;
   return request;
 }
@@ -382,8 +390,9 @@ Command merge_command() {
               merge(memory_file(arguments->first, session), memory_file(arguments->second, session),
                     arguments->output, frame, session.progress());
           std::string text = fmt::format(
-              "{} scenes with {} observations of {} objects and {} facts came in; {} scenes were known.",
-              result.scenes, result.observations, result.objects, result.facts, result.known_scenes);
+              "{} with {} of {} and {} came in; known before: {}.", counted(size_t(result.scenes), "scene"),
+              counted(size_t(result.observations), "observation"), counted(size_t(result.objects), "object"),
+              counted(size_t(result.facts), "fact"), counted(size_t(result.known_scenes), "scene"));
           if (result.forgotten > 0)
             text += fmt::format("\n{} stay away: one of the memories has forgotten them.",
                                 counted(size_t(result.forgotten), "observation"));
@@ -393,8 +402,8 @@ Command merge_command() {
             renamed[old] = name;
           }
           if (result.reasoning > 0)
-            text += fmt::format("\nThe reasoning of {} scenes, which is in the other frame, stays behind.",
-                                result.reasoning);
+            text += fmt::format("\nThe reasoning of {}, which is in the other frame, stays behind.",
+                                counted(size_t(result.reasoning), "scene"));
           Json reasoned;
           if (!arguments->reason.empty()) {
             const memory::Store merged = memory::Store::open_read(arguments->output);

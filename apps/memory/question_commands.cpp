@@ -187,6 +187,17 @@ memory::Question why_question() {
           }};
 }
 
+namespace {
+
+/// What is asked: the words of a sentence may be given without quotes.
+std::vector<std::string> sentences_of(const std::vector<std::string>& words) {
+  const bool one = std::ranges::none_of(
+      words, [](const std::string& word) { return word.find(' ') != std::string::npos; });
+  return one ? std::vector{loci::joined(words, " ")} : words;
+}
+
+}  // namespace
+
 Command ask_command() {
   return {.name = "ask",
           .description = "Answers questions and tasks in English",
@@ -208,8 +219,9 @@ Command ask_command() {
                 table.flag("--details", arguments->details, kDetails);
                 return [arguments](Session& session) {
                   const memory::Store store = open_memory(arguments->memory.memory, session);
-                  const auto answers = ask(store, memory::NaturalLanguageQuestion{
-                                                      arguments->sentences, arguments->memory.as_of(store)});
+                  const auto answers =
+                      ask(store, memory::NaturalLanguageQuestion{sentences_of(arguments->sentences),
+                                                                 arguments->memory.as_of(store)});
                   std::string text;
                   Json json = Json::array();
                   for (const memory::NaturalLanguageAnswer& answer : answers) {

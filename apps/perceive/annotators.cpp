@@ -7,6 +7,7 @@
 #include "apps/perceive/annotators.h"
 #include "apps/perceive/commands.h"
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_reader.h"
 #include "perception/annotators/annotators.h"
@@ -99,12 +100,13 @@ void annotate(const AnnotateArguments& arguments, Session& session) {
   memory->store.finish_run(run);
   for (const auto& [name, seconds] : result.seconds) session.timing(name, seconds);
   add_to_statistics(arguments.statistics.path(arguments.memory), result.statistics);
-  session.answer(fmt::format("{} scenes, {} clusters asked about, {} annotations added to {}\n",
-                             result.frames, clusters, annotations, arguments.memory),
-                 {{"scenes", result.frames},
-                  {"clusters", clusters},
-                  {"annotations", annotations},
-                  {"pipeline", configuration}});
+  session.answer(
+      fmt::format("{}, {} asked about, {} added to {}\n", counted(result.frames, "scene"),
+                  counted(clusters, "cluster"), counted(annotations, "annotation"), arguments.memory),
+      {{"scenes", result.frames},
+       {"clusters", clusters},
+       {"annotations", annotations},
+       {"pipeline", configuration}});
 }
 
 }  // namespace

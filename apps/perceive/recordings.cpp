@@ -59,14 +59,15 @@ std::string camera_text(const mapping::PinholeCamera& camera) {
 
 std::string info_text(const mapping::RecordingInfo& info) {
   const Vector3d offset = info.camera.depth_from_color.translation();
-  std::string text = fmt::format("{}: {} frames, layout {}\n", info.path, info.frames, info.format) +
-                     fmt::format("time    {} to {}{}\n", format_time(info.first_time),
-                                 format_time(info.last_time), info.time_assumed ? " (made up)" : "") +
-                     fmt::format("poses   {} of {}{}\n", info.frames_with_pose, info.frames,
-                                 info.map_frame.empty() ? "" : ", in frame '" + info.map_frame + "'") +
-                     fmt::format("depth   {}\n", camera_text(info.camera.depth)) +
-                     fmt::format("colour  {}, at {:.3f} {:.3f} {:.3f} m from depth\n",
-                                 camera_text(info.camera.color), offset.x(), offset.y(), offset.z());
+  std::string text =
+      fmt::format("{}: {}, layout {}\n", info.path, counted(info.frames, "frame"), info.format) +
+      fmt::format("time    {} to {}{}\n", format_time(info.first_time), format_time(info.last_time),
+                  info.time_assumed ? " (made up)" : "") +
+      fmt::format("poses   {} of {}{}\n", info.frames_with_pose, info.frames,
+                  info.map_frame.empty() ? "" : ", in frame '" + info.map_frame + "'") +
+      fmt::format("depth   {}\n", camera_text(info.camera.depth)) +
+      fmt::format("colour  {}, at {:.3f} {:.3f} {:.3f} m from depth\n", camera_text(info.camera.color),
+                  offset.x(), offset.y(), offset.z());
   if (info.camera_names.size() > 1)
     text += fmt::format("cameras {}; the first is read\n", joined(info.camera_names, ", "));
   for (const std::string& guess : info.guesses) text += fmt::format("guessed {}\n", guess);
@@ -358,14 +359,7 @@ perception::Pipeline read_pipeline(const RunArguments& arguments,
                   : arguments.pipeline.empty()
                       ? Config::parse(perception::default_pipeline(), "the default pipeline")
                       : Config::read(arguments.pipeline);
-  if (arguments.every > 0) {
-    // The command line overrides the file.
-    YAML::Node options;
-    options["RecordingReader"]["every"] = arguments.every;
-    YAML::Node changed = YAML::Clone(config.node());
-    changed["reader"] = options;
-    config = config.over(changed, "");
-  }
+  if (arguments.every > 0) config = perception::with_every(config, arguments.every);
   return perception::Pipeline::parse(config, registry);
 }
 
@@ -416,10 +410,12 @@ void write_images(const RunArguments& arguments, const perception::types::SceneC
 
 /// The last line of the answer; `memory` is empty when nothing was stored.
 std::string summary(const memory::MemoryRunResult& result, size_t clusters, const std::string& memory) {
-  std::string text = fmt::format("{} frames, {} objects seen", result.pipeline.frames, clusters);
+  std::string text =
+      fmt::format("{}, {} seen", counted(result.pipeline.frames, "frame"), counted(clusters, "object"));
   if (result.pipeline.left_out > 0)
-    text += fmt::format("; {} frames were left out because an annotator failed", result.pipeline.left_out);
-  if (result.skipped > 0) text += fmt::format("; {} frames were in the memory already", result.skipped);
+    text +=
+        fmt::format("; {} left out because an annotator failed", counted(result.pipeline.left_out, "frame"));
+  if (result.skipped > 0) text += fmt::format("; {} in the memory already", counted(result.skipped, "frame"));
   return text + (memory.empty() ? "\n" : fmt::format("; stored in {}\n", memory));
 }
 

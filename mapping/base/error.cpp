@@ -34,7 +34,7 @@ size_t edit_distance(std::string_view first, std::string_view second) {
 
 std::string FileLocation::text() const {
   std::string text = file;
-  if (line > 0) text += fmt::format(":{}", line);
+  if (line > 0 && !file.empty()) text += fmt::format(":{}", line);
   if (!key.empty()) text += text.empty() ? key : ": " + key;
   return text;
 }

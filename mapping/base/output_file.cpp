@@ -159,7 +159,9 @@ OutputFile::OutputFile(fs::path path, OutputOptions options)
     : path_(std::move(path)), target_(resolved(path_)), options_(std::move(options)) {
   check_output(path_, options_);
   file_ = create_beside(target_, options_.mode, temporary_);
-  if (file_ == nullptr) throw error_of(path_, std::string("cannot be written: ") + std::strerror(errno));
+  if (file_ == nullptr)
+    throw error_of(path_, std::string("cannot be written: ") +
+                              (errno == ENOENT ? "the folder does not exist" : std::strerror(errno)));
   struct stat replaced {};
   if (::stat(target_.c_str(), &replaced) == 0) ::fchmod(::fileno(file_), replaced.st_mode & 0777);
 }

@@ -41,7 +41,8 @@ constexpr std::array<ReasonText, static_cast<size_t>(Reason::count)> kReasons = 
     {"no_support_in_view", "no support of the map in view",
      "show a counter or a table of the map, or check the sidecar of the map for supports"},
     {"unconfirmed", "objects that no other frame shows in the same place",
-     "if the camera moved, the recording needs poses: loci-map track"},
+     "if the camera moved, it needs poses that fit (loci-map track), and frames that overlap (a smaller "
+     "--every)"},
     {"annotator_failed", "an annotator that failed", "the warnings say which (--verbose)"},
     {"outside_image", "a region outside the image", "check the size of the images that were detected in"},
     {"no_depth_inside", "no depth inside the region",

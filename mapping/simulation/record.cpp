@@ -9,6 +9,7 @@
 
 #include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
+#include "mapping/base/text.h"
 #include "mapping/recording/recording.h"
 #include "mapping/render/render.h"
 #include "mapping/simulation/play.h"
@@ -258,7 +259,8 @@ void RecordOptions::declare(OptionTable& table) {
 }
 
 std::string RecordResult::summary() const {
-  return fmt::format("{}: {} scenes, {} frames, {} objects", folder, scenes, frames, objects);
+  return fmt::format("{}: {}, {}, {}", folder, counted(scenes, "scene"), counted(frames, "frame"),
+                     counted(objects, "object"));
 }
 
 Json RecordResult::report() const {

@@ -167,7 +167,8 @@ std::unique_ptr<Recording> placed_in_map(std::unique_ptr<Recording> tracked, con
   const std::filesystem::path folder = map.parent_path() / "scans";
   if (!std::filesystem::exists(folder / "scans.yaml")) {
     warnings.add(
-        "the tracked poses stay in a frame of their own: the map has no scans beside it to place them by",
+        "the map has no scans beside it to place the recording by: its poses fit the map only if it was made "
+        "from the same frames; fuse them to this folder before you interpret them",
         {folder.string(), 0, {}});
     return tracked;
   }

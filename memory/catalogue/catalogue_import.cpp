@@ -7,6 +7,7 @@
 #include <set>
 
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "memory/belief/evidence/similarity.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/identity/solution.h"
@@ -280,10 +281,10 @@ CatalogueResult apply_catalogues(Store& store) {
 }
 
 std::string CatalogueResult::summary() const {
-  std::string text = fmt::format(
-      "{} objects and {} entries of catalogues or examples: {} facts known ({} new, {} changed, "
-      "{} retracted)",
-      objects, entries, known.size(), added, changed, taken_back);
+  std::string text =
+      fmt::format("{} compared with {} or examples: {} known ({} new, {} changed, {} retracted)",
+                  counted(objects, "object"), counted(entries, "catalogue object"),
+                  counted(known.size(), "fact"), added, changed, taken_back);
   for (const Match& match : known)
     text += fmt::format("\n  {:10} {:8} {:20} {:3.0f} %, by its {}", object_name(match.object), match.key,
                         match.value, 100 * match.probability, match.by);

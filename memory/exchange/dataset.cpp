@@ -9,6 +9,7 @@
 
 #include "mapping/base/csv.h"
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 #include "memory/edits/edits.h"
@@ -202,9 +203,10 @@ DatasetResult export_dataset(const Store& store, const fs::path& folder, const D
 }
 
 std::string DatasetResult::summary() const {
-  std::string text = fmt::format("{} objects in {} scenes", objects, scenes);
+  std::string text = fmt::format("{} in {}", counted(objects, "object"), counted(scenes, "scene"));
   if (left_out > 0)
-    text += fmt::format("; {} scenes left out (no depth or masks stored, or another camera)", left_out);
+    text += fmt::format("; {} left out (no depth or masks stored, or another camera)",
+                        counted(left_out, "scene"));
   for (const auto& [name, count] : classes)
     text += fmt::format("\n  {:20} {:5}", name.empty() ? "(unknown)" : name, count);
   return text;

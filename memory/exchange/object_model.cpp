@@ -10,6 +10,7 @@
 #include "mapping/base/json.h"
 #include "mapping/base/math.h"
 #include "mapping/base/options.h"
+#include "mapping/base/text.h"
 #include "mapping/registration/registration.h"
 #include "memory/exchange/observation_image.h"
 
@@ -192,13 +193,14 @@ std::string ObjectModel::summary() const {
     points += view.points;
     registered += view.registered ? 1 : 0;
   }
-  std::string text = fmt::format("{}: {} points of {} views ({} registered) of {} observations\n",
-                                 object_name(object), points, views.size(), registered, observations);
+  std::string text =
+      fmt::format("{}: {} of {} ({} registered) of {}\n", object_name(object), counted(points, "point"),
+                  counted(views.size(), "view"), registered, counted(size_t(observations), "observation"));
   for (const ObjectView& view : views)
     text += fmt::format("  scene {}: {}, {} points, {}\n", view.scene, view.side, view.points, view.placed);
   for (const AnnotationSupport& one : evidence)
-    text += fmt::format("  {} '{}': {} observations, {:.0f} % agree\n", one.type, one.value, one.observations,
-                        100 * one.agreement);
+    text += fmt::format("  {} '{}': {}, {:.0f} % agree\n", one.type, one.value,
+                        counted(size_t(one.observations), "observation"), 100 * one.agreement);
   return text;
 }
 

@@ -33,4 +33,12 @@ void revoke_role(const FleetUrl& url, const FleetRole& role) {
   if (!had) throw database.error(fmt::format("role '{}' does not have these rights", role.role));
 }
 
+std::vector<std::string> homes_of(const FleetUrl& url, const std::string& robot) {
+  std::vector<std::string> homes;
+  FleetDatabase database(url);
+  database.sql().query("SELECT home FROM loci.robot WHERE robot = $1 ORDER BY home", {robot},
+                       [&](ResultRow row) { homes.push_back(text_of(row[0])); });
+  return homes;
+}
+
 }  // namespace loci::memory

@@ -17,5 +17,7 @@ struct FleetRole {
 void grant_role(const FleetUrl& url, const FleetRole& role);
 /// Takes them back. Error when the role did not have them.
 void revoke_role(const FleetUrl& url, const FleetRole& role);
+/// The homes with a memory of a robot of this name, in alphabetical order.
+std::vector<std::string> homes_of(const FleetUrl& url, const std::string& robot);
 
 }  // namespace loci::memory

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <memory>
 #include <set>
 
 #include "mapping/base/files.h"
 #include "mapping/base/hash.h"
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "mapping/recording/posed_recording.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
@@ -173,8 +175,20 @@ class FrameSource : public SceneSource {
 };
 
 /// COCO and YOLO; what else there is is JSON Lines.
+/// JSON Lines are known by their first line, whatever the file is called.
 bool is_detection_set(const fs::path& file) {
-  return fs::is_directory(file) || file.extension() == ".json";
+  if (fs::is_directory(file)) return true;
+  if (file.extension() != ".json") return false;
+  constexpr std::streamsize kMaxLine = 1 << 20;
+  std::string line(static_cast<size_t>(kMaxLine), '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.getline(line.data(), kMaxLine);
+  try {
+    const Json first = parse_json(line.c_str(), file.string());
+    return !first.is_object() || !first.contains("time");
+  } catch (const Error&) {
+    return true;  // A file of several lines.
+  }
 }
 
 /// What is read of the file before anything is written.
@@ -251,6 +265,7 @@ Input open_input(const fs::path& file, const IngestOptions& options, Warnings& w
     for (const std::string& problem : input.recording->info().problems) warnings.add(problem);
     input.lifter = std::make_unique<DetectionLifter>(*input.recording, options.map, warnings);
   }
+  if (!fs::exists(file)) throw Error("no such file", {file.string(), 0, {}});
   if (!is_detection_set(file)) return input;
   if (!input.recording)
     throw Error("COCO and YOLO detections have no positions", {file.string(), 0, {}},
@@ -277,10 +292,11 @@ void IngestOptions::declare(OptionTable& table) {
 }
 
 std::string IngestResult::summary() const {
-  std::string text = fmt::format("{} scenes with {} detections added", scenes, detections);
-  if (present > 0) text += fmt::format("; {} lines were in the memory already", present);
-  if (repeated > 0) text += fmt::format("; {} lines repeat the line before", repeated);
-  if (bad > 0) text += fmt::format("; {} bad lines skipped", bad);
+  std::string text =
+      fmt::format("{} with {} added", counted(scenes, "scene"), counted(detections, "detection"));
+  if (present > 0) text += fmt::format("; {} in the memory already", counted(present, "line"));
+  if (repeated > 0) text += fmt::format("; {} left out as repeated", counted(repeated, "line"));
+  if (bad > 0) text += fmt::format("; {} skipped", counted(bad, "bad line"));
   if (lifted.total() > 0) text += fmt::format("; {} of {} lifted to 3-D", lifted.used(), lifted.total());
   if (const std::string reasons = lifted.reasons(); !reasons.empty()) text += ", the others not: " + reasons;
   return text + fmt::format("; noise of positions {:.1f} mm ({})", 1000 * noise_m,
@@ -318,7 +334,7 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
   std::set<int64_t> present;
   if (known) present = store.frames(known->id);
   if (!present.empty() && !options.resume)
-    throw Error(fmt::format("this file is in the memory already ({} scenes)", present.size()),
+    throw Error(fmt::format("this file is in the memory already ({})", counted(present.size(), "scene")),
                 {file.string(), 0, {}}, "--resume adds the lines that are missing");
 
   const std::unique_ptr<SceneSource> source = source_of(file, input, store.last_scene_time(), warnings);

@@ -60,6 +60,15 @@ FactRow row_for(const Snapshot& snapshot, const FactOwner& about, const std::str
   return row;
 }
 
+/// Error when a name could not be told from an object's number or a place of the map.
+void require_name(const Snapshot& snapshot, const FactOwner& one, const std::string& name) {
+  const bool is_place = std::ranges::any_of(
+      snapshot.places(), [&](const PlaceRow& place) { return place.name == name && one.place != place.id; });
+  if (is_place || object_id(name))
+    throw Error(fmt::format("'{}' is {} already", name, is_place ? "a place" : "the number of an object"), {},
+                "choose another name");
+}
+
 /// Adds to `rows` those that state a value; none where it is stated already.
 void add_rows_of(const Snapshot& snapshot, const FactOwner& one, const std::string& key,
                  const std::string& value, std::vector<FactRow>& rows) {
@@ -106,10 +115,15 @@ FactsAnswer set_facts(Store& store, const std::string& about,
       throw Error("a fact needs a key and a value", {}, "fact set X owner Ada");
     require_utf8(key);
     require_utf8(value);
+    if (std::ranges::any_of(value, [](char c) { return c >= 0 && c < ' '; }))
+      throw Error(fmt::format("the value of '{}' has line breaks or other control characters", key), {},
+                  "write it in one line");
     if (key == kPlaceNameKey) require_part_name(value);
   }
   const Snapshot snapshot(store, {});
   const FactOwner one = find_one(snapshot, about);
+  for (const auto& [key, value] : values)
+    if (key == "alias") require_name(snapshot, one, value);
   std::vector<FactRow> rows;
   for (const auto& [key, value] : values) add_rows_of(snapshot, one, key, value, rows);
   add_rows(store, "set", rows);

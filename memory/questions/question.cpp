@@ -285,11 +285,19 @@ const Question* find_question(const std::string& name) {
 
 void check_arguments(const std::string& asked, const std::vector<Parameter>& parameters, const Query& query) {
   std::vector<std::string> names;
+  for (const Parameter& parameter : parameters) names.push_back(parameter.name);
+  for (const auto& [name, value] : query.arguments)
+    if (std::ranges::count(names, name) == 0) {
+      const std::string nearest = did_you_mean(name, names);
+      throw Error(fmt::format("'{}' does not take '{}'", asked, name), {},
+                  nearest.empty() ? fmt::format("it takes {}", fmt::join(names, ", ")) : nearest);
+    }
   for (const Parameter& parameter : parameters) {
-    names.push_back(parameter.name);
     const auto given = query.arguments.find(parameter.name);
     if (given == query.arguments.end()) {
-      if (parameter.required) throw Error(fmt::format("'{}' needs {}", asked, upper_case(parameter.name)));
+      if (parameter.required)
+        throw Error(fmt::format("'{}' needs '{}'{}", asked, parameter.name,
+                                parameter.help.empty() ? "" : " (" + parameter.help + ")"));
       continue;
     }
     if (!parameter.choices.empty() && std::ranges::count(parameter.choices, given->second) == 0)
@@ -299,9 +307,6 @@ void check_arguments(const std::string& asked, const std::vector<Parameter>& par
       if (query.arguments.contains(other))
         throw Error(fmt::format("'{}' takes either {} or {}", asked, parameter.name, other));
   }
-  for (const auto& [name, value] : query.arguments)
-    if (std::ranges::count(names, name) == 0)
-      throw Error(fmt::format("'{}' does not take '{}'", asked, name), {}, did_you_mean(name, names));
 }
 
 Answer Question::ask(const Store& store, const Query& query, const AsOf& as_of) const {
@@ -410,6 +415,7 @@ Json declaration_json(const std::string& name, const std::string& description,
     json["parameters"].push_back({{"name", parameter.name},
                                   {"type", to_text(parameter.type)},
                                   {"help", parameter.help},
+                                  {"positional", parameter.positional},
                                   {"required", parameter.required}});
     Json& last = json["parameters"].back();
     if (!parameter.default_text.empty()) last["default"] = parameter.default_text;

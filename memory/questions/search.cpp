@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/text.h"
 #include "mapping/image/image_io.h"
 #include "memory/questions/names/embeddings.h"
 #include "memory/questions/question.h"
@@ -78,8 +79,9 @@ class SearchPlanner {
       one.probability = current ? there : (count + kPriorSightings) * views.missed_since;
       if (!current) elsewhere += one.probability;
       one.reason = current && there > 0 ? "it is believed to be there"
-                   : count > 0          ? fmt::format("it was seen there in {} scenes", count)
-                                        : "it was never seen there";
+                   : count > 0
+                       ? fmt::format("it was seen there in {}", counted(static_cast<size_t>(count), "scene"))
+                       : "it was never seen there";
       search.places.push_back(std::move(one));
     }
     for (SearchPlace& one : search.places) {

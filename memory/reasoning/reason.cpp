@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "memory/reasoning/stored_scene.h"
 #include "memory/recorder/recorder.h"
 #include "memory/store/memory_file.h"
@@ -223,11 +224,13 @@ std::string told(Id object) {
 }  // namespace
 
 std::string ReasonResult::summary() const {
-  std::string text = fmt::format("{} scenes with {} observations reasoned anew", scenes, observations);
+  std::string text =
+      fmt::format("{} with {} reasoned anew", counted(scenes, "scene"), counted(observations, "observation"));
   if (skipped > let_go)
-    text += fmt::format("; {} scenes left out, of which no evidence was kept", skipped - let_go);
+    text += fmt::format("; {} left out, of which no evidence was kept", counted(skipped - let_go, "scene"));
   if (let_go > 0 && from)
-    text += fmt::format("; from {} on: the evidence of {} scenes was let go", format_time(*from), let_go);
+    text += fmt::format("; from {} on: the evidence of {} was let go", format_time(*from),
+                        counted(let_go, "scene"));
   if (!unplaced.empty()) text += fmt::format("; without a place: {}", fmt::join(unplaced, ", "));
   return text;
 }

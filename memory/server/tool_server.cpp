@@ -8,6 +8,7 @@
 
 #include "mapping/base/base64.h"
 #include "mapping/base/json.h"
+#include "mapping/base/text.h"
 #include "mapping/base/time.h"
 #include "memory/edits/edit_actions.h"
 #include "memory/questions/names/map_names.h"
@@ -106,15 +107,25 @@ Json tool_result(const std::string& text, const Json& data, bool is_error = fals
           {"isError", is_error}};
 }
 
+/// A value as people write it: the numbers of a point stand between commas.
+std::string argument_text(const std::string& name, const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number()) return value.dump();
+  const bool numbers = value.is_array() && !value.empty() &&
+                       std::ranges::all_of(value, [](const Json& each) { return each.is_number(); });
+  if (!numbers) throw Error(fmt::format("'{}' is neither a string, a number nor a list of numbers", name));
+  std::vector<std::string> texts;
+  for (const Json& each : value) texts.push_back(each.dump());
+  return joined(texts, ",");
+}
+
 Query query_of(const std::string& asked, const std::vector<Parameter>& parameters, const Json& arguments) {
   Query query{.question = asked};
   for (const auto& [name, value] : arguments.items()) {
     const auto parameter = std::ranges::find(parameters, name, &Parameter::name);
     if (parameter != parameters.end() && !is_offered(*parameter))
       throw Error(fmt::format("'{}' names a file, which is not offered here", name));
-    if (!value.is_string() && !value.is_number())
-      throw Error(fmt::format("'{}' is neither a string nor a number", name));
-    query.arguments[name] = value.is_string() ? value.get<std::string>() : value.dump();
+    query.arguments[name] = argument_text(name, value);
   }
   return query;
 }

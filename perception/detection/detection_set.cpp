@@ -1,11 +1,13 @@
 #include "perception/detection/detection_set.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <span>
 
 #include "mapping/base/config.h"
@@ -205,6 +207,20 @@ bool nested_deeply(int depth, json::parse_event_t /*event*/, json& /*value*/) {
   return true;
 }
 
+/// A class without a name is called by its number; often numbers are counted from another start than the
+/// names.
+void warn_of_unnamed(const std::vector<ImageDetections>& images, const std::set<std::string>& names,
+                     const fs::path& path, Warnings& warnings) {
+  std::set<std::string> unnamed;
+  for (const ImageDetections& image : images)
+    for (const Detection2D& detection : image.detections)
+      for (const auto& [name, probability] : detection.classes)
+        if (!names.contains(name)) unnamed.insert(name);
+  if (!unnamed.empty())
+    warnings.add(fmt::format("no name is given for {}: is the first class 0 or 1?", fmt::join(unnamed, ", ")),
+                 {path.string(), 0, {}});
+}
+
 std::vector<ImageDetections> read_coco(const fs::path& path, Warnings& warnings) {
   if (fs::file_size(path) > kMaxFileBytes)
     refuse_at({path.string(), 0, {}}, fmt::format("is larger than {} MB", kMaxFileBytes >> 20));
@@ -244,6 +260,9 @@ std::vector<ImageDetections> read_coco(const fs::path& path, Warnings& warnings)
   }
   std::vector<ImageDetections> all;
   for (auto& [id, image] : images) all.push_back(std::move(image));
+  std::set<std::string> names;
+  for (const auto& [id, category] : categories) names.insert(category.name);
+  if (!results) warn_of_unnamed(all, names, path, warnings);
   return all;
 }
 
@@ -397,6 +416,8 @@ std::vector<ImageDetections> read_yolo(const fs::path& folder, Warnings& warning
         refuse_at({file.string(), number, {}}, "has too many detections");
     }
   }
+  if (!names.classes.empty())
+    warn_of_unnamed(images, {names.classes.begin(), names.classes.end()}, folder, warnings);
   return images;
 }
 

@@ -364,6 +364,7 @@ Flow read_flow(const Config& pipeline, const std::string& key, const AnnotatorRe
 void append_step(Flow& flow, const std::string& name, const AnnotatorRegistry& registry) {
   const Config list = Config::parse("flow: [" + name + "]", "");
   Flow one = read_flow(list, "flow", registry);
+  for (FlowNode& node : one.nodes) node.place = {};  // in no file
   std::move(one.nodes.begin(), one.nodes.end(), std::back_inserter(flow.nodes));
   FlowReader::plan(flow);
 }

@@ -27,6 +27,14 @@ std::pair<std::string, YAML::Node> read_reader(const Config& config) {
 
 }  // namespace
 
+Config with_every(const Config& pipeline, int every) {
+  YAML::Node options;
+  options[kDefaultReader]["every"] = every;
+  YAML::Node changed = YAML::Clone(pipeline.node());
+  changed["reader"] = options;
+  return pipeline.over(changed, "");
+}
+
 Pipeline Pipeline::parse(const std::string& text, const std::string& file,
                          const AnnotatorRegistry& registry) {
   return parse(Config::parse(text, file), registry);

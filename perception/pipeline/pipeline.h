@@ -25,6 +25,9 @@ struct PipelineResult {
   StatisticsTable statistics;  ///< of this run, by annotator
 };
 
+/// A pipeline of which every n-th frame is read, whatever it says itself.
+Config with_every(const Config& pipeline, int every);
+
 /// A collection processing engine: a reader, a flow of annotators, and writers (annotators that come last),
 /// from YAML:
 ///

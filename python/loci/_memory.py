@@ -50,14 +50,15 @@ _TYPES = {
 
 
 def _signature(parameters, result, optional):
-    """Required parameters by position or name, the others of the kind `optional`."""
+    """Parameters that the command takes without a name by position or name, the others of the kind `optional`."""
     kinds = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_OR_KEYWORD)]
-    for each in sorted(parameters, key=lambda each: not each.required):
+    for each in sorted(parameters, key=lambda each: (not each.required, not each.positional)):
         name, annotation = python_name(each.name), _TYPES.get(each.type, str)
+        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD if each.required or each.positional else optional
         if each.required:
-            kinds.append(inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation=annotation))
+            kinds.append(inspect.Parameter(name, kind, annotation=annotation))
         else:
-            kinds.append(inspect.Parameter(name, optional, default=None, annotation=Optional[annotation]))
+            kinds.append(inspect.Parameter(name, kind, default=None, annotation=Optional[annotation]))
     return inspect.Signature(kinds, return_annotation=result)
 
 
@@ -76,7 +77,10 @@ def _add_method(owner, declared, result, call, optional=inspect.Parameter.KEYWOR
     names = {python_name(parameter.name): parameter.name for parameter in declared.parameters}
 
     def method(*args, **keywords):
-        bound = signature.bind(*args, **keywords).arguments
+        try:
+            bound = signature.bind(*args, **keywords).arguments
+        except TypeError as error:
+            raise TypeError(f"{method.__name__}(): {error}; it takes {signature}") from None
         given = {names[name]: _argument(value) for name, value in bound.items() if name != "self" and value is not None}
         return call(bound["self"], given)
 
@@ -186,6 +190,15 @@ def open(
     return Memory(path, write, now=now)
 
 
+def _plain(value):
+    """What JSON has no form for: times, paths, and arrays and numbers of numpy."""
+    if isinstance(value, (datetime.datetime, os.PathLike)):
+        return _argument(value)
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"a detection cannot hold a {type(value).__name__}")
+
+
 def ingest(
     detections: Union[str, os.PathLike, Iterable[dict]],
     memory: Union[str, os.PathLike],
@@ -198,7 +211,8 @@ def ingest(
 ) -> Record:
     """Adds the detections of another system to a memory (docs/detections.md), which is not open meanwhile.
 
-    detections: a file of JSON Lines, COCO or YOLO, or an iterable of scenes as dictionaries
+    detections: a file of JSON Lines, COCO or YOLO, or an iterable of scenes as dictionaries, in which times may be
+        datetime and positions arrays of numpy
     memory: the file, made where it is missing
     map: URDF for the places; recording: what was detected in, where detections have no positions
     progress: called with a fraction and a text; False stops
@@ -212,5 +226,8 @@ def ingest(
         file = os.path.join(folder, "detections.jsonl")
         with io.open(file, "w", encoding="utf-8") as lines:
             for scene in detections:
-                lines.write(json.dumps(scene) + "\n")
-        return ingest(file, memory, map=map, recording=recording, progress=progress, now=now, **options)
+                lines.write(json.dumps(scene, default=_plain) + "\n")
+        try:
+            return ingest(file, memory, map=map, recording=recording, progress=progress, now=now, **options)
+        except Error as error:  # users know no such file
+            raise type(error)(str(error).replace(file, "detections")) from None

@@ -66,6 +66,7 @@ def run(
     resume: bool = False,
     fixed_camera: bool = False,
     threads: int = 0,
+    every: int = 0,
     done: Optional[Callable[[PerceivedScene], Any]] = None,
     progress: Optional[Callable[[float, str], Optional[bool]]] = None,
     now: Optional[_Time] = None,
@@ -78,7 +79,7 @@ def run(
     types: type systems (XML) of their annotations
     map: URDF; memory: file to write to; resume: go on with a recording that the memory has in part
     fixed_camera: the camera of a recording without poses stood still
-    threads: 0 = all cores
+    threads: 0 = all cores; every: process every n-th frame, 0 = as the pipeline says
     done: called with each scene when all annotators are through
     options: of the recording, see open_recording()
 
@@ -87,8 +88,8 @@ def run(
     text = pipeline if isinstance(pipeline, str) else json.dumps(pipeline) if pipeline else ""
     return read(
         _loci._run(
-            recording, text, list(annotators), list(types), map, memory, resume, fixed_camera, threads, done, progress,
-            now, **options
+            recording, text, list(annotators), list(types), map, memory, resume, fixed_camera, threads, every, done,
+            progress, now, **options
         )
     )
 

@@ -99,6 +99,12 @@ TEST(Commands, ExplainWrongUsageInOneLine) {
       {"loci-map export a.urdf -o b --format stl",
        "loci-map export: --format: 'stl' is not one of sdf, mjcf, owl, ply, grid, bt, svg; see loci-map "
        "export --help\n"},
+      {"loci-memory was cup on table_1 --between 9 -m a.loci",
+       "loci-memory was: --between needs 2 values; see loci-memory was --help\n"},
+      {"loci-memory forget --between 9 -m a.loci",
+       "loci-memory forget: --between needs 2 values; see loci-memory forget --help\n"},
+      {"loci-memory changes --between 9 10 --between 11 12 -m a.loci",
+       "loci-memory changes: --between is given several times; see loci-memory changes --help\n"},
       {"loci-map articulate --before scans",
        "loci-map articulate: --before needs --after; see loci-map articulate --help\n"},
   };
@@ -108,6 +114,17 @@ TEST(Commands, ExplainWrongUsageInOneLine) {
     EXPECT_EQ(outcome.error, message);
     EXPECT_EQ(outcome.out, "") << command;
   }
+}
+
+TEST(Commands, RefuseAnOutputThatCannotBeWrittenBeforeTheWork) {
+  for (const std::string command : {"loci-map fuse absent", "loci-map track absent",
+                                    "loci-map interpret absent", "loci-perceive convert absent"})
+    EXPECT_THAT(run(command + " -o README.md/out").error,
+                testing::ContainsRegex("README.md/out: cannot be written: .*/README.md is a file; write to"))
+        << command;
+  const std::string folder = fresh_folder();
+  EXPECT_THAT(run("loci-map export apps/samples/kitchen.urdf -o " + folder + "/absent/map.sdf").error,
+              testing::HasSubstr("cannot be written: the folder does not exist"));
 }
 
 TEST(Dispatcher, RunsTheProgramsBesideIt) {

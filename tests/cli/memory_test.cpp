@@ -3,6 +3,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/base/output_file.h"
 #include "tests/cli/command.h"
 #include "tests/memory/questions/synthetic_day.h"
 
@@ -45,6 +46,33 @@ TEST_F(MemoryCli, AnswersEveryQuestionInWordsAndAsJson) {
     EXPECT_EQ(words.error, "") << question;
     EXPECT_TRUE(parse_json(ask(question + " --json").out, question).is_object());
   }
+}
+
+TEST_F(MemoryCli, ASentenceNeedsNoQuotes) {
+  EXPECT_EQ(ask("ask where is the tea cup").out, ask("ask 'where is the tea cup'").out);
+  EXPECT_THAT(ask("ask where is the tea cup").out, StartsWith("The tea cup is"));
+}
+
+TEST_F(MemoryCli, WithoutTokensNothingIsProven) {
+  const std::string tokens = folder_ + "/tokens.json";
+  write_output(
+      tokens,
+      R"({"loci_forgotten": {"version": 1, "texts": [], "hashes": [], "numbers": [], "images": []}})");
+  const Outcome outcome = ask("verify --forgotten " + tokens);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.error, HasSubstr("tokens.json: there are no tokens: nothing can be proven; "));
+}
+
+TEST_F(MemoryCli, APointIsCalledByItsCoordinates) {
+  EXPECT_EQ(ask("near 71,2").out, "Nothing is within 50 cm of (71.00, 2.00, 0.00).\n");
+}
+
+TEST_F(MemoryCli, ForgettingANameIsAnsweredWithTheNumberThatItMeans) {
+  const Outcome outcome = ask("forget 'tea cup'");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.error,
+            "loci-memory forget: 'tea cup' is neither an object, as object_12, nor a place; give its "
+            "number: object_1\n");
 }
 
 TEST_F(MemoryCli, AnswersFirstInOneSentenceWithAtMostThreeLinesOfEvidence) {

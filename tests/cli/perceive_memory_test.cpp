@@ -90,7 +90,7 @@ TEST_F(PerceiveIntoMemory, RecordingIsKnownByItsContentNotItsPath) {
   EXPECT_EQ(loci::apps::test::run(command("moved.loci")).exit_code, 1);
   const Outcome resumed = loci::apps::test::run(command("moved.loci", "--resume"));
   EXPECT_EQ(resumed.exit_code, 0);
-  EXPECT_THAT(resumed.out, HasSubstr("24 frames were in the memory already"));
+  EXPECT_THAT(resumed.out, HasSubstr("24 frames in the memory already"));
 }
 
 TEST_F(PerceiveIntoMemory, InterruptLeavesWholeScenesAndExits130) {

@@ -56,7 +56,15 @@ class Questions(SampleMemoryTest):
             with self.assertRaisesRegex(loci.Error, "nothing is known as 'zebra'"):
                 memory.where("zebra")
             for wrong in (lambda: memory.where(), lambda: memory.where("mug", colour="red")):
-                self.assertRaises(TypeError, wrong)
+                self.assertRaisesRegex(TypeError, r"where\(\): .*; it takes \(self, object", wrong)
+
+    def test_what_the_command_takes_without_a_name_goes_by_position(self):
+        with loci.open(self.file) as memory:
+            self.assertEqual(memory.was("mug", "table_1"), memory.was("mug", place="table_1"))
+
+    def test_errors_name_keywords_not_options_of_the_command(self):
+        with self.assertRaisesRegex(loci.Error, "or give force=True$"):
+            loci.Map.read(SAMPLES / "kitchen.urdf").write(SAMPLES / "kitchen.urdf")
 
     def test_sentences(self):
         with loci.open(self.file) as memory:

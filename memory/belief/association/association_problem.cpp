@@ -107,17 +107,20 @@ class ProblemBuilder {
                             std::min(1e9, timing_.seconds), detection_, options_);
   }
 
-  /// Whether an observation may be the part of an object that is in view.
-  bool may_be_part(size_t o, size_t k) const {
-    return scene_.observations[k].partial && evidence_.log_proximity(index(o), index(k)) > 0;
+  /// Whether an observation shows that the place of an object is in view: it may be the part of the object
+  /// that is not cut off, or it lies there and no depth measures what is in view.
+  bool shows_in_view(size_t o, size_t k) const {
+    const Observation& observation = scene_.observations[k];
+    const bool unmeasured = !predicted_[o].with_depth && state_.objects[o].place == observation.place;
+    return (observation.partial || unmeasured) && evidence_.log_proximity(index(o), index(k)) > 0;
   }
 
-  /// Probability of not being detected if there. A part that is seen where the object should be shows that
-  /// not all of it is out of view.
+  /// Probability of not being detected if there. What is seen where the object should be shows that not all
+  /// of it is out of view.
   double undetectable(size_t o) const {
     constexpr double kMinInView = 1e-3;
     for (size_t k = 0; k < scene_.observations.size(); ++k)
-      if (may_be_part(o, k)) return std::min(predicted_[o].undetectable, 1 - kMinInView);
+      if (shows_in_view(o, k)) return std::min(predicted_[o].undetectable, 1 - kMinInView);
     return predicted_[o].undetectable;
   }
 
@@ -130,9 +133,8 @@ class ProblemBuilder {
     };
     const auto of_whole = priors(1), of_part = priors(1 - undetectable(o));
     for (size_t k = 0; k < scene_.observations.size(); ++k) {
-      // Where only the position is uncertain, an observation that is near shows that the object is in view;
-      // so does the part of it that is not cut off.
-      const bool shows_it = !state_.objects[o].has_size || may_be_part(o, k);
+      // Where only the position is uncertain, an observation that is near shows that the object is in view.
+      const bool shows_it = !state_.objects[o].has_size || shows_in_view(o, k);
       const auto [stays, turns] = shows_it ? of_part : of_whole;
       problem_.stay_prior(index(o), index(k)) = stays;
       // Another side hardly has another size, and shares some colours. A detector without depth reports a

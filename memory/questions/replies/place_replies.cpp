@@ -239,9 +239,10 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
   const auto object = object_id(answer.around);
   const bool none_of_several =
       object && answer.objects.empty() && snapshot.find_objects(answer.asked).size() > 1;
-  const std::string around = none_of_several ? fmt::format("any '{}'", answer.asked)
-                             : object        ? names.subject(snapshot.object_ref(*object))
-                                             : answer.around;
+  const std::string around = none_of_several         ? fmt::format("any '{}'", answer.asked)
+                             : object                ? names.subject(snapshot.object_ref(*object))
+                             : answer.around.empty() ? point_text(answer.point)
+                                                     : answer.around;
   std::vector<std::string> list;
   for (const NearObject& near : answer.objects) {
     if (!is_there(near.object) || std::ranges::count(context.except, near.object.object.id) > 0) continue;

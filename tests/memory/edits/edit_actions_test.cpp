@@ -40,7 +40,7 @@ TEST_F(EditActions, DoWhatTheirFunctionsDo) {
 
 TEST_F(EditActions, RefuseWhatTheyDoNotTake) {
   EXPECT_THAT(refusal({"erase", {}}), HasSubstr("'erase' is no edit"));
-  EXPECT_THAT(refusal({"merge", {{"one", "object_1"}}}), HasSubstr("'merge' needs OTHER"));
+  EXPECT_THAT(refusal({"merge", {{"one", "object_1"}}}), HasSubstr("'merge' needs 'other'"));
   EXPECT_THAT(refusal({"undo", {{"twice", "yes"}}}), HasSubstr("does not take 'twice'"));
   EXPECT_THAT(refusal({"label", {{"scene", "first"}, {"observation", "0"}, {"class", "mug"}}}),
               HasSubstr("first"));

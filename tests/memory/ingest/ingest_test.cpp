@@ -82,6 +82,30 @@ TEST_F(Ingest, NeedsOnlyTimeAndPosition) {
   EXPECT_THAT(store.verify(progress).problems, IsEmpty());
 }
 
+TEST_F(Ingest, WhatIsFoundAtItsSpotHasNotMovedThoughNoViewIsStated) {
+  const std::string mug = R"({"position": [1, 2, 0.8], "class": "mug", "size": [0.1, 0.1, 0.1]})";
+  const std::string milk = R"({"position": [1.4, 2, 0.8], "class": "milk", "size": [0.1, 0.1, 0.25]})";
+  const std::string moved = R"({"position": [2.4, 2, 0.8], "class": "milk", "size": [0.1, 0.1, 0.25]})";
+  take(write(moment("08:00:00", mug + "," + milk) + moment("09:00:00", mug + "," + milk) +
+             moment("10:00:00", mug + "," + milk) + moment("11:00:00", mug + "," + moved) +
+             moment("12:00:00", mug + "," + moved)));
+  EXPECT_THAT(events(), ElementsAre("appeared", "appeared", "moved"));
+}
+
+TEST_F(Ingest, LinesAreReadWhateverTheFileIsCalled) {
+  const IngestResult result = take(write(moment("08:00:00", kMug) + moment("08:10:00", ""), "lines.json"));
+  EXPECT_THAT(result.summary(), testing::StartsWith("2 scenes with 1 detection added;"));
+}
+
+TEST_F(Ingest, AnAbsentFileIsNotTakenForImages) {
+  try {
+    take(folder / "absent.json");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("absent.json: no such file"));
+  }
+}
+
 TEST_F(Ingest, WhatNobodyLookedAtIsNotDeclaredGone) {
   std::string text = moment("08:00:00", kMug + "," + kBox);
   for (int minute = 10; minute < 40; ++minute) text += moment(fmt::format("08:{}:00", minute), "");

@@ -108,6 +108,13 @@ TEST_F(Facts, WordsThatMeanSeveralThingsAreRefused) {
   EXPECT_THROW(set_fact(store, "red", "", "Ada"), Error);
 }
 
+TEST_F(Facts, ANameThatAPlaceOrAnObjectHasIsRefused) {
+  Store store = open(0);
+  for (const std::string name : {"table_1", "object_2", "two\nlines"})
+    EXPECT_THROW(set_fact(store, "red", "alias", name), Error) << name;
+  set_fact(store, "table_1", "alias", "table_1");
+}
+
 TEST_F(Facts, SynonymsKindsPropertiesAndPluralsFindTheSame) {
   {
     Store store = open(0);

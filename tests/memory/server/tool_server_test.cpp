@@ -77,6 +77,22 @@ TEST_F(ToolServerTest, AMistakeOfTheModelIsAResultItCanLearnFrom) {
   }
 }
 
+TEST_F(ToolServerTest, AMisspeltArgumentIsNamed) {
+  const auto said = [&](const std::string& tool, const Json& arguments) {
+    return call(tool, arguments)["content"][0]["text"].get<std::string>();
+  };
+  EXPECT_EQ(said("where", {{"obect", "mug"}}), "'where' does not take 'obect'; did you mean 'object'?");
+  EXPECT_EQ(said("where", {{"thing", "mug"}}),
+            "'where' does not take 'thing'; it takes object, at, known-at");
+  EXPECT_THAT(said("where", Json::object()), testing::StartsWith("'where' needs 'object' ("));
+}
+
+TEST_F(ToolServerTest, APointMayBeAListOfNumbers) {
+  const Json result = call("near", {{"around", {1.5, 2, 0.9}}});
+  EXPECT_EQ(result["isError"], false) << result;
+  EXPECT_EQ(result, call("near", {{"around", "1.5,2,0.9"}}));
+}
+
 TEST_F(ToolServerTest, ObjectsAndPlacesAreResources) {
   const Json resources = reply("resources/list")["result"]["resources"];
   bool has_object = false, has_place = false;

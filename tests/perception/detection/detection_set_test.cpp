@@ -1,5 +1,6 @@
 #include "perception/detection/detection_set.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -92,6 +93,14 @@ TEST_F(Detections, YoloFolder) {
   EXPECT_NEAR(image->detections[0].region.box.y, 0.15, 1e-9);
   EXPECT_EQ(image->detections[1].classes[0].first, "bowl");
   EXPECT_FALSE(image->detections[1].region.mask.empty());
+}
+
+TEST_F(Detections, ClassesWithoutANameArePointedAt) {
+  write_file_atomically(folder_ / "yolo" / "classes.txt", "bowl\nmug\n");
+  yolo("2 0.5 0.25 0.1 0.2 0.9\n0 0.5 0.25 0.1 0.2 0.9\n");
+  ASSERT_EQ(warnings_.texts().size(), 1U);
+  EXPECT_THAT(warnings_.texts()[0],
+              testing::HasSubstr("no name is given for class_2: is the first class 0 or 1?"));
 }
 
 TEST_F(Detections, ClassNamesComeFromDataYaml) {
