@@ -104,6 +104,27 @@ TEST(PhotoFronts, FindsThemWhereTheMapLeans) {
   expect_two_doors(find_photo_fronts(photo).fronts, 0.025);
 }
 
+TEST(PhotoFronts, FindsHandlesThatAViewFromTheSideShowsBeyondTheirDoors) {
+  PaintedFront doors = two_doors();
+  doors.side = 1.6;
+  doors.bars = {{-0.57, -0.39, 0.775, 0.787, 0.035}, {0.03, 0.21, 0.775, 0.787, 0.035}};
+  const std::vector<Front> fronts = find_photo_fronts(photo_of(PaintedRecording(doors))).fronts;
+  ASSERT_EQ(fronts.size(), 2U);
+  for (const Front& front : fronts) EXPECT_TRUE(front.fixture);
+}
+
+TEST(PhotoFronts, AreWhereTheFramesSeeThemNotInThePlaneOfTheFace) {
+  PaintedRecording frames(two_doors());
+  frames.drift_.setZero();
+  FurnitureFace face = painted_face();
+  face.offset = 0.028;  // of a tall cupboard beside them
+  std::vector<std::optional<Isometry3d>> poses;
+  for (size_t i = 0; i < frames.size(); ++i) poses.push_back(frames.frame(i).map_from_camera);
+  const std::vector<Front> fronts = find_photo_fronts(make_orthophoto(frames, poses, face, 2)).fronts;
+  expect_two_doors(fronts);
+  for (const Front& front : fronts) EXPECT_NEAR(front.centre.x(), 0, 0.003);
+}
+
 TEST(PhotoFronts, TakesNoSeamForAHandle) {
   PaintedFront drawers;
   drawers.level_seams = {0.4, 0.6};

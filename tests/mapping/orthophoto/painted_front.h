@@ -23,6 +23,7 @@ struct PaintedFront {
   std::vector<double> level_seams;    ///< v, over the whole width
   double u_min = -0.6, u_max = 0.6;
   double roll = 0;  ///< by which the paint leans, radians
+  double side = 0;  ///< by which the camera is to the right of the middle, metres
 
   cv::Vec3b color(double u, double v) const {
     const Vector2d turned = Eigen::Rotation2Dd(-roll) * Vector2d(u, v - 0.5) + Vector2d(0, 0.5);
@@ -77,7 +78,7 @@ class PaintedRecording : public Recording {
     frame.camera = info_.camera;
     const double step = static_cast<double>(i) / 7 - 0.5;
     Isometry3d pose = Isometry3d::Identity();
-    const Vector3d from(1.6 + 0.1 * step, 0.8 * step, 1.3), at(0, 0.3 * step, 0.55);
+    const Vector3d from(1.6 + 0.1 * step, front_.side + 0.8 * step, 1.3), at(0, 0.3 * step, 0.55);
     const Vector3d forward = (at - from).normalized(), right = forward.cross(Vector3d::UnitZ()).normalized();
     pose.linear() << right, forward.cross(right), forward;
     pose.translation() = from;
