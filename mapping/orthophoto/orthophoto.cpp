@@ -10,22 +10,13 @@
 
 #include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
+#include "mapping/orthophoto/face_points.h"
 #include "mapping/orthophoto/parameters.h"
 
 namespace loci::mapping {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
-/// Pose of a frame's depth camera in a face's coordinates (u, v, depth).
-Isometry3d face_from_camera(const FurnitureFace& face, const Isometry3d& map_from_camera) {
-  Isometry3d face_from_map = Isometry3d::Identity();
-  face_from_map.linear().row(0) = face.right3().transpose();
-  face_from_map.linear().row(1) = Vector3d::UnitZ().transpose();
-  face_from_map.linear().row(2) = face.normal3().transpose();
-  face_from_map.translation().z() = -face.offset;
-  return face_from_map * map_from_camera;
-}
 
 /// How well a camera sees a place of the face: pixels per metre across the view, squared, times the cosine;
 /// 0 = not.
@@ -54,26 +45,6 @@ struct Correction {
   Vector2d shift = Vector2d::Zero();  ///< the frame shows at (u, v) + shift what is at (u, v)
   double depth(double u, double v) const { return offset + tilt_u * (u - mean_u) + tilt_v * (v - mean_v); }
 };
-
-struct FacePoint {
-  double u, v, depth;
-};
-
-/// Points of a frame near the face.
-std::vector<FacePoint> points_near(const RgbdFrame& frame, const Isometry3d& face_from_camera,
-                                   const FurnitureFace& face) {
-  std::vector<FacePoint> points;
-  for (int y = 0; y < frame.depth.rows; y += kPhoto.fit_step_px)
-    for (int x = 0; x < frame.depth.cols; x += kPhoto.fit_step_px) {
-      const auto z = static_cast<double>(frame.depth.at<float>(y, x));
-      if (!(z > 0 && z < kPhoto.max_range_m)) continue;
-      const Vector3d at = face_from_camera * frame.camera.depth.unproject(x, y, z);
-      if (at.x() > face.u_min && at.x() < face.u_max && at.y() > face.v_min && at.y() < face.v_max &&
-          std::abs(at.z()) < kPhoto.max_drift_m + kPhoto.fit_reach_m)
-        points.push_back({at.x(), at.y(), at.z()});
-    }
-  return points;
-}
 
 /// The plane through most points of a frame near the face: the median, then least squares within narrowing
 /// limits. Unset with too few.

@@ -42,6 +42,16 @@ struct PhotoParameters {
 };
 inline constexpr PhotoParameters kPhoto;
 
+/// Upright steps of faces, as single frames show them.
+struct StepParameters {
+  double column_m = 0.05;     ///< of the profile along a face
+  size_t min_points = 20;     ///< of a column in a frame
+  size_t reach = 4;           ///< columns on each side that are compared: wider than handles and frames
+  size_t min_frames = 3;      ///< that show both sides
+  double min_step_m = 0.015;  ///< more than a tilt of kPhoto.max_tilt makes over the reach, and than noise
+};
+inline constexpr StepParameters kSteps;
+
 /// Bars in orthophotos.
 struct BarParameters {
   std::array<int, 3> widths_px = {2, 4, 6};  ///< 6 to 18 mm

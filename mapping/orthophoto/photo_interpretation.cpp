@@ -14,6 +14,7 @@
 #include "mapping/base/text.h"
 #include "mapping/interpretation/fronts/fixtures.h"
 #include "mapping/interpretation/furniture/map_links.h"
+#include "mapping/orthophoto/face_points.h"
 #include "mapping/orthophoto/parameters.h"
 #include "mapping/orthophoto/photo_fronts.h"
 
@@ -82,6 +83,19 @@ bool is_part_of_larger(const FurnitureFace& face, const std::vector<FurnitureFac
                    overlap(face.v_min, face.v_max, other.v_min, other.v_max) >
                kPhoto.same_face_cover * extent;
   });
+}
+
+/// The planes of furniture of which orthophotos are made.
+std::vector<FurnitureFace> photographed_planes(const Recording& recording,
+                                               const std::vector<std::optional<Isometry3d>>& poses,
+                                               const std::vector<FurnitureFace>& faces, int threads) {
+  std::vector<FurnitureFace> planes;
+  for (const FurnitureFace& face : faces) {
+    if (face.wall || face.area < kPhoto.min_area_m2 || is_part_of_larger(face, faces)) continue;
+    for (const FurnitureFace& part : divided_at_steps(recording, poses, face, threads))
+      if (part.area >= kPhoto.min_area_m2) planes.push_back(part);
+  }
+  return planes;
 }
 
 /// Appends fronts, but for those of which a better one is there.
@@ -169,17 +183,15 @@ std::vector<PhotographedFace> interpret_photos(const Recording& recording, int t
   progress.check(0.1, "orthophotos");
   std::vector<PhotographedFace> faces;
   std::vector<Fixture> ribs = map.ribs;
-  for (size_t i = 0; i < map.faces.size(); ++i) {
-    const FurnitureFace& face = map.faces[i];
-    if (!face.wall && face.area >= kPhoto.min_area_m2 && !is_part_of_larger(face, map.faces)) {
-      PhotographedFace one{make_orthophoto(recording, poses, face, threads), {}};
-      PhotoFrontSearch found = find_photo_fronts(one.photo, known_fixtures(map.fronts, one.photo));
-      one.fronts = std::move(found.fronts);
-      ribs.insert(ribs.end(), found.ribs.begin(), found.ribs.end());
-      one.photo.views.clear();
-      if (!one.photo.frames.empty()) faces.push_back(std::move(one));
-    }
-    progress.check(0.1 + 0.9 * static_cast<double>(i + 1) / static_cast<double>(map.faces.size()),
+  const std::vector<FurnitureFace> planes = photographed_planes(recording, poses, map.faces, threads);
+  for (size_t i = 0; i < planes.size(); ++i) {
+    PhotographedFace one{make_orthophoto(recording, poses, planes[i], threads), {}};
+    PhotoFrontSearch found = find_photo_fronts(one.photo, known_fixtures(map.fronts, one.photo));
+    one.fronts = std::move(found.fronts);
+    ribs.insert(ribs.end(), found.ribs.begin(), found.ribs.end());
+    one.photo.views.clear();
+    if (!one.photo.frames.empty()) faces.push_back(std::move(one));
+    progress.check(0.1 + 0.9 * static_cast<double>(i + 1) / static_cast<double>(planes.size()),
                    "orthophotos");
   }
   replace_fronts(all_fronts(map.fronts, faces, ribs), map);
