@@ -18,7 +18,7 @@ struct Arguments {
   std::vector<std::string> worlds, truths, poses, starts, package_paths;
   std::string out;
   int seeds = 3;
-  bool walk = false;
+  bool walk = false, track = false;
   std::optional<double> ceiling;
   nbv::SurveyOptions survey;
   mapping::ComparisonOptions comparison;
@@ -64,6 +64,7 @@ Run run_of(const Arguments& arguments, size_t n, const Session& session) {
                                         : run.world;
   if (kitchen) run.world /= "kitchen.urdf";
   run.walk = arguments.walk;
+  run.track = arguments.track;
   run.package_paths.assign(arguments.package_paths.begin(), arguments.package_paths.end());
   if (!arguments.poses.empty())
     run.poses = mapping::planar_poses_from(nth(arguments.poses, n, "--poses", worlds), "--poses");
@@ -118,6 +119,9 @@ Command mapping_command() {
                          "Scan at these poses instead of exploring, per world: \"x,y,yaw_deg; …\"");
             table.flag("--walk", arguments->walk,
                        "Instead of a robot that explores, a person walks through with a Kinect");
+            table.flag("--track", arguments->track,
+                       "The poses of the walk, or of a recording, are tracked from its images; true ones "
+                       "only turn and shift the map to the truth");
             table.flag("--interact", arguments->survey.interact, "Pull each handle and scan again");
             table.package_path(&arguments->package_paths);
             table.option("--seeds", &arguments->seeds, "Number of maps per world, with seeds 1, 2, …",

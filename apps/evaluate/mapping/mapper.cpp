@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <cmath>
+
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/image/image_io.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/orthophoto/photo_interpretation.h"
+#include "mapping/recording/posed_recording.h"
 #include "mapping/simulation/walk.h"
+#include "mapping/tracking/tracking.h"
 #include "mapping/world/contacts.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
@@ -71,7 +75,8 @@ nbv::SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings
   return result;
 }
 
-/// Records a walk through the world; the folder of the recording.
+/// Records a walk through the world; the folder of the recording. A camera that is to be tracked is carried
+/// at 30 Hz.
 std::filesystem::path recorded_walk(const Run& run, Progress& progress, Warnings& warnings) {
   const auto places =
       mapping::standing_places(mapping::read_urdf(run.world), search_of(run, run.world), warnings);
@@ -81,14 +86,52 @@ std::filesystem::path recorded_walk(const Run& run, Progress& progress, Warnings
   options.package_paths = run.package_paths;
   const std::filesystem::path folder = run.folder / "recording";
   make_folder(run.folder);
-  record_views(run.world, mapping::views_from(places), kSecond, folder, options, progress, warnings);
+  Random random(run.seed);
+  record_views(run.world, run.track ? mapping::stroll(places, random) : mapping::views_from(places),
+               run.track ? kSecond / 30 : kSecond, folder, options, progress, warnings);
   return folder;
 }
 
+/// From the frame of tracked poses to that of the true ones, in mean: a turn about the vertical and a shift.
+/// What tracking has tilted stays tilted.
+Isometry3d truth_from_tracked(const mapping::Recording& truth, const mapping::Recording& tracked) {
+  double sine = 0, cosine = 0, count = 0;
+  Vector3d true_sum = Vector3d::Zero(), tracked_sum = Vector3d::Zero();
+  for (size_t i = 0; i < truth.size(); ++i) {
+    const auto from = tracked.frame(i).map_from_camera, to = truth.frame(i).map_from_camera;
+    if (!from || !to) continue;
+    const Eigen::Matrix3d turn = to->linear() * from->linear().transpose();
+    sine += turn(1, 0) - turn(0, 1);
+    cosine += turn(0, 0) + turn(1, 1);
+    true_sum += to->translation();
+    tracked_sum += from->translation();
+    ++count;
+  }
+  if (count == 0) throw Error("no frame has both a true and a tracked pose", {truth.info().path, 0, {}});
+  Isometry3d result(Eigen::AngleAxisd(std::atan2(sine, cosine), Vector3d::UnitZ()));
+  result.translation() = (true_sum - result.linear() * tracked_sum) / count;
+  return result;
+}
+
+/// The recording; with tracked poses where they are asked for.
+std::unique_ptr<mapping::Recording> opened(const Run& run, const std::filesystem::path& folder,
+                                           Progress& progress, Warnings& warnings) {
+  auto recording = mapping::open_recording(folder);
+  if (!run.track) return recording;
+  mapping::TrackingOptions options;
+  options.threads = run.threads;
+  const mapping::TrackingResult result = track(*recording, options, progress);
+  require_usable(result, folder.string());
+  auto tracked = with_tracked_poses(mapping::open_recording(folder), result, false, warnings);
+  const Isometry3d moved = truth_from_tracked(*recording, *tracked);
+  return in_frame(std::move(tracked), moved, "map");
+}
+
 /// The map of a recording: fused, interpreted, with fronts from its colour frames.
-nbv::SurveyResult map_of_recording(const Run& run, const std::filesystem::path& folder, Progress& progress) {
+nbv::SurveyResult map_of_recording(const Run& run, const std::filesystem::path& folder, Progress& progress,
+                                   Warnings& warnings) {
   nbv::SurveyResult result;
-  const auto recording = mapping::open_recording(folder);
+  const auto recording = opened(run, folder, progress, warnings);
   mapping::FusionOptions fusion;
   fusion.threads = run.threads;
   mapping::InterpretationOptions options = run.survey.interpretation;
@@ -121,8 +164,8 @@ MappedWorld map_world(const Run& run, Progress& progress, Warnings& warnings) {
   mapped.world = run.world;
   mapped.seed = run.seed;
   nbv::SurveyResult made =
-      std::filesystem::is_directory(run.world) ? map_of_recording(run, run.world, progress)
-      : run.walk          ? map_of_recording(run, recorded_walk(run, progress, warnings), progress)
+      std::filesystem::is_directory(run.world) ? map_of_recording(run, run.world, progress, warnings)
+      : run.walk          ? map_of_recording(run, recorded_walk(run, progress, warnings), progress, warnings)
       : run.poses.empty() ? survey_by_exploring(run, progress, warnings)
                           : survey_from_poses(run, progress, warnings);
   mapped.seconds = made.seconds;

@@ -21,6 +21,7 @@ struct Run {
   std::vector<mapping::PlanarPose> poses;    ///< where to scan from, exactly; empty: the robot explores
   std::optional<mapping::PlanarPose> start;  ///< of the exploration; unset: the most open floor
   bool walk = false;                         ///< a person walks through the world with a simulated Kinect
+  bool track = false;                        ///< poses of walks and recordings are tracked
   std::optional<double> ceiling;
   uint64_t seed = 1;
   int threads = 0;

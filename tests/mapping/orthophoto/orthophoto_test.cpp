@@ -7,6 +7,7 @@
 #include "mapping/base/json.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/orthophoto/bars.h"
+#include "mapping/orthophoto/face_points.h"
 #include "mapping/orthophoto/patch.h"
 #include "mapping/orthophoto/photo_fronts.h"
 #include "mapping/orthophoto/photo_interpretation.h"
@@ -85,6 +86,28 @@ TEST(Orthophoto, WithoutFramesIsEmpty) {
   const Orthophoto photo = photo_of(recording);
   EXPECT_TRUE(photo.frames.empty());
   EXPECT_TRUE(find_photo_fronts(photo).fronts.empty());
+}
+
+std::vector<FurnitureFace> parts_of(const Recording& recording) {
+  std::vector<std::optional<Isometry3d>> poses;
+  for (size_t i = 0; i < recording.size(); ++i) poses.push_back(recording.frame(i).map_from_camera);
+  return divided_at_steps(recording, poses, painted_face(), 2);
+}
+
+TEST(FacePoints, AStepThatSingleFramesShowDividesAFace) {
+  PaintedFront doors = two_doors();
+  doors.step = 0.028;
+  const std::vector<FurnitureFace> parts = parts_of(PaintedRecording(doors));
+  ASSERT_EQ(parts.size(), 2U);
+  EXPECT_NEAR(parts[0].u_max, 0, 0.051);
+  EXPECT_EQ(parts[1].u_min, parts[0].u_max);
+  EXPECT_NEAR(parts[1].offset - parts[0].offset, 0.028, 0.005);
+}
+
+TEST(FacePoints, DriftBetweenFramesMakesNoStep) {
+  PaintedRecording frames(two_doors());
+  frames.drift_ = Vector3d(0.03, 0.006, -0.006);
+  EXPECT_EQ(parts_of(frames).size(), 1U);
 }
 
 TEST(PhotoFronts, FindsDoorsWithTheirHandles) {

@@ -24,6 +24,7 @@ struct PaintedFront {
   double u_min = -0.6, u_max = 0.6;
   double roll = 0;  ///< by which the paint leans, radians
   double side = 0;  ///< by which the camera is to the right of the middle, metres
+  double step = 0;  ///< by which the right half is before the left one, metres
 
   cv::Vec3b color(double u, double v) const {
     const Vector2d turned = Eigen::Rotation2Dd(-roll) * Vector2d(u, v - 0.5) + Vector2d(0, 0.5);
@@ -112,9 +113,12 @@ class PaintedRecording : public Recording {
       if (z > 0 && at.y() > bar.u0 && at.y() < bar.u1 && at.z() > bar.v0 && at.z() < bar.v1)
         return {z, {215, 215, 215}};
     }
-    const double z = -from.x() / ray.x();
-    const Vector3d at = from + z * ray;
-    return {z, front_.color(at.y(), at.z())};
+    for (const double plane : {front_.step, 0.0}) {
+      const double z = (plane - from.x()) / ray.x();
+      const Vector3d at = from + z * ray;
+      if (plane == 0 || at.y() > 0) return {z, front_.color(at.y(), at.z())};
+    }
+    return {};
   }
 
   PaintedFront front_;
