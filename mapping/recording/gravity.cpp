@@ -15,6 +15,7 @@ namespace {
 
 constexpr struct {
   size_t frames = 24;             ///< spread over the recording
+  size_t tries = 4;               ///< for each of them: frames may lack a pose
   int samples = 120;              ///< points along the longer side of an image
   double cone_deg = 50;           ///< how far up may be off the side of the image that is up
   double plane_deg = 8;           ///< normals of one plane
@@ -204,28 +205,40 @@ std::optional<Vector3d> up_of_points(const std::vector<OrientedPoint>& points, c
   return best;
 }
 
+/// In the frame of the poses; without poses in that of the cameras.
+std::optional<Vector3d> up_of(const std::vector<RgbdFrame>& frames) {
+  std::vector<OrientedPoint> points;
+  ImageAxes axes;
+  for (const RgbdFrame& frame : frames) {
+    const Isometry3d pose = frame.map_from_camera.value_or(Isometry3d::Identity());
+    add_points(frame, pose, points);
+    axes.add(pose);
+  }
+  return up_of_points(points, axes);
+}
+
 }  // namespace
 
 std::optional<Vector3d> find_up(const Recording& recording) {
-  const bool posed = recording.info().frames_with_pose > 0;
-  std::vector<OrientedPoint> points;
-  ImageAxes axes;
-  // Where frames lack a pose, the next ones that have one are taken.
-  const size_t parts = std::min(kUp.frames, recording.size());
-  for (size_t part = 0; part < parts; ++part)
-    for (size_t i = part * recording.size() / parts; i < (part + 1) * recording.size() / parts; ++i) {
-      const RgbdFrame frame = recording.frame(posed ? i : part);
-      if (posed && !frame.map_from_camera) continue;
-      const Isometry3d pose = frame.map_from_camera.value_or(Isometry3d::Identity());
-      add_points(frame, pose, points);
-      axes.add(pose);
-      if (posed) break;
-      if (const auto up = up_of_points(points, axes)) return up;
-      points.clear();
-      axes = {};
+  const size_t size = recording.size(), parts = std::min(kUp.frames, size);
+  if (recording.info().frames_with_pose == 0) {
+    for (size_t i = 0; i < parts; ++i)
+      if (const auto up = up_of({recording.frame(i)})) return up;
+    return std::nullopt;
+  }
+  std::vector<RgbdFrame> frames;
+  for (size_t part = 0; part < parts; ++part) {
+    const size_t begin = part * size / parts, end = (part + 1) * size / parts;
+    const size_t stride = std::max<size_t>(1, (end - begin) / kUp.tries);
+    for (size_t i = begin; i < end; i += stride) {
+      RgbdFrame frame = recording.frame(i);
+      if (!frame.map_from_camera) continue;
+      frame.color.release();
+      frames.push_back(std::move(frame));
       break;
     }
-  return posed ? up_of_points(points, axes) : std::nullopt;
+  }
+  return up_of(frames);
 }
 
 Vector3d parse_direction(const std::string& text) {

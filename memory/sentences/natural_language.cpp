@@ -240,7 +240,7 @@ class Conversation {
     NaturalLanguageAnswer event = answer_plainly((condition ? "" : "when ") + clause->event);
     if (!event.reply || !(condition ? event.reply->verdict.has_value() : event.reply->time.has_value()))
       return std::nullopt;
-    // What was so for some time is no moment: "while the milk was on the table".
+    // A state that lasts does not name a moment: "while the milk was on the table".
     if (clause->link == EventClause::Link::at && event.query->question == "was") return std::nullopt;
     const std::string note = event.reply->text;
     NaturalLanguageAnswer answer = std::move(event);

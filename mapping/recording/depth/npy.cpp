@@ -130,14 +130,11 @@ std::optional<int> type_of(const std::string& descr) {
 }
 
 /// Height and width: of (480, 640), (480, 640, 1) and (1, 480, 640).
-std::pair<uint64_t, uint64_t> size_of(std::vector<uint64_t> shape, const fs::path& path) {
-  const std::string text = fmt::format("({})", fmt::join(shape, ", "));
-  if (shape.size() == 3) shape.erase(shape.back() == 1 ? shape.end() - 1 : shape.begin());
-  const bool dropped_one = text.ends_with(", 1)") || text.starts_with("(1, ");
-  if (shape.size() != 2 || (!dropped_one && fmt::format("({})", fmt::join(shape, ", ")) != text))
-    throw Error(fmt::format("an array of shape {} is no depth image", text), {path.string(), 0, {}},
-                "it has height and width");
-  return {shape[0], shape[1]};
+std::pair<uint64_t, uint64_t> size_of(const std::vector<uint64_t>& shape, const fs::path& path) {
+  if (shape.size() == 2 || (shape.size() == 3 && shape[2] == 1)) return {shape[0], shape[1]};
+  if (shape.size() == 3 && shape[0] == 1) return {shape[1], shape[2]};
+  throw Error(fmt::format("an array of shape ({}) is no depth image", fmt::join(shape, ", ")),
+              {path.string(), 0, {}}, "it has height and width");
 }
 
 }  // namespace

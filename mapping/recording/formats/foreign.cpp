@@ -70,7 +70,7 @@ const std::vector<ForeignFormat>& foreign_formats() {
        "",
        {".mp4", ".mov", ".avi", ".webm", ".h264", ".hevc"},
        "give the folder that its depth images are in"},
-      {"a mesh or laser scan is no recording",
+      {"a mesh or laser scan is not a recording",
        "",
        {".obj", ".glb", ".gltf", ".usdz", ".stl", ".dae", ".las", ".laz", ".e57", ".pts", ".xyz"},
        "a recording has depth images; loci-map interpret takes scans as PCD"},

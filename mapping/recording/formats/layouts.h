@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "mapping/base/config.h"
@@ -106,9 +107,10 @@ std::vector<double> numbers_in(const std::filesystem::path& path, size_t min_cou
 /// A pose from the 16 numbers of a 4 x 4 matrix, row by row.
 Isometry3d pose_from_rows(const std::vector<double>& rows, const FileLocation& location);
 
-/// Files of depth images in a folder, by number. Of several kinds the one is taken of which there are `count`
-/// files, or the most; of equally many the first of kDepthEndings.
-std::vector<std::filesystem::path> depth_images_in(const std::filesystem::path& folder, size_t count);
+/// Files of depth images in a folder whose names begin so, by number. Of several kinds the one is taken of
+/// which there are `count` files, or the most; of equally many the first of kDepthEndings.
+std::vector<std::filesystem::path> depth_images_in(const std::filesystem::path& folder, size_t count,
+                                                   const std::string& begin = {});
 
 /// Metres per unit of floating-point depth: the value of a key, or 1.
 double float_scale_of(const Config& config, const char* key);

@@ -129,11 +129,12 @@ void set_poses(const fs::path& folder, FileRecordingContent& content) {
 
 }  // namespace
 
-std::vector<fs::path> depth_images_in(const fs::path& folder, size_t count) {
+std::vector<fs::path> depth_images_in(const fs::path& folder, size_t count, const std::string& begin) {
   std::array<std::vector<fs::path>, kDepthEndings.size()> kinds;
   if (!fs::is_directory(folder)) return {};
   for (const auto& entry : fs::directory_iterator(folder))
-    if (const size_t kind = depth_ending_of(entry.path()); kind < kinds.size())
+    if (const size_t kind = depth_ending_of(entry.path());
+        kind < kinds.size() && entry.path().filename().string().starts_with(begin))
       kinds[kind].push_back(entry.path());
   std::vector<fs::path>& files = *std::ranges::max_element(kinds, {}, [&](const auto& of_kind) {
     return std::pair(count > 0 && of_kind.size() == count, of_kind.size());
@@ -171,17 +172,6 @@ FileRecordingContent read_redwood(const fs::path& folder) {
   return content;
 }
 
-/// depth*.png, or of another kind, by number.
-std::vector<fs::path> depths_of_replica(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().filename().string().starts_with("depth") &&
-        depth_ending_of(entry.path()) < kDepthEndings.size())
-      files.push_back(entry.path());
-  sort_by_number(files);
-  return files;
-}
-
 bool is_replica(const fs::path& folder) {
   return fs::exists(folder / "traj.txt") && fs::is_directory(folder / "results");
 }
@@ -205,7 +195,7 @@ FileRecordingContent read_replica(const fs::path& folder) {
   }
   content.info.camera.color = content.info.camera.depth;
   const std::vector<double> values = numbers_in(folder / "traj.txt", 0);
-  for (const fs::path& depth : depths_of_replica(folder / "results")) {
+  for (const fs::path& depth : depth_images_in(folder / "results", 0, "depth")) {
     FrameFiles frame;
     frame.index = number_in_name(depth).value_or(static_cast<int64_t>(content.frames.size()));
     frame.depth = depth;

@@ -65,7 +65,7 @@ std::unique_ptr<BagReader> open_file(const fs::path& path, std::vector<std::stri
   if (is_mcap(bag.path())) return open_mcap(bag.path(), path);
   if (begins_with(bag.path(), kSqliteMagic)) return open_sqlite_bag(bag.path(), path);
   if (is_ros1(bag.path())) return open_ros1_bag(bag.path(), path);
-  throw Error("what is compressed in this file is no bag", {path.string(), 0, {}});
+  throw Error("the compressed file does not hold a bag", {path.string(), 0, {}});
 }
 
 /// Several files as one bag; with compression per message, as metadata.yaml says.
