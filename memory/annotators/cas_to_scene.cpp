@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "mapping/image/hsv.h"
 #include "mapping/sensor/depth_noise.h"
@@ -159,9 +160,26 @@ std::string value_of(const perception::types::Annotation& annotation) {
   return first_word(structure);
 }
 
+belief::Texture texture_of(const perception::types::Cluster& cluster) {
+  const auto annotation = cluster.annotations.first<perception::types::TextureAnnotation>();
+  if (!annotation) return {};
+  const auto positions = annotation.positions.get(), diameters = annotation.diameters.get();
+  const auto bytes = annotation.descriptors.get();
+  constexpr size_t kBytes = sizeof(belief::SurfaceKeypoint::descriptor);
+  belief::Texture texture(std::min({diameters.size(), positions.size() / 3, bytes.size() / kBytes}));
+  for (size_t i = 0; i < texture.size(); ++i) {
+    texture[i].position = {positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
+    texture[i].diameter_m = diameters[i];
+    std::memcpy(texture[i].descriptor.data(), bytes.data() + i * kBytes, kBytes);
+  }
+  return texture;
+}
+
 void read_annotations(const perception::types::Cluster& cluster, ObservationRecord& observation) {
   for (const perception::types::Annotation& annotation : cluster.annotations)
-    observation.annotations.push_back(annotation_record(annotation));
+    // Textures are stored with the evidence.
+    if (!perception::types::try_as<perception::types::TextureAnnotation>(annotation))
+      observation.annotations.push_back(annotation_record(annotation));
   if (const auto geometry = cluster.annotations.first<perception::types::GeometryAnnotation>()) {
     observation.row.map_from_box = perception::types::from<Isometry3d>(geometry.map_from_object.get());
     observation.row.size = perception::types::from<Vector3d>(geometry.size.get());
@@ -188,6 +206,7 @@ ObservationRecord read_cluster(const perception::types::Cluster& cluster, const 
   observation.evidence.partial = cluster.at_image_border.get() || cluster.partly_hidden.get();
   observation.evidence.place = place_of(cluster);
   observation.evidence.descriptors = descriptors_of(cluster, record.view.map_from_camera.translation());
+  observation.evidence.texture = texture_of(cluster);
   observation.row.position = observation.evidence.box.centre;
   read_annotations(cluster, observation);
   if (const auto roi = cluster.hypotheses.first<perception::types::StandaloneImageROI>())

@@ -27,6 +27,9 @@ struct Parameters {
 
   // Position evidence
   double max_log_evidence = 30;        ///< of one pair: no sensor model is exact beyond
+  double max_texture_evidence = 6.5;   ///< the most that texture_log_ratio() gives
+  double other_print = -3;             ///< log ratio of staying where the same side shows another print
+  double joined_cluster = 0.1;         ///< share of clusters that hold parts of other objects
   double vertical_noise_m = 0.01;      ///< heights vary with the segmentation of the supporting surface
   double min_extent_log_ratio = -6;    ///< parts may be occluded unnoticed
   double extent_noise_m = 0.01;        ///< of the extent between two views …
@@ -76,6 +79,10 @@ struct Parameters {
   double min_variance_share = 0.25;    ///< of one view's: errors of one view point repeat
   double same_view_log_ratio = 2.5;    ///< views at least this similar are stored once
   double whole_view_bonus = 5;         ///< in views: whole ones are stored rather than partial ones
+  size_t surface_points = 200;         ///< of an object's surface that are kept
+  size_t textures = 4;                 ///< sides of an object whose texture is kept …
+  double same_side_deg = 30;           ///< … of view points farther apart than this
+  double certain_partner = 0.9;        ///< a moved object is known so surely before another side is learned
 
   // Learning
   double similarity_weight = 0.5;  ///< of one comparison: views of one object repeat each other

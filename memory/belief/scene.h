@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -34,6 +36,15 @@ struct Descriptor {
   std::vector<std::string> names = {};  ///< per value, e.g. "mug"; empty = the index identifies the value
 };
 
+/// A key point on the surface of an object with its descriptor: RootSIFT (Arandjelovic and Zisserman, CVPR
+/// 2012) in four bits per value, two values per byte.
+struct SurfaceKeypoint {
+  Eigen::Vector3f position = Eigen::Vector3f::Zero();  ///< m
+  float diameter_m = 0;                                ///< of the neighbourhood that is described
+  std::array<uint8_t, 64> descriptor{};
+};
+using Texture = std::vector<SurfaceKeypoint>;
+
 /// One object hypothesis of a scene, as far as data association is concerned.
 struct Observation {
   int64_t id = 0;                 ///< of the memory's row; 0 = not stored
@@ -45,6 +56,7 @@ struct Observation {
   int points = 0;
   std::string place;  ///< supporting place; empty = unknown
   std::vector<Descriptor> descriptors;
+  Texture texture;  ///< positions in the map frame; empty without depth or print on the object
   /// Which object it is of where that is settled beforehand, by people or by an earlier decision; 0 = a false
   /// cluster, -1 = a new object. Of two observations with a number, equal ones are of one object and
   /// different ones are not.

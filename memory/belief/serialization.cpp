@@ -101,6 +101,31 @@ struct Codec {
             {message.names().begin(), message.names().end()}};
   }
 
+  static void write(const Texture& texture, stored::Texture& message) {
+    for (const SurfaceKeypoint& keypoint : texture) {
+      for (const float value : keypoint.position) message.add_positions(value);
+      message.add_diameters(keypoint.diameter_m);
+      message.mutable_descriptors()->append(keypoint.descriptor.begin(), keypoint.descriptor.end());
+    }
+  }
+
+  static Texture read(const stored::Texture& message) {
+    constexpr size_t kBytes = sizeof(SurfaceKeypoint::descriptor);
+    Texture texture(static_cast<size_t>(message.diameters_size()));
+    check(static_cast<size_t>(message.positions_size()) == 3 * texture.size() &&
+              message.descriptors().size() == kBytes * texture.size(),
+          "texture");
+    for (int i = 0; i < message.diameters_size(); ++i) {
+      SurfaceKeypoint& keypoint = texture[static_cast<size_t>(i)];
+      for (int axis = 0; axis < 3; ++axis)
+        keypoint.position[axis] = static_cast<float>(finite(message.positions(3 * i + axis), "position"));
+      keypoint.diameter_m = static_cast<float>(finite(message.diameters(i), "key point"));
+      std::ranges::copy_n(message.descriptors().begin() + std::ptrdiff_t(kBytes) * i, kBytes,
+                          keypoint.descriptor.begin());
+    }
+    return texture;
+  }
+
   /// Lists element by element.
   template <class Value, class Message>
   static void write_all(const std::vector<Value>& values,
@@ -129,6 +154,23 @@ struct Codec {
     StoredView view{{}, message.weight(), message.time(), message.partial()};
     read_all(message.descriptors(), view.descriptors);
     return view;
+  }
+
+  static void write(const TextureView& view, stored::TextureView& message) {
+    message.set_place(view.place);
+    message.set_time(view.time);
+    write(view.towards_camera, *message.mutable_towards_camera());
+    message.set_range(view.range);
+    message.set_in_place(view.in_place);
+  }
+
+  static TextureView read(const stored::TextureView& message) {
+    return {{},
+            message.place(),
+            message.time(),
+            read(message.towards_camera()),
+            finite(message.range(), "range"),
+            message.in_place()};
   }
 
   static void write(const PendingObservation& pending, stored::PendingObservation& message) {
@@ -279,6 +321,7 @@ struct Codec {
     message.set_points(observation.points);
     message.set_place(observation.place);
     write_all(observation.descriptors, *message.mutable_descriptors());
+    if (!observation.texture.empty()) write(observation.texture, *message.mutable_texture());
   }
 
   static Observation read(const stored::Observation& message) {
@@ -292,6 +335,7 @@ struct Codec {
     observation.points = message.points();
     observation.place = message.place();
     read_all(message.descriptors(), observation.descriptors);
+    observation.texture = read(message.texture());
     return observation;
   }
 
@@ -514,6 +558,10 @@ std::string to_bytes(const ProtoObject& object) {
   Codec::write_all(object.pending, *message.mutable_pending());
   message.set_alternative_of(object.alternative_of);
   message.set_clutter_probability(object.clutter_probability);
+  Codec::write_all(object.textures, *message.mutable_textures());
+  for (const Eigen::Vector3f& point : object.surface)
+    message.mutable_surface()->Add(point.begin(), point.end());
+  Codec::write(object.surface_camera, *message.mutable_surface_camera());
   return bytes_of(message);
 }
 
@@ -549,7 +597,22 @@ ProtoObject object_from_bytes(std::string_view bytes) {
   Codec::read_all(message.pending(), object.pending);
   object.alternative_of = message.alternative_of();
   object.clutter_probability = message.clutter_probability();
+  Codec::read_all(message.textures(), object.textures);
+  check(message.surface_size() % 3 == 0, "surface");
+  for (int i = 0; i < message.surface_size(); i += 3)
+    object.surface.emplace_back(message.surface(i), message.surface(i + 1), message.surface(i + 2));
+  object.surface_camera = Codec::read(message.surface_camera());
   return object;
+}
+
+std::string to_bytes(const Texture& texture) {
+  stored::Texture message;
+  Codec::write(texture, message);
+  return bytes_of(message);
+}
+
+Texture texture_from_bytes(std::string_view bytes) {
+  return Codec::read(parsed<stored::Texture>(bytes));
 }
 
 std::string to_bytes(const BeliefState& state) {

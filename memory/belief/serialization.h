@@ -12,8 +12,12 @@ namespace loci::memory::belief {
 // values have equal bytes. Readers check all sizes, indices and enumerators: Error for bytes that are no such
 // message.
 
+/// All of an object but the key points of its textures, which are stored once: they do not change.
 std::string to_bytes(const ProtoObject& object);
 ProtoObject object_from_bytes(std::string_view bytes);
+
+std::string to_bytes(const Texture& texture);
+Texture texture_from_bytes(std::string_view bytes);
 
 /// All of the state but its objects.
 std::string to_bytes(const BeliefState& state);

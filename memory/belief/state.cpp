@@ -40,6 +40,20 @@ double probability_on_place(const ProtoObject& object, const BeliefState& state,
          (1 - left * interaction_probability(object, state.exposure_s, state, options));
 }
 
+Surface surface_in_map(const ProtoObject& object, const std::vector<PlacePose>& places) {
+  const Eigen::Isometry3f map_from_place = place_pose(object.place, places).cast<float>();
+  Surface surface = object.surface;
+  for (Eigen::Vector3f& point : surface) point = map_from_place * point;
+  return surface;
+}
+
+Texture texture_in_map(const TextureView& view, const std::vector<PlacePose>& places) {
+  const Eigen::Isometry3f map_from_place = place_pose(view.place, places).cast<float>();
+  Texture texture = view.texture;
+  for (SurfaceKeypoint& keypoint : texture) keypoint.position = map_from_place * keypoint.position;
+  return texture;
+}
+
 AxisBox box_in_map(const ProtoObject& object, const std::vector<PlacePose>& places) {
   return {place_pose(object.place, places) * object.box.centre, object.box.size};
 }

@@ -6,6 +6,7 @@
 
 #include "memory/belief/evidence/calibration.h"
 #include "memory/belief/evidence/noise_scale.h"
+#include "memory/belief/evidence/surface.h"
 #include "memory/belief/interaction_model.h"
 #include "memory/belief/options.h"
 #include "memory/belief/parameters.h"
@@ -26,6 +27,16 @@ struct StoredView {
   double weight = 1;
   TimeNs time = 0;
   bool partial = false;
+};
+
+/// The texture of one side of an object.
+struct TextureView {
+  Texture texture;                              ///< positions in the frame of the place
+  std::string place;                            ///< empty = the map
+  TimeNs time = 0;                              ///< of its scene; no two views of an object have the same
+  Vector3d towards_camera = Vector3d::UnitZ();  ///< direction from the object, map frame
+  double range = 1;                             ///< as of the observation
+  bool in_place = true;                         ///< the object has not moved since
 };
 
 /// Observation attributed to a tentative object, reported once that is confirmed.
@@ -68,11 +79,14 @@ struct ProtoObject {
   Isometry3d map_from_camera = Isometry3d::Identity();  ///< of the last observation
 
   std::vector<StoredView> views;
-  std::string class_name;                   ///< most probable one; empty = not classified
-  RateFactor interaction;                   ///< rate of handling relative to its class and place
-  std::vector<Alternative> alternatives;    ///< most probable first; the rest is that it is itself
-  int64_t last_observation = 0;             ///< memory's number
-  std::vector<PendingObservation> pending;  ///< while tentative
+  std::vector<TextureView> textures;  ///< oldest first
+  Surface surface;  ///< where it was last seen at its present spot, in the place's frame; may be empty
+  Isometry3d surface_camera = Isometry3d::Identity();  ///< map_from_camera of the last view of it
+  std::string class_name;                              ///< most probable one; empty = not classified
+  RateFactor interaction;                              ///< rate of handling relative to its class and place
+  std::vector<Alternative> alternatives;               ///< most probable first; the rest is that it is itself
+  int64_t last_observation = 0;                        ///< memory's number
+  std::vector<PendingObservation> pending;             ///< while tentative
   /// Alternative hypothesis to a move: key of the object that is believed to have moved away from here. This
   /// is that object if another one was observed elsewhere. Tentative until its spot is observed again. 0 =
   /// none.
@@ -123,6 +137,10 @@ double probability_here(const ProtoObject& object, const BeliefState& state, con
 /// its spot was last observed may have been put down elsewhere on the same place.
 double probability_on_place(const ProtoObject& object, const BeliefState& state,
                             const BeliefOptions& options);
+/// The surface of an object in the map frame, for the poses that places have now.
+Surface surface_in_map(const ProtoObject& object, const std::vector<PlacePose>& places);
+/// The key points of a view in the map frame, for the poses that places have now.
+Texture texture_in_map(const TextureView& view, const std::vector<PlacePose>& places);
 /// The box of an object in the map frame, for the poses that places have now.
 AxisBox box_in_map(const ProtoObject& object, const std::vector<PlacePose>& places);
 

@@ -15,8 +15,14 @@ constexpr const char* kCheckpoint = "belief";
 constexpr const char* kOptions = "options";
 constexpr const char* kObjects = "belief/";  ///< and the object's key, so that names sort like the objects
 
+constexpr const char* kTextures = "belief_texture/";  ///< object's key and time of the view
+
 std::string object_checkpoint(int64_t key) {
   return fmt::format("{}{:019}", kObjects, key);
+}
+
+std::string texture_checkpoint(int64_t key, TimeNs time) {
+  return fmt::format("{}{:019}/{:+020}", kTextures, key, time);
 }
 
 /// Of what is kept for the undo of a run.
@@ -38,26 +44,34 @@ void BeliefCheckpoint::set_options(const belief::BeliefOptions& options) {
 void BeliefCheckpoint::save(SceneTransaction& transaction, Id scene, const belief::BeliefState& state) {
   transaction.set_checkpoint(kCheckpoint, to_bytes(state), scene);
   if (!options_saved_) transaction.set_checkpoint(kOptions, text_of(options_), std::nullopt);
-  if (all_) transaction.drop_checkpoints(kObjects);
+  if (all_)
+    for (const char* prefix : {kObjects, kTextures}) transaction.drop_checkpoints(prefix);
   fresh_.clear();
   removed_.clear();
-  std::set<int64_t> believed;
+  std::set<std::string> believed;
   for (const belief::ProtoObject& object : state.objects) {
+    const std::string name = *believed.insert(object_checkpoint(object.key)).first;
     std::string bytes = to_bytes(object);
-    const auto before = stored_.find(object.key);
-    believed.insert(object.key);
-    if (before != stored_.end() && before->second == bytes) continue;
-    transaction.set_checkpoint(object_checkpoint(object.key), bytes, std::nullopt);
-    fresh_[object.key] = std::move(bytes);
+    const auto before = stored_.find(name);
+    if (before == stored_.end() || before->second != bytes) {
+      transaction.set_checkpoint(name, bytes, std::nullopt);
+      fresh_[name] = std::move(bytes);
+    }
+    for (const belief::TextureView& view : object.textures) {
+      const std::string texture = *believed.insert(texture_checkpoint(object.key, view.time)).first;
+      if (stored_.contains(texture)) continue;  // the texture of a view does not change
+      transaction.set_checkpoint(texture, to_bytes(view.texture), std::nullopt);
+      fresh_[texture] = {};
+    }
   }
-  for (const auto& [key, bytes] : stored_)
-    if (!believed.contains(key)) removed_.push_back(key);
-  for (const int64_t key : removed_) transaction.drop_checkpoints(object_checkpoint(key));
+  for (const auto& [name, bytes] : stored_)
+    if (!believed.contains(name)) removed_.push_back(name);
+  for (const std::string& name : removed_) transaction.drop_checkpoints(name);
 }
 
 void BeliefCheckpoint::committed() {
-  for (const int64_t key : removed_) stored_.erase(key);
-  for (auto& [key, bytes] : fresh_) stored_[key] = std::move(bytes);
+  for (const std::string& name : removed_) stored_.erase(name);
+  for (auto& [name, bytes] : fresh_) stored_[name] = std::move(bytes);
   fresh_.clear();
   removed_.clear();
   all_ = false;
@@ -80,6 +94,13 @@ belief::BeliefState load_belief(const Store& store, Id scene) {
     belief::BeliefState state = belief::state_from_bytes(checkpoint->bytes);
     for (const auto& [name, object] : store.checkpoints(kObjects))
       state.objects.push_back(belief::object_from_bytes(object.bytes));
+    const auto textures = store.checkpoints(kTextures);
+    for (belief::ProtoObject& object : state.objects)
+      for (belief::TextureView& view : object.textures) {
+        const auto texture = textures.find(texture_checkpoint(object.key, view.time));
+        if (texture == textures.end()) throw Error("the texture of an object is missing");
+        view.texture = belief::texture_from_bytes(texture->second.bytes);
+      }
     return state;
   } catch (const Error& error) {
     throw Error(error.message(), {store.path().string(), 0, {}});

@@ -24,8 +24,8 @@ void drop_kept_belief(SceneTransaction& transaction, Id run);
 /// The belief after a scene, where the checkpoint is of that.
 belief::BeliefState load_belief(const Store& store, Id scene);
 
-/// Stores the belief with each scene: one checkpoint for the common part, and one per object, of which only
-/// those that changed are written.
+/// Stores the belief with each scene: one checkpoint for the common part, and one per object and per texture
+/// of it, of which only those that changed are written.
 class BeliefCheckpoint {
  public:
   explicit BeliefCheckpoint(const belief::BeliefOptions& options = {}) : options_(options) {}
@@ -38,8 +38,8 @@ class BeliefCheckpoint {
   void reset();
 
  private:
-  std::map<int64_t, std::string> stored_, fresh_;  ///< bytes by key of the object
-  std::vector<int64_t> removed_;
+  std::map<std::string, std::string> stored_, fresh_;  ///< bytes by name; those of textures are not kept
+  std::vector<std::string> removed_;
   bool all_ = true, options_saved_ = false;
   belief::BeliefOptions options_;
 };

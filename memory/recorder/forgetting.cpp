@@ -138,12 +138,13 @@ void forget_in(belief::BeliefState& state, const Store& store, const ForgetReque
         result.observation_ids.contains(object.last_observation) || in_span(object.last_seen);
     const bool lost_first = in_span(object.first_seen);
     // A stored view has the time of its scene.
-    const bool lost_views =
-        std::erase_if(object.views, [&](const belief::StoredView& view) {
-          return in_span(view.time) || (lost_last && std::ranges::none_of(seen, [&](const auto& one) {
-                                          return one.time == view.time;
-                                        }));
-        }) > 0;
+    const auto is_lost = [&](const auto& view) {
+      return in_span(view.time) || (lost_last && std::ranges::none_of(seen, [&](const auto& one) {
+                                      return one.time == view.time;
+                                    }));
+    };
+    const bool lost_views = std::erase_if(object.views, is_lost) > 0;
+    std::erase_if(object.textures, is_lost);
     const bool empty = object.views.empty() && (lost_views || lost_last);
     if (result.object_ids.contains(object.id) || empty || ((lost_last || lost_first) && seen.empty())) {
       gone.insert(object.key);

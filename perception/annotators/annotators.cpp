@@ -6,6 +6,7 @@
 #include "perception/annotators/description/object_views.h"
 #include "perception/annotators/description/recognition_annotators.h"
 #include "perception/annotators/description/shape_annotators.h"
+#include "perception/annotators/description/texture_annotator.h"
 #include "perception/annotators/description/visual_search.h"
 #include "perception/annotators/io/recording_reader.h"
 #include "perception/annotators/people/person_annotator.h"
@@ -38,6 +39,7 @@ void add_annotators(AnnotatorRegistry& registry) {
   registry.add<SaliencyDetector>();
   registry.add<ColorHistogramAnnotator>();
   registry.add<ColorNameAnnotator>();
+  registry.add<TextureAnnotator>();
   registry.add<GeometryAnnotator>();
   registry.add<LocationAnnotator>();
   registry.add<PerceptualHashAnnotator>();
@@ -71,6 +73,7 @@ flow:
   - PlaceNaming              # without a map: stable names plane_1, plane_2, ...
   - ColorHistogram
   - ColorName
+  - Texture                  # key points of prints and labels, by which objects are recognised
   - GeometryAnnotator        # oriented box, in the map and in the frame of its place
   - LocationAnnotator        # place of the object, as text
   - HouseholdClassifier      # cup, plate, box, ...: by shape, size and colour, where it is sure enough

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "memory/belief/evidence/proximity.h"
+#include "memory/belief/evidence/texture.h"
 #include "memory/belief/parameters.h"
 
 namespace loci::memory::belief {
@@ -94,8 +95,10 @@ void fuse_box(ProtoObject& object, const Prediction& predicted, const Observatio
 
 void set_place(ProtoObject& object, const std::string& place, const Scene& scene) {
   if (object.place == place) return;
-  object.box.centre = place_pose(place, scene.places).inverse() *
-                      (place_pose(object.place, scene.places) * object.box.centre);
+  const Isometry3d to_place =
+      place_pose(place, scene.places).inverse() * place_pose(object.place, scene.places);
+  object.box.centre = to_place * object.box.centre;
+  for (Eigen::Vector3f& point : object.surface) point = to_place.cast<float>() * point;
   object.place = place;
 }
 
@@ -129,6 +132,41 @@ void store_view(ProtoObject& object, const Observation& observation, const Scene
   } else {
     *std::ranges::min_element(object.views, {}, storage_value) = std::move(fresh);
   }
+}
+
+void store_surface(ProtoObject& object, const Surface& seen, const std::vector<PointState>& before,
+                   const Scene& scene, bool moved) {
+  Surface kept;
+  for (size_t i = 0; i < before.size() && !moved; ++i)
+    if (before[i] == PointState::hidden || before[i] == PointState::unknown)
+      kept.push_back(object.surface[i]);
+  const Eigen::Isometry3f place_from_map = place_pose(object.place, scene.places).inverse().cast<float>();
+  for (const Eigen::Vector3f& point : seen) kept.push_back(place_from_map * point);
+  const size_t step = (kept.size() + kParameters.surface_points - 1) / kParameters.surface_points;
+  object.surface.clear();
+  for (size_t i = 0; i < kept.size(); i += step) object.surface.push_back(kept[i]);
+  object.surface_camera = scene.view.map_from_camera;
+}
+
+void store_texture(ProtoObject& object, const Observation& observation, const Scene& scene, bool moved,
+                   bool learn) {
+  if (moved)
+    for (TextureView& view : object.textures) view.in_place = false;
+  if (observation.texture.empty() || !learn) return;
+  const Vector3d towards = towards_camera(observation, scene);
+  if (std::ranges::any_of(object.textures, [&](const TextureView& view) {
+        return view.time == scene.time || (view.in_place && is_same_side(view.towards_camera, towards));
+      }))
+    return;
+  if (object.textures.size() >= kParameters.textures) {
+    const auto left = std::ranges::find(object.textures, false, &TextureView::in_place);
+    object.textures.erase(left != object.textures.end() ? left : object.textures.begin());
+  }
+  const Eigen::Isometry3f place_from_map =
+      place_pose(observation.place, scene.places).inverse().cast<float>();
+  TextureView view{observation.texture, observation.place, scene.time, towards, observation.range, true};
+  for (SurfaceKeypoint& keypoint : view.texture) keypoint.position = place_from_map * keypoint.position;
+  object.textures.push_back(std::move(view));
 }
 
 std::string most_probable_class(const ProtoObject& object) {

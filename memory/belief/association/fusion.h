@@ -24,6 +24,15 @@ void store_view(ProtoObject& object, const Observation& observation, const Scene
                 const BeliefOptions& options, const Corrections& corrections, bool position_confirmed);
 
 /// Most probable class over the stored views; empty = not classified.
+/// Adds what is seen of the surface; what is hidden now is kept unless the object moved.
+void store_surface(ProtoObject& object, const Surface& seen, const std::vector<PointState>& before,
+                   const Scene& scene, bool moved);
+
+/// Keeps the texture of a side that is not kept yet. `moved`: the object is where it was not before.
+/// `learn`: the observation is surely of this object.
+void store_texture(ProtoObject& object, const Observation& observation, const Scene& scene, bool moved,
+                   bool learn);
+
 std::string most_probable_class(const ProtoObject& object);
 
 }  // namespace loci::memory::belief

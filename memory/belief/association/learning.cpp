@@ -86,6 +86,7 @@ void SceneUpdate::learn_similarity() {
   for (const PairEvidence::Distances& evidence : update_.evidence.distances) {
     const auto kind =
         static_cast<size_t>(std::ranges::find(known, evidence.kind, &Comparison::kind) - known.begin());
+    if (kind == known.size()) continue;  // textures are compared by a table that is not learned
     Calibration::Counts* counts[] = {&state_.calibration.of(kind, false), &state_.calibration.of(kind, true)};
     for (const Eigen::Index o : confirmed) {
       for (Eigen::Index k = 0; k < evidence.distance.cols(); ++k) {

@@ -47,7 +47,7 @@ void SceneUpdate::update_observed(size_t o, size_t k) {
     learn_clutter(object);
   }
   if (explanation == Explanation::move && status_before == Status::present) keep_alternative(o, k);
-  update_box_and_views(o, observation, explanation, piece);
+  update_box_and_views(o, k, observation, explanation, piece);
   learn_detection(object, explanation);
   object.probability_here = 1;
   object.hidden_scenes = 0;
@@ -78,17 +78,24 @@ void SceneUpdate::update_observed(size_t o, size_t k) {
     report(EventKind::looks_different);
 }
 
-void SceneUpdate::update_box_and_views(size_t o, const Observation& observation, Explanation explanation,
-                                       bool piece) {
+void SceneUpdate::update_box_and_views(size_t o, size_t k, const Observation& observation,
+                                       Explanation explanation, bool piece) {
   ProtoObject& object = state_.objects[o];
   const bool moved = explanation == Explanation::move;
-  if (moved || object.status == Status::gone)
+  const bool elsewhere = moved || object.status == Status::gone;
+  if (elsewhere)
     reset_box(object, observation, scene_, options_);
   else
     fuse_box(object, predicted_[o], observation, scene_, options_);
   if (!observation.place.empty()) set_place(object, observation.place, scene_);
+  if (timing_.snapshot || elsewhere)
+    store_surface(object, surfaces_[k], predicted_[o].surface, scene_, elsewhere);
   // An object that moved was recognised by its appearance alone: a dissimilar view may be another object's.
-  if (!piece) store_view(object, observation, scene_, options_, state_.calibration.corrections(), !moved);
+  if (!piece) {
+    store_view(object, observation, scene_, options_, state_.calibration.corrections(), !moved);
+    store_texture(object, observation, scene_, elsewhere,
+                  !elsewhere || update_.observations[k].probability >= kParameters.certain_partner);
+  }
   object.class_name = most_probable_class(object);
 }
 
@@ -132,6 +139,8 @@ void SceneUpdate::create_object(size_t k) {
   if (state_.interaction.knows(observation.place)) object.clutter_probability = clutter;
   reset_box(object, observation, scene_, options_);
   store_view(object, observation, scene_, options_, state_.calibration.corrections(), true);
+  store_texture(object, observation, scene_, false, true);
+  store_surface(object, surfaces_[k], {}, scene_, true);
   object.class_name = most_probable_class(object);
   mark_observed(object, observation);
   object.pending.push_back({observation.id, scene_.time, true, outcome.appear});
@@ -324,6 +333,7 @@ void SceneUpdate::reinstate(size_t o, size_t k) {
   other.interaction = {};
   other.clutter_probability = state_.interaction.clutter_share(other.place, options_.appear, options_);
   std::erase_if(other.views, [&](const StoredView& view) { return view.time <= stayed.last_seen; });
+  std::erase_if(other.textures, [&](const TextureView& view) { return view.time <= stayed.last_seen; });
   other.exists_log_odds = log_odds(options_.first_sight);
   for (ProtoObject& object : state_.objects)
     if (object.alternative_of == other.key) object.alternative_of = stayed.key;

@@ -48,7 +48,8 @@ class SceneUpdate {
 
   // Observed objects (object_updates.cpp).
   void update_observed(size_t o, size_t k);
-  void update_box_and_views(size_t o, const Observation& observation, Explanation explanation, bool piece);
+  void update_box_and_views(size_t o, size_t k, const Observation& observation, Explanation explanation,
+                            bool piece);
   void mark_observed(ProtoObject& object, const Observation& observation);
   void create_object(size_t k);
   void confirm(ProtoObject& object, std::optional<size_t> k);
@@ -100,6 +101,7 @@ class SceneUpdate {
   const SceneTiming timing_;
   std::vector<PlaceView> places_;  ///< that the scene shows
   std::vector<Prediction> predicted_;
+  std::vector<Surface> surfaces_;  ///< of the observations, in a snapshot; else empty ones
   IdentityWeights weights_;
   IdentitySolution solution_;
   std::vector<std::optional<size_t>> partner_of_object_, partner_of_observation_;

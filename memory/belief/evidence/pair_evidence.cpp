@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "memory/belief/evidence/proximity.h"
+#include "memory/belief/evidence/texture.h"
 #include "memory/belief/parameters.h"
 
 namespace loci::memory::belief {
@@ -113,6 +114,7 @@ class PairComparer {
     evidence_.offset.setZero(rows, columns);
     evidence_.achromatic.setConstant(rows, columns, false);
     evidence_.similarity.setConstant(rows, columns, std::numeric_limits<double>::quiet_NaN());
+    texture_ = {"texture", evidence_.similarity, evidence_.log_size};
     for (const Comparison& comparison : comparisons())
       evidence_.distances.push_back({comparison.kind, evidence_.similarity, evidence_.log_size});
     for (Eigen::Index o = 0; o < rows; ++o)
@@ -131,6 +133,9 @@ class PairComparer {
       if (!evidence_.settled[size_t(k)]) open.push_back(k);
     if (!open.empty())
       for (const Eigen::Index o : elsewhere) compare(o, open);
+    for (Eigen::Index o = 0; o < evidence_.offset.rows(); ++o)
+      for (const Eigen::Index k : open) compare_textures(o, k);
+    evidence_.distances.push_back(std::move(texture_));
     std::erase_if(evidence_.distances,
                   [](const PairEvidence::Distances& d) { return d.distance.array().isNaN().all(); });
     return std::move(evidence_);
@@ -168,9 +173,68 @@ class PairComparer {
       if (comparisons()[i].kind == "class") evidence_.log_class(o, k) = similar.parts[i].log_ratio;
     }
     const PositionNoise noise = position_noise(object, p, observation, noise_weights_, options_);
+    const double displaced = displaced_share(p.surface).value_or(0);
     evidence_.log_proximity(o, k) =
-        std::clamp(log_proximity(believed, noise, object.partial, observation, position_options_),
+        std::clamp(log_proximity(believed, noise, object.partial, observation, position_options_) +
+                       surface_log_ratio(displaced),
                    -kMaxEvidence, kMaxEvidence);
+  }
+
+  /// Whether a snapshot shows the side of an object whose print is known, and the print is another one.
+  bool shows_another_print(const ProtoObject& object, const Observation& observation) const {
+    if (!snapshot_) return false;
+    const Vector3d towards = towards_camera(observation, scene_);
+    for (const TextureView& view : object.textures)
+      if (view.in_place && is_same_side(view.towards_camera, towards) &&
+          texture_log_ratio(match(view, observation), view.texture, observation.texture) < 0)
+        return true;
+    return false;
+  }
+
+  TextureMatch match(const TextureView& view, const Observation& observation) const {
+    return match_textures(texture_in_map(view, scene_.places), observation.texture,
+                          texture_tolerance(std::max(view.range, observation.range)));
+  }
+
+  /// Key points are compared last, and only where the rest leaves it open: they cost most.
+  void compare_textures(Eigen::Index o, Eigen::Index k) {
+    const ProtoObject& object = state_.objects[size_t(o)];
+    const Observation& observation = scene_.observations[size_t(k)];
+    double& similar = evidence_.log_similar(o, k);
+    if (similar < -kParameters.max_texture_evidence) return;
+    const Vector3d towards = towards_camera(observation, scene_);
+    std::optional<double> best;
+    for (const TextureView& view : object.textures) {
+      if (view.texture.empty() || observation.texture.empty()) continue;
+      const TextureMatch found = match(view, observation);
+      const double ratio = texture_log_ratio(found, view.texture, observation.texture);
+      if (found.agreeing >= kTellingKeypoints && view.in_place)
+        evidence_.log_proximity(o, k) = log_offset(o, k, found.offset_m);
+      const bool same_side = view.in_place && is_same_side(view.towards_camera, towards);
+      if (same_side && ratio < 0 && !observation.partial && !object.partial)
+        evidence_.log_proximity(o, k) =
+            std::max(-kMaxEvidence, evidence_.log_proximity(o, k) + kParameters.other_print);
+      if (best && ratio <= *best) continue;
+      best = ratio;
+      texture_.distance(o, k) =
+          1 - double(found.agreeing) / double(std::min(view.texture.size(), observation.texture.size()));
+    }
+    if (!best) return;
+    texture_.log_ratio(o, k) = *best;
+    // What shows the same print and differs otherwise may be a cluster that is of other objects, too.
+    constexpr double kJoined = kParameters.joined_cluster;
+    if (*best > 0) similar = std::log((1 - kJoined) * std::exp(similar) + kJoined);
+    similar = std::clamp(similar + *best, -kMaxEvidence, kMaxEvidence);
+  }
+
+  /// Position evidence of a surface that was found this far from where it was. Unlike a box, it does not
+  /// depend on what else of the object is visible.
+  double log_offset(Eigen::Index o, Eigen::Index k, double offset_m) const {
+    const Observation& observation = scene_.observations[size_t(k)];
+    const PositionNoise noise = surface_noise(state_.objects[size_t(o)], scene_.view.map_from_camera,
+                                              observation.range, noise_weights_, options_);
+    return std::clamp(std::log(position_options_.area_m2) + noise.log_density(offset_m * offset_m, 0),
+                      -kMaxEvidence, kMaxEvidence);
   }
 
   /// Distances of a kind between observations and some objects, infinite where not comparable.
@@ -199,7 +263,9 @@ class PairComparer {
       if (!options_.settle || !vote.settled) continue;
       const auto found = std::ranges::find(state_.objects, *vote.settled, &ProtoObject::key);
       // Existence and absence are left to the model.
-      if (found->status == Status::present) settled = static_cast<size_t>(found - state_.objects.begin());
+      const size_t k = evidence_.settled.size() - 1;
+      if (found->status == Status::present && !shows_another_print(*found, scene_.observations[k]))
+        settled = static_cast<size_t>(found - state_.objects.begin());
     }
   }
 
@@ -214,6 +280,7 @@ class PairComparer {
   std::vector<Appearance> appearances_;
   std::vector<Observation> shapes_;
   PairEvidence evidence_;
+  PairEvidence::Distances texture_;  ///< by the share of the key points that do not agree
 };
 
 }  // namespace

@@ -112,7 +112,8 @@ size_t index_of(const std::vector<PlaceView>& places, const std::string& name) {
 std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
                                 const std::vector<PlaceView>& places, const BeliefOptions& options) {
   std::vector<Prediction> predictions;
-  const double exposure = SceneTiming(state, scene, options).exposure_s;
+  const SceneTiming timing(state, scene, options);
+  const double exposure = timing.exposure_s;
   const double view_noise = state.view_noise.variance_factor(options.noise_spread);
   std::map<std::string, std::vector<double>> destinations_from;
   std::vector<std::optional<size_t>> view_of;  // of the places of the state
@@ -152,6 +153,11 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
       p.seen.visibility = {.out_of_view = 1};
       std::ranges::fill(p.seen.occupied_by, 0.0);
     }
+    if (timing.snapshot && !object.surface.empty())
+      p.surface = observe_surface(
+          scene.view, surface_in_map(object, scene.places),
+          std::sqrt(view_change_variance(object.surface_camera, scene.view.map_from_camera, 0, options)),
+          options.visibility);
     // Without a size the sampled box is the uncertainty of the position. Nothing is certainly out of view.
     constexpr double kMinInView = 1e-3;
     p.undetectable = object.has_size ? undetectable(p.seen.visibility)
@@ -175,6 +181,14 @@ PositionNoise position_noise(const ProtoObject& object, const Prediction& predic
   const double still = object.variance + observation_variance(observation, options);
   if (!predicted.with_depth) return {0, still + predicted.view_variance, weights};
   return {still, predicted.view_variance, weights};
+}
+
+PositionNoise surface_noise(const ProtoObject& object, const Isometry3d& map_from_camera, double range,
+                            const NoiseScale::Levels& weights, const BeliefOptions& options) {
+  Observation point;
+  point.range = range;
+  return {2 * observation_variance(point, options),
+          view_change_variance(object.map_from_camera, map_from_camera, 0, options), weights};
 }
 
 AbsenceEvidence absence_evidence(const Prediction& predicted, double empty_share, double seconds,

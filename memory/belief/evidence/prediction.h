@@ -30,6 +30,7 @@ struct Prediction {
       0;               ///< probability of another appearance at the same spot: another side, or handled
   double here = 1;     ///< probability of still being there
   BoxVisibility seen;  ///< what observing its spot showed
+  std::vector<PointState> surface;  ///< what became of the points of its surface, between snapshots
   /// Probability of having been put down, unseen since, on each place of the scene (`PlaceView`).
   std::vector<double> moved_to;
   double carried_off = 0;   ///< probability
@@ -54,6 +55,10 @@ double expected_arrivals(const PlaceView& place, const SceneTiming& timing, cons
 PositionNoise position_noise(const ProtoObject& object, const Prediction& predicted,
                              const Observation& observation, const NoiseScale::Levels& weights,
                              const BeliefOptions& options);
+
+/// The same for points of a surface that are recognised one by one.
+PositionNoise surface_noise(const ProtoObject& object, const Isometry3d& map_from_camera, double range,
+                            const NoiseScale::Levels& weights, const BeliefOptions& options);
 
 /// Log likelihoods of what was measured at a spot, of an object that is there and of one that is gone.
 struct AbsenceEvidence {

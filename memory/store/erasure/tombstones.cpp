@@ -177,9 +177,8 @@ ForgetResult Store::honour_tombstones(const Store& younger) {
     const ForgetResult erased = erasing(db, [&] {
       const ForgetResult one = Eraser(*this, db, targets, *run).erase({});
       // The belief has it too; it begins anew from the rows.
-      run_statements(
-          *db.database,
-          "DELETE FROM checkpoint WHERE name = 'belief' OR name LIKE 'belief/%' OR name LIKE 'before/%';");
+      run_statements(*db.database,
+                     "DELETE FROM checkpoint WHERE name LIKE 'belief%' OR name LIKE 'before/%';");
       return one;
     });
     result.objects += erased.objects;

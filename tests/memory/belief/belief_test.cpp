@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "mapping/base/random.h"
 #include "tests/memory/belief/synthetic_scene.h"
 
 namespace loci::memory::belief {
@@ -64,6 +65,54 @@ TEST_F(Belief, ShiftWithinThePoseErrorIsNoMoveForACameraThatMoved) {
   kitchen.object("mug").centre = at(0.03, 0);
   kitchen.map_from_camera = SyntheticKitchen::look_from({0.6, -0.8, 1.4}, {0, 0, 0.72});
   EXPECT_THAT(events(observe(60)), IsEmpty());
+}
+
+TEST_F(Belief, ShiftOfABoxThatIsHalfHiddenIsAMove) {
+  kitchen.objects = {{"box", at(0, 0), {0.3, 0.2, 0.1}, kRed},
+                     {"before", SyntheticKitchen::on_table(0, -0.2, 0.15), {0.12, 0.05, 0.15}, kBlue}};
+  observe(0);
+  observe(60);
+  ASSERT_TRUE(state.find(1)->partial);
+  kitchen.object("box").centre = at(0.05, 0);
+  EXPECT_THAT(events(observe(120)), ElementsAre("moved 1"));
+}
+
+TEST_F(Belief, MoreThatHidesABoxIsNoMove) {
+  kitchen.objects = {{"box", at(0, 0), {0.3, 0.2, 0.1}, kRed}};
+  observe(0);
+  kitchen.objects.push_back({"before", SyntheticKitchen::on_table(0, -0.2, 0.15), {0.12, 0.05, 0.15}, kBlue});
+  EXPECT_THAT(events(observe(60)), ElementsAre("appeared 2"));
+  kitchen.object("before").centre.x() = 0.1;
+  EXPECT_THAT(events(observe(120)), ElementsAre("moved 2"));
+}
+
+/// Key points of a print, on the side that the camera sees.
+Texture print_on(const AxisBox& box, uint64_t seed) {
+  Random random(seed);
+  Texture texture(40);
+  for (SurfaceKeypoint& keypoint : texture) {
+    const Vector3d share(random.uniform(-0.5, 0.5), -0.5, random.uniform(-0.5, 0.5));
+    keypoint.position = (box.centre + box.size.cwiseProduct(share)).cast<float>();
+    keypoint.diameter_m = 0.02F;
+    for (uint8_t& byte : keypoint.descriptor) byte = static_cast<uint8_t>(random.index(256));
+  }
+  return texture;
+}
+
+TEST_F(Belief, SwappedBoxesOfOneShapeAreToldByTheirPrints) {
+  kitchen.objects = {{"tea", at(-0.2, 0), {0.1, 0.08, 0.1}, kWhite},
+                     {"rice", at(0.2, 0), {0.1, 0.08, 0.1}, kWhite}};
+  const auto observe_prints = [&](double seconds) {
+    Scene scene = kitchen.scene(seconds);
+    for (size_t i = 0; i < scene.observations.size(); ++i)
+      scene.observations[i].texture = print_on(scene.observations[i].box, i);
+    return advance(state, scene);
+  };
+  observe_prints(0);
+  std::swap(kitchen.object("tea").centre, kitchen.object("rice").centre);
+  const BeliefUpdate update = observe_prints(600);
+  EXPECT_THAT(events(update), UnorderedElementsAre("moved 1", "moved 2"));
+  for (const ObservationOutcome& outcome : update.observations) EXPECT_GT(outcome.probability, 0.5);
 }
 
 TEST_F(Belief, SwappedEqualCupsAreTakenForCupsThatStayed) {
