@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include "mapping/base/random.h"
 #include "tests/memory/belief/synthetic_scene.h"
 
 namespace loci::memory::belief {
@@ -84,19 +83,6 @@ TEST_F(Belief, MoreThatHidesABoxIsNoMove) {
   EXPECT_THAT(events(observe(60)), ElementsAre("appeared 2"));
   kitchen.object("before").centre.x() = 0.1;
   EXPECT_THAT(events(observe(120)), ElementsAre("moved 2"));
-}
-
-/// Key points of a print, on the side that the camera sees.
-Texture print_on(const AxisBox& box, uint64_t seed) {
-  Random random(seed);
-  Texture texture(40);
-  for (SurfaceKeypoint& keypoint : texture) {
-    const Vector3d share(random.uniform(-0.5, 0.5), -0.5, random.uniform(-0.5, 0.5));
-    keypoint.position = (box.centre + box.size.cwiseProduct(share)).cast<float>();
-    keypoint.diameter_m = 0.02F;
-    for (uint8_t& byte : keypoint.descriptor) byte = static_cast<uint8_t>(random.index(256));
-  }
-  return texture;
 }
 
 TEST_F(Belief, SwappedBoxesOfOneShapeAreToldByTheirPrints) {

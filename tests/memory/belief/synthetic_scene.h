@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/base/random.h"
 #include "memory/belief/belief.h"
 #include "memory/belief/serialization.h"
 
@@ -117,6 +118,19 @@ class SyntheticKitchen {
 
   mutable int64_t next_observation = 1;
 };
+
+/// Key points of a print, on the side that the camera sees.
+inline Texture print_on(const AxisBox& box, uint64_t seed) {
+  Random random(seed);
+  Texture texture(40);
+  for (SurfaceKeypoint& keypoint : texture) {
+    const Vector3d share(random.uniform(-0.5, 0.5), -0.5, random.uniform(-0.5, 0.5));
+    keypoint.position = (box.centre + box.size.cwiseProduct(share)).cast<float>();
+    keypoint.diameter_m = 0.02F;
+    for (uint8_t& byte : keypoint.descriptor) byte = static_cast<uint8_t>(random.index(256));
+  }
+  return texture;
+}
 
 /// Kinds of the events of an update, with the object: "moved 2".
 inline std::vector<std::string> events(const BeliefUpdate& update) {

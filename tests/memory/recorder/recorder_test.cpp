@@ -5,6 +5,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "memory/recorder/checkpoint.h"
 #include "memory/store/feature_structures.h"
 #include "perception/cas/json.h"
 #include "perception/types/scene_cas.h"
@@ -14,6 +15,7 @@
 namespace loci::memory {
 namespace {
 
+namespace fs = std::filesystem;
 using belief::SyntheticKitchen;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -45,6 +47,7 @@ class RecorderTest : public ::testing::Test {
     for (const belief::Observation& o : scene.observations) {
       ObservationRecord observation;
       observation.evidence = o;
+      observation.evidence.texture = print_on(o.box, o.descriptors[0].values[0] > 0.5F ? 1 : 2);
       observation.row.position = o.box.centre;
       observation.row.size = o.box.size;
       observation.row.hsv = HsvColor{double(10 * o.descriptors[0].values[0]), 0.5, 0.5};
@@ -112,6 +115,31 @@ TEST_F(RecorderTest, MemoryIsSoundAndTellsWhatHappened) {
   EXPECT_EQ(store.observations_of(1).size(), static_cast<size_t>(kScenes));
   EXPECT_EQ(store.belief_history(1).front().clock.valid_from, kSecond);
   EXPECT_GT(store.visibility_of_place(store.places().front().id).front().fraction.value_or(0), 0.8);
+}
+
+TEST_F(RecorderTest, PrintsOfObjectsAreStoredOnceAndForgottenWithThem) {
+  const fs::path file = folder / "day.loci";
+  const auto prints = [&] {
+    std::map<std::string, size_t> sizes;
+    for (const auto& [name, checkpoint] : Store::open_read(file).checkpoints("belief_texture/"))
+      sizes[name.substr(0, name.rfind('/'))] += checkpoint.bytes.size();
+    return sizes;
+  };
+  {
+    Store store = Store::open_write(file);
+    Recorder recorder(store, store.begin_run("test", "{}"));
+    for (int n = 0; n < kScenes; ++n) recorder.record(story(n));
+    for (const belief::ProtoObject& object : load_belief(store).objects)
+      for (const belief::TextureView& view : object.textures) EXPECT_EQ(view.texture.size(), 40U);
+  }
+  const auto before = prints();
+  ASSERT_GE(before.size(), 2U);
+  EXPECT_LT(before.begin()->second, 3 * 40 * 96U)
+      << "two places, from where the mug is seen, and no repetition";
+  forget(file, {.object = 1});
+  const auto after = prints();
+  EXPECT_FALSE(after.contains(before.begin()->first));
+  EXPECT_TRUE(after.contains(before.rbegin()->first));
 }
 
 TEST_F(RecorderTest, AJointIsComparedWithWhereItWasSeenLastHoweverLongAgo) {
