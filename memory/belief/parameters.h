@@ -26,11 +26,11 @@ struct Parameters {
                                    ///< its distance in seconds, from this up to 1
 
   // Position evidence
-  double max_log_evidence = 30;        ///< of one pair: no sensor model is exact beyond
-  double max_texture_evidence = 6.5;   ///< the most that texture_log_ratio() gives
-  double other_print = -3;             ///< log ratio of staying where the same side shows another print
-  double joined_cluster = 0.1;         ///< share of clusters that hold parts of other objects
-  double vertical_noise_m = 0.01;      ///< heights vary with the segmentation of the supporting surface
+  double max_log_evidence = 30;       ///< of one pair: no sensor model is exact beyond
+  double max_texture_evidence = 6.5;  ///< the most that texture_log_ratio() gives
+  double other_print = -3;         ///< log ratio of staying unchanged where the same side shows another print
+  double joined_cluster = 0.1;     ///< share of clusters that hold parts of other objects
+  double vertical_noise_m = 0.01;  ///< heights vary with the segmentation of the supporting surface
   double min_extent_log_ratio = -6;    ///< parts may be occluded unnoticed
   double extent_noise_m = 0.01;        ///< of the extent between two views …
   double extent_noise_per_size = 0.1;  ///< … and relative to the size

@@ -136,7 +136,7 @@ class ProblemBuilder {
       // Where only the position is uncertain, an observation that is near shows that the object is in view.
       const bool shows_it = !state_.objects[o].has_size || shows_in_view(o, k);
       const auto [stays, turns] = shows_it ? of_part : of_whole;
-      problem_.stay_prior(index(o), index(k)) = stays;
+      problem_.stay_prior(index(o), index(k)) = stays + evidence_.log_same_print(index(o), index(k));
       // Another side hardly has another size, and shares some colours. A detector without depth reports a
       // mean colour, which may be any where it changed, and a class, which hardly depends on the side.
       const double size = evidence_.log_size(index(o), index(k));

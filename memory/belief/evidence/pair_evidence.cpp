@@ -111,6 +111,7 @@ class PairComparer {
     evidence_.log_proximity.setConstant(rows, columns, -kMaxEvidence);
     evidence_.log_size.setZero(rows, columns);
     evidence_.log_class.setZero(rows, columns);
+    evidence_.log_same_print.setZero(rows, columns);
     evidence_.offset.setZero(rows, columns);
     evidence_.achromatic.setConstant(rows, columns, false);
     evidence_.similarity.setConstant(rows, columns, std::numeric_limits<double>::quiet_NaN());
@@ -212,8 +213,7 @@ class PairComparer {
         evidence_.log_proximity(o, k) = log_offset(o, k, found.offset_m);
       const bool same_side = view.in_place && is_same_side(view.towards_camera, towards);
       if (same_side && ratio < 0 && !observation.partial && !object.partial)
-        evidence_.log_proximity(o, k) =
-            std::max(-kMaxEvidence, evidence_.log_proximity(o, k) + kParameters.other_print);
+        evidence_.log_same_print(o, k) = kParameters.other_print;
       if (best && ratio <= *best) continue;
       best = ratio;
       texture_.distance(o, k) =

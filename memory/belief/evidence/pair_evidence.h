@@ -23,7 +23,8 @@ struct PairEvidence {
   PairTable similarity;  ///< the dissertation's, in [0,1]; NaN = nothing comparable
   PairTable log_similar, log_proximity;
   Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> achromatic;  ///< both are
-  PairTable log_size, log_class;    ///< parts of log_similar that are due to these; 0 = not comparable
+  PairTable log_size, log_class;  ///< parts of log_similar that are due to these; 0 = not comparable
+  PairTable log_same_print;       ///< of staying unchanged: whether the same side shows the print that it had
   std::vector<TrackerVotes> votes;  ///< per observation
   std::vector<std::optional<size_t>>
       settled;  ///< per observation: row of the object that the arbiter assigned

@@ -45,6 +45,7 @@ TEST(Serialization, RefusesBytesThatEndTooEarly) {
   expect_refused_when_cut(to_bytes(example.state), state_from_bytes);
   expect_refused_when_cut(to_bytes(example.state.objects.at(0)), object_from_bytes);
   expect_refused_when_cut(to_bytes(example.reasoning), reasoning_from_bytes);
+  expect_refused_when_cut(to_bytes(print_on({}, 1)), texture_from_bytes);
 }
 
 TEST(Serialization, NumbersComeBackBitByBit) {
