@@ -187,7 +187,7 @@ class PairComparer {
     const Vector3d towards = towards_camera(observation, scene_);
     for (const TextureView& view : object.textures)
       if (view.in_place && is_same_side(view.towards_camera, towards) &&
-          texture_log_ratio(match(view, observation), view.texture, observation.texture) < 0)
+          is_another_print(match(view, observation), view.texture, observation.texture))
         return true;
     return false;
   }
@@ -211,8 +211,9 @@ class PairComparer {
       const double ratio = texture_log_ratio(found, view.texture, observation.texture);
       if (found.agreeing >= kTellingKeypoints && view.in_place)
         evidence_.log_proximity(o, k) = log_offset(o, k, found.offset_m);
-      const bool same_side = view.in_place && is_same_side(view.towards_camera, towards);
-      if (same_side && ratio < 0 && !observation.partial && !object.partial)
+      const bool whole = !observation.partial && !object.partial;
+      if (whole && view.in_place && is_same_side(view.towards_camera, towards) &&
+          is_another_print(found, view.texture, observation.texture))
         evidence_.log_same_print(o, k) = kParameters.other_print;
       if (best && ratio <= *best) continue;
       best = ratio;

@@ -171,6 +171,11 @@ double texture_log_ratio(const TextureMatch& match, const Texture& a, const Text
   return kRatios[std::min(kRatios.size() - 1, static_cast<size_t>(match.agreeing))];
 }
 
+bool is_another_print(const TextureMatch& match, const Texture& a, const Texture& b) {
+  constexpr size_t kRich = 30;
+  return std::min(a.size(), b.size()) >= kRich && texture_log_ratio(match, a, b) < 0;
+}
+
 Vector3d towards_camera(const Observation& observation, const Scene& scene) {
   return (scene.view.map_from_camera.translation() - observation.box.centre).normalized();
 }

@@ -22,6 +22,9 @@ double texture_tolerance(double range_m);
 /// another side. 0 where either shows too few key points to tell.
 double texture_log_ratio(const TextureMatch& match, const Texture& a, const Texture& b);
 
+/// Whether two views of one side show different prints: both have so many key points that some would agree.
+bool is_another_print(const TextureMatch& match, const Texture& a, const Texture& b);
+
 /// Direction from an observation to the camera, map frame.
 Vector3d towards_camera(const Observation& observation, const Scene& scene);
 /// Whether an object that did not move shows the same side in these directions.
