@@ -502,6 +502,12 @@ class Photographer {
 
 }  // namespace
 
+void Orthophoto::drop_evidence() {
+  views.clear();
+  layers.clear();
+  for (cv::Mat* image : {&weight, &relief_sd, &slope_sd}) image->release();
+}
+
 LayerScaling Orthophoto::scaling(const PhotoView& view, double depth) const {
   const double scale = view.camera.z() / (view.camera.z() - depth);
   return {scale, (1 - scale) * column(view.camera.x()), (1 - scale) * row(view.camera.y())};
