@@ -137,12 +137,10 @@ std::optional<PairEquations> equations_of(const View& from, const View& to, cons
   return result;
 }
 
-/// Offsets are small and smooth; where nothing is measured they follow their neighbours. Their mean is zero: a
-/// constant turns planes into planes, and pairs hardly tell it from motion.
+/// Offsets are small and smooth; where nothing is measured they follow their neighbours.
 void add_prior(Equations& equations) {
-  constexpr double kSize = 0.005, kBend = 0.0006, kMean = 1e-5;  // 1/m
+  constexpr double kSize = 0.005, kBend = 0.0006;  // 1/m
   equations.hessian.diagonal().array() += 1 / (kSize * kSize);
-  equations.hessian.array() += 1 / (kMean * kMean * kNodes * kNodes);
   const auto bend = [&](int a, int b, int c) {
     const std::array<std::pair<int, double>, 3> row = {{{a, 1.0}, {b, -2.0}, {c, 1.0}}};
     for (const auto& [i, x] : row)
