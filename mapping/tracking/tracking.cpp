@@ -125,7 +125,9 @@ TrackingResult track(const Recording& recording, const TrackingOptions& options,
   result.map_frame = options.refine ? info.map_frame : "first_camera";
   result.keyframes = tracker.map_from_keyframes().size();
   result.loops = tracker.loops();
-  result.depth_offsets = calibration.offsets;
+  // A constant turns planes into planes: pairs of views hardly tell it from motion.
+  if (!calibration.offsets.empty())
+    result.depth_offsets = calibration.offsets - cv::mean(calibration.offsets)[0];
   result.depth_offset = calibration.rms;
   result.still = stands_still(result.frames);
   if (result.still)

@@ -41,9 +41,9 @@ struct TrackingResult {
   size_t loops = 0;    ///< places recognised by their appearance
   bool still = false;  ///< the camera stands still: all good frames have the same pose
   /// The depth camera's fixed error: measured minus true inverse depth (CV_32F, 1/m), over the depth image at
-  /// a lower resolution. It was found and undone; empty = none.
+  /// a lower resolution, without its mean, which is hardly known; empty = none found.
   cv::Mat depth_offsets;
-  double depth_offset = 0;  ///< RMS of it
+  double depth_offset = 0;  ///< RMS of what tracking leaves out, mean included
   double seconds = 0;
   double cpu_seconds = 0;
 

@@ -255,7 +255,7 @@ double depth_difference(const Recording& a, const Recording& b, size_t number) {
 
 TEST(Tracking, WhatIsTrackedIsReadWithoutTheFixedError) {
   Room distorted(walk(80)), straight(walk(80));
-  distorted.distortion_ = 0.004;
+  distorted.distortion_ = -0.004;
   const TrackingResult result = tracked(distorted);
   Warnings warnings;
   const auto corrected = with_tracked_poses(std::make_unique<Room>(distorted), result, false, warnings);
