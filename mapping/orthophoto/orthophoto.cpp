@@ -35,7 +35,6 @@ double view_quality(const RgbdCamera& camera, const Isometry3d& camera_from_face
 struct Candidate {
   size_t number = 0;
   Isometry3d face_from_camera = Isometry3d::Identity();
-  double votes = 0;
 };
 
 /// Where the plane is for a frame: depth = offset + tilt_u · (u − mean_u) + tilt_v · (v − mean_v), and a
@@ -128,11 +127,10 @@ class Photographer {
   }
 
  private:
-  void choose_frames() {
-    std::vector<Candidate> all;
-    for (size_t i = 0; i < map_from_camera_.size(); ++i)
-      if (const auto& pose = map_from_camera_[i]) all.push_back({i, face_from_camera(photo_.face, *pose), 0});
+  /// Numbers of the frames that show each place of the face best.
+  std::vector<std::vector<size_t>> best_views(const std::vector<Candidate>& all) const {
     const FurnitureFace& face = photo_.face;
+    std::vector<std::vector<size_t>> best;
     for (double u = face.u_min; u <= face.u_max; u += kPhoto.probe_m)
       for (double v = face.v_min; v <= face.v_max; v += kPhoto.probe_m) {
         std::vector<std::pair<double, size_t>> views;
@@ -142,13 +140,35 @@ class Photographer {
           if (quality > 0) views.emplace_back(-quality, i);
         }
         std::sort(views.begin(), views.end());
-        for (size_t k = 0; k < std::min(kPhoto.frames_per_probe, views.size()); ++k)
-          all[views[k].second].votes += 1;
+        views.resize(std::min(kPhoto.frames_per_probe, views.size()));
+        best.emplace_back();
+        for (const auto& [quality, i] : views) best.back().push_back(i);
       }
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.votes > b.votes; });
-    for (const Candidate& one : all)
-      if (one.votes > 0 && candidates_.size() < kPhoto.max_frames) candidates_.push_back(one);
+    return best;
+  }
+
+  /// One by one the frames that show most places best. Places count less the more frames are chosen of them:
+  /// in a video, where many show the same, none is left without.
+  void choose_frames() {
+    std::vector<Candidate> all;
+    for (size_t i = 0; i < map_from_camera_.size(); ++i)
+      if (const auto& pose = map_from_camera_[i]) all.push_back({i, face_from_camera(photo_.face, *pose)});
+    const std::vector<std::vector<size_t>> best = best_views(all);
+    std::vector<double> shown(best.size(), 0);
+    std::vector<bool> is_chosen(all.size(), false);
+    while (candidates_.size() < kPhoto.max_frames) {
+      std::vector<double> gains(all.size(), 0);
+      for (size_t place = 0; place < best.size(); ++place)
+        for (const size_t i : best[place])
+          if (!is_chosen[i]) gains[i] += 1 / (1 + shown[place]);
+      const auto most = std::max_element(gains.begin(), gains.end());
+      if (most == gains.end() || *most == 0) break;
+      const auto next = static_cast<size_t>(most - gains.begin());
+      is_chosen[next] = true;
+      candidates_.push_back(all[next]);
+      for (size_t place = 0; place < best.size(); ++place)
+        shown[place] += static_cast<double>(std::count(best[place].begin(), best[place].end(), next));
+    }
     std::sort(candidates_.begin(), candidates_.end(),
               [](const Candidate& a, const Candidate& b) { return a.number < b.number; });
   }
@@ -501,6 +521,12 @@ class Photographer {
 };
 
 }  // namespace
+
+void Orthophoto::drop_evidence() {
+  views.clear();
+  layers.clear();
+  for (cv::Mat* image : {&weight, &relief_sd, &slope_sd}) image->release();
+}
 
 LayerScaling Orthophoto::scaling(const PhotoView& view, double depth) const {
   const double scale = view.camera.z() / (view.camera.z() - depth);

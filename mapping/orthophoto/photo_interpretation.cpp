@@ -189,7 +189,7 @@ std::vector<PhotographedFace> interpret_photos(const Recording& recording, int t
     PhotoFrontSearch found = find_photo_fronts(one.photo, known_fixtures(map.fronts, one.photo));
     one.fronts = std::move(found.fronts);
     ribs.insert(ribs.end(), found.ribs.begin(), found.ribs.end());
-    one.photo.views.clear();
+    one.photo.drop_evidence();
     if (!one.photo.frames.empty()) faces.push_back(std::move(one));
     progress.check(0.1 + 0.9 * static_cast<double>(i + 1) / static_cast<double>(planes.size()),
                    "orthophotos");

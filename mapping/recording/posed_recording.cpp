@@ -3,21 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <opencv2/imgproc.hpp>
 
 namespace loci::mapping {
 namespace {
 
-using Poses = std::vector<std::optional<Isometry3d>>;
-
-/// Another recording with changed poses and info.
+/// Another recording with other info, and a change to each frame.
 class ChangedRecording : public Recording {
  public:
-  ChangedRecording(std::unique_ptr<Recording> recording, RecordingInfo info, Poses poses,
-                   const Isometry3d& frame_from_map)
-      : recording_(std::move(recording)),
-        info_(std::move(info)),
-        poses_(std::move(poses)),
-        frame_from_map_(frame_from_map) {}
+  using Change = std::function<void(RgbdFrame& frame, size_t number)>;
+
+  ChangedRecording(std::unique_ptr<Recording> recording, RecordingInfo info, Change change)
+      : recording_(std::move(recording)), info_(std::move(info)), change_(std::move(change)) {}
 
   const RecordingInfo& info() const override { return info_; }
   size_t size() const override { return recording_->size(); }
@@ -26,21 +24,20 @@ class ChangedRecording : public Recording {
   std::string name_of(size_t i) const override { return recording_->name_of(i); }
   RgbdFrame frame(size_t i) const override {
     RgbdFrame frame = recording_->frame(i);
-    if (!poses_.empty()) frame.map_from_camera = poses_.at(i);
-    if (frame.map_from_camera) frame.map_from_camera = frame_from_map_ * *frame.map_from_camera;
+    change_(frame, i);
     return frame;
   }
 
  private:
   std::unique_ptr<Recording> recording_;
   RecordingInfo info_;
-  Poses poses_;  ///< empty = those of the recording
-  Isometry3d frame_from_map_;
+  Change change_;
 };
 
 }  // namespace
 
-std::unique_ptr<Recording> with_poses(std::unique_ptr<Recording> recording, Poses map_from_camera,
+std::unique_ptr<Recording> with_poses(std::unique_ptr<Recording> recording,
+                                      std::vector<std::optional<Isometry3d>> map_from_camera,
                                       std::string map_frame, bool is_levelled) {
   RecordingInfo info = recording->info();
   if (map_from_camera.size() != recording->size())
@@ -58,8 +55,9 @@ std::unique_ptr<Recording> with_poses(std::unique_ptr<Recording> recording, Pose
   if (info.frames_with_pose < info.frames)
     info.problems.push_back(
         fmt::format("{} of {} frames have no pose", info.frames - info.frames_with_pose, info.frames));
-  return std::make_unique<ChangedRecording>(std::move(recording), std::move(info), std::move(map_from_camera),
-                                            Isometry3d::Identity());
+  return std::make_unique<ChangedRecording>(
+      std::move(recording), std::move(info),
+      [poses = std::move(map_from_camera)](RgbdFrame& one, size_t i) { one.map_from_camera = poses[i]; });
 }
 
 std::unique_ptr<Recording> in_frame(std::unique_ptr<Recording> recording, const Isometry3d& frame_from_map,
@@ -68,14 +66,29 @@ std::unique_ptr<Recording> in_frame(std::unique_ptr<Recording> recording, const 
   info.levelled = true;
   if (info.frames_with_pose > 0) info.map_frame = std::move(frame);
   if (!guess.empty()) info.guesses.push_back(guess);
-  return std::make_unique<ChangedRecording>(std::move(recording), std::move(info), Poses(), frame_from_map);
+  return std::make_unique<ChangedRecording>(std::move(recording), std::move(info),
+                                            [frame_from_map](RgbdFrame& one, size_t) {
+                                              if (one.map_from_camera)
+                                                one.map_from_camera = frame_from_map * *one.map_from_camera;
+                                            });
 }
 
 std::unique_ptr<Recording> with_up(std::unique_ptr<Recording> recording, const Vector3d& up_in_camera) {
   RecordingInfo info = recording->info();
   info.up_in_camera = up_in_camera;
-  return std::make_unique<ChangedRecording>(std::move(recording), std::move(info), Poses(),
-                                            Isometry3d::Identity());
+  return std::make_unique<ChangedRecording>(std::move(recording), std::move(info), [](RgbdFrame&, size_t) {});
+}
+
+std::unique_ptr<Recording> without_depth_error(std::unique_ptr<Recording> recording,
+                                               const cv::Mat& inverse_depth_error) {
+  RecordingInfo info = recording->info();
+  cv::Mat error;
+  cv::resize(inverse_depth_error, error, {info.camera.depth.width, info.camera.depth.height});
+  return std::make_unique<ChangedRecording>(
+      std::move(recording), std::move(info), [error](RgbdFrame& one, size_t) {
+        if (one.depth.size() == error.size())
+          cv::divide(one.depth, 1 - one.depth.mul(error), one.depth);  // No measurement, NaN, stays NaN.
+      });
 }
 
 std::unique_ptr<Recording> in_map(std::unique_ptr<Recording> recording,

@@ -22,6 +22,11 @@ std::unique_ptr<Recording> in_frame(std::unique_ptr<Recording> recording, const 
 /// A recording without poses of which is known what is up in its first frame's camera.
 std::unique_ptr<Recording> with_up(std::unique_ptr<Recording> recording, const Vector3d& up_in_camera);
 
+/// A recording without the fixed error of its depth camera: what it measures minus the true inverse depth
+/// (CV_32F, 1/m), over the depth image at any resolution.
+std::unique_ptr<Recording> without_depth_error(std::unique_ptr<Recording> recording,
+                                               const cv::Mat& inverse_depth_error);
+
 /// Poses of a recording's frames from a file, recognised by its content; of the depth camera but for COLMAP:
 ///   TUM        stamp (s) x y z qx qy qz qw, taken at the time of a frame
 ///   KITTI      12 numbers (3 x 4, row by row) per frame

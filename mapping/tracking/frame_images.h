@@ -42,17 +42,16 @@ struct FloatMotion {
   Eigen::Vector3f translation;
 };
 
-/// Bilinear interpolation of a CV_32FC3 image; false outside.
-inline bool interpolated(const cv::Mat& image, const Eigen::Vector2f& pixel, cv::Vec3f& value) {
+/// Bilinear interpolation of an image of floats (or cv::Vec of them); false outside.
+template <class Value>
+bool interpolated(const cv::Mat& image, const Eigen::Vector2f& pixel, Value& value) {
   if (!(pixel.x() >= 0 && pixel.y() >= 0)) return false;
   const auto u = static_cast<int>(pixel.x()), v = static_cast<int>(pixel.y());
   if (u + 1 >= image.cols || v + 1 >= image.rows) return false;
   const float a = pixel.x() - static_cast<float>(u), b = pixel.y() - static_cast<float>(v);
-  const auto* above = image.ptr<cv::Vec3f>(v) + u;
-  const auto* below = image.ptr<cv::Vec3f>(v + 1) + u;
-  for (int k = 0; k < 3; ++k)
-    value[k] =
-        (1 - b) * ((1 - a) * above[0][k] + a * above[1][k]) + b * ((1 - a) * below[0][k] + a * below[1][k]);
+  const auto* above = image.ptr<Value>(v) + u;
+  const auto* below = image.ptr<Value>(v + 1) + u;
+  value = (1 - b) * ((1 - a) * above[0] + a * above[1]) + b * ((1 - a) * below[0] + a * below[1]);
   return true;
 }
 

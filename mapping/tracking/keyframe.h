@@ -16,10 +16,11 @@ struct ModelPoint {
   float intensity = 0;  ///< NaN = unknown
 };
 
-/// A frame whose depth is refined by those that are tracked against it: a piece of the model.
+/// A frame whose depth is refined by those that are tracked against it: a piece of the model. Of the images
+/// it holds what the model is made of, as a walk has hundreds of keyframes.
 class Keyframe {
  public:
-  Keyframe(size_t number, FrameImages images, Features features);
+  Keyframe(size_t number, const FrameImages& images, Features features);
 
   size_t frame() const { return number_; }
   const Features& features() const { return features_; }
@@ -33,9 +34,18 @@ class Keyframe {
  private:
   void rebuild_points();
 
+  struct Intensity {
+    PinholeCamera camera;
+    cv::Mat logarithm;  ///< CV_32F; may be empty
+  };
+
   size_t number_;
-  FrameImages images_;  ///< the finest inverse depth is fused
-  cv::Mat weights_;     ///< CV_32F, in frames
+  PinholeCamera camera_;   ///< of the depth
+  cv::Mat inverse_depth_;  ///< CV_32F, fused
+  cv::Mat normals_;        ///< CV_32FC3
+  cv::Mat weights_;        ///< CV_8U, in frames
+  Isometry3d color_from_depth_;
+  std::vector<Intensity> intensities_;  ///< by level
   Features features_;
   std::vector<std::vector<ModelPoint>> points_;
   int fused_ = 0;

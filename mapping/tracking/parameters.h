@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "mapping/base/math.h"
 
@@ -66,7 +67,7 @@ struct KeyframeParameters {
   double new_below = 0.70;     ///< overlap with the best keyframe
   double new_beyond_m = 0.30;  ///< from the best keyframe
   double new_beyond_rad = 20 * kDegree;
-  float max_weight = 30;           ///< of fused depth, in frames
+  uint8_t max_weight = 30;         ///< of fused depth, in frames
   size_t loop_candidates = 4;      ///< by appearance
   size_t loop_gap = 4;             ///< keyframes between the ends of a loop, at least
   double loop_overlap = 0.4;       ///< of keyframes that may close a loop by their poses

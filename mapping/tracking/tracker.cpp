@@ -316,8 +316,7 @@ FrameResult Tracker::begin_region(PreparedFrame frame) {
       std::count(region_.begin(), region_.end(), region_.back()) == 1) {
     // Nothing was tracked from the last beginning.
     remember(frame, pose, region_.back());
-    keyframes_.back() =
-        std::make_unique<Keyframe>(frame.number, std::move(frame.images), std::move(frame.features));
+    keyframes_.back() = std::make_unique<Keyframe>(frame.number, frame.images, std::move(frame.features));
     return result;
   }
   remember(frame, pose, regions_);
@@ -336,8 +335,7 @@ FrameResult Tracker::begin_region(PreparedFrame frame) {
 void Tracker::add_keyframe(PreparedFrame frame, const Isometry3d& pose, size_t region) {
   const size_t number = keyframes_.size();
   if (frame.given) constraints_.push_back(given_pose(number, *frame.given));
-  keyframes_.push_back(
-      std::make_unique<Keyframe>(frame.number, std::move(frame.images), std::move(frame.features)));
+  keyframes_.push_back(std::make_unique<Keyframe>(frame.number, frame.images, std::move(frame.features)));
   map_from_keyframes_.push_back(pose);
   region_.push_back(region);
   part_.push_back(number);

@@ -125,6 +125,9 @@ TrackingResult track(const Recording& recording, const TrackingOptions& options,
   result.map_frame = options.refine ? info.map_frame : "first_camera";
   result.keyframes = tracker.map_from_keyframes().size();
   result.loops = tracker.loops();
+  // A constant turns planes into planes: pairs of views hardly tell it from motion.
+  if (!calibration.offsets.empty())
+    result.depth_offsets = calibration.offsets - cv::mean(calibration.offsets)[0];
   result.depth_offset = calibration.rms;
   result.still = stands_still(result.frames);
   if (result.still)
@@ -151,6 +154,8 @@ std::unique_ptr<Recording> with_tracked_poses(std::unique_ptr<Recording> recordi
   else
     up.reset();
   const bool is_levelled = refined && recording->info().levelled;
+  if (!result.depth_offsets.empty())
+    recording = without_depth_error(std::move(recording), result.depth_offsets);
   auto poses = result.poses(recording->size());
   recording = with_poses(std::move(recording), std::move(poses), result.map_frame, is_levelled);
   if (refined) return recording;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,8 +40,10 @@ struct TrackingResult {
   size_t keyframes = 0;
   size_t loops = 0;    ///< places recognised by their appearance
   bool still = false;  ///< the camera stands still: all good frames have the same pose
-  /// RMS of the depth camera's fixed error, in inverse depth (1/m), that was found and undone; 0 = none.
-  double depth_offset = 0;
+  /// The depth camera's fixed error: measured minus true inverse depth (CV_32F, 1/m), over the depth image at
+  /// a lower resolution, without its mean, which is hardly known; empty = none found.
+  cv::Mat depth_offsets;
+  double depth_offset = 0;  ///< RMS of what tracking leaves out, mean included
   double seconds = 0;
   double cpu_seconds = 0;
 
@@ -60,9 +63,10 @@ TrackingResult track(const Recording& recording, const TrackingOptions& options,
 /// Error when fewer than a tenth of the frames are good, with the reasons.
 void require_usable(const TrackingResult& result, const std::string& path);
 
-/// The recording with the poses of its tracking. Refined poses stay in their frame; others come into the
-/// frame "odom", at the first camera and z up. With a warning, and not levelled, where neither the recording
-/// nor a plane in view says which way is up.
+/// The recording with the poses of its tracking, and without the fixed error of its depth that tracking has
+/// found: at 4 m it is several centimetres, and what is seen from far alone would lie beside itself. Refined
+/// poses stay in their frame; others come into the frame "odom", at the first camera and z up. With a
+/// warning, and not levelled, where neither the recording nor a plane in view says which way is up.
 std::unique_ptr<Recording> with_tracked_poses(std::unique_ptr<Recording> recording,
                                               const TrackingResult& result, bool refined, Warnings& warnings);
 

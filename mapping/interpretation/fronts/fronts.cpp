@@ -198,15 +198,13 @@ FrontSearch find_fronts(const Surface& surface, double floor_height, const WallS
   std::vector<FurnitureFace>& faces = search.faces;
   for (FurnitureFace& face : faces) face.wall = is_wall(face, vertical.walls);
   progress.check(0.2, "furniture faces");
-  std::vector<FaceRays> rays(faces.size());
-  parallel_for(faces.size(), options.threads, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) rays[i] = gather_rays(surface, faces[i], floor_height);
-  });
-  progress.check(0.5, "furniture fronts");
-  std::vector<FaceResult> results(rays.size());
+  // One face at a time: the rays of all of them take more memory than the scans.
+  std::vector<FaceResult> results(faces.size());
   const Random random(kFronts.seed);
-  parallel_for(rays.size(), options.threads, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) results[i] = interpret_face(rays[i], faces[i].wall, random.fork(i));
+  parallel_for(faces.size(), options.threads, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      results[i] =
+          interpret_face(gather_rays(surface, faces[i], floor_height), faces[i].wall, random.fork(i));
   });
   for (const FaceResult& result : results)
     search.ribs.insert(search.ribs.end(), result.ribs.begin(), result.ribs.end());

@@ -69,35 +69,39 @@ size_t level_at(float range) {
   return range < 1.8F ? 0 : range < 3.0F ? 1 : 2;
 }
 
-struct Part {
-  std::vector<SurfacePoint> points;
-  std::vector<std::pair<Eigen::Vector3f, uint32_t>> free_ends;
+/// Where the points of a scan and its ends of rays without return begin in the surface.
+struct Begin {
+  size_t point = 0, free_end = 0;
+  uint32_t origin = 0;
 };
 
-Part gather_scan(const Scan& scan, uint16_t number, uint32_t first_origin, bool free_space) {
-  Part part;
-  part.points.reserve(scan.points.size());
+void gather_scan(const Scan& scan, uint16_t number, Begin next, Surface& surface) {
   std::vector<MomentGrid> grids;
   for (const double size : kNormals.cell_sizes_m) grids.emplace_back(scan, size);
   const Eigen::Isometry3f map_from_scan = scan.map_from_scan.cast<float>();
   for (const ScanPoint& point : scan.points) {
-    const uint32_t origin = first_origin + point.origin_index;
+    const uint32_t origin = next.origin + point.origin_index;
     if (!point.returned) {
-      part.free_ends.emplace_back(map_from_scan * point.position, origin);
+      surface.free_ends[next.free_end++] = {map_from_scan * point.position, origin};
       continue;
     }
-    const Eigen::Vector3f to_origin = free_space
+    const Eigen::Vector3f to_origin = surface.free_space
                                           ? Eigen::Vector3f(scan.origins[point.origin_index] - point.position)
                                           : Eigen::Vector3f::Zero();
     Eigen::Vector3f normal = Eigen::Vector3f::Zero();
-    for (size_t level = free_space ? level_at(to_origin.norm()) : 0; level < grids.size() && normal.isZero();
-         ++level)
+    for (size_t level = surface.free_space ? level_at(to_origin.norm()) : 0;
+         level < grids.size() && normal.isZero(); ++level)
       normal = grids[level].normal(point.position);
     if (normal.dot(to_origin) < 0) normal = -normal;
-    part.points.push_back({map_from_scan * point.position, map_from_scan.linear() * normal, number, origin,
-                           point.intensity, point.r, point.g, point.b});
+    surface.points[next.point++] = {map_from_scan * point.position,
+                                    map_from_scan.linear() * normal,
+                                    number,
+                                    origin,
+                                    point.intensity,
+                                    point.r,
+                                    point.g,
+                                    point.b};
   }
-  return part;
 }
 
 /// Without origins, normals of horizontal surfaces point up, others to the centroid of the points.
@@ -120,32 +124,23 @@ Surface gather_surface(const ScanSet& scans, int threads, Progress& progress) {
       scans.free_space && std::none_of(scans.scans.begin(), scans.scans.end(),
                                        [](const Scan& scan) { return scan.origins.empty(); });
   surface.scans = scans.scans.size();
-  std::vector<uint32_t> first_origin;
+  std::vector<Begin> begins;
+  Begin end;
   for (const Scan& scan : scans.scans) {
-    first_origin.push_back(static_cast<uint32_t>(surface.origins.size()));
+    begins.push_back(end);
     for (const Eigen::Vector3f& origin : scan.origins)
       surface.origins.push_back((scan.map_from_scan * origin.cast<double>()).cast<float>());
-    surface.scan_of_origin.resize(surface.origins.size(), static_cast<uint16_t>(first_origin.size() - 1));
+    surface.scan_of_origin.resize(surface.origins.size(), static_cast<uint16_t>(begins.size() - 1));
+    end.origin = static_cast<uint32_t>(surface.origins.size());
+    for (const ScanPoint& point : scan.points) ++(point.returned ? end.point : end.free_end);
   }
   progress.check(0, "surface normals");
-  std::vector<Part> parts(scans.scans.size());
-  parallel_for(parts.size(), threads, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i)
-      parts[i] = gather_scan(scans.scans[i], static_cast<uint16_t>(i), first_origin[i], surface.free_space);
+  surface.points.resize(end.point);
+  surface.free_ends.resize(end.free_end);
+  parallel_for(begins.size(), threads, [&](size_t first, size_t last) {
+    for (size_t i = first; i < last; ++i)
+      gather_scan(scans.scans[i], static_cast<uint16_t>(i), begins[i], surface);
   });
-  size_t points = 0;
-  size_t free_ends = 0;
-  for (const Part& part : parts) {
-    points += part.points.size();
-    free_ends += part.free_ends.size();
-  }
-  surface.points.reserve(points);
-  surface.free_ends.reserve(free_ends);
-  for (Part& part : parts) {
-    surface.points.insert(surface.points.end(), part.points.begin(), part.points.end());
-    surface.free_ends.insert(surface.free_ends.end(), part.free_ends.begin(), part.free_ends.end());
-    part = {};
-  }
   if (!surface.free_space && !surface.points.empty()) orient_without_origins(surface);
   return surface;
 }

@@ -88,6 +88,43 @@ TEST(Orthophoto, WithoutFramesIsEmpty) {
   EXPECT_TRUE(find_photo_fronts(photo).fronts.empty());
 }
 
+/// A video of the painted face, from 1.6 m before it: 60 frames along most of it, 8 of its left end alone.
+class Video : public Recording {
+ public:
+  Video() {
+    info_.frames = 68;
+    info_.camera.depth = info_.camera.color = {160, 120, 292, 292, 80, 60};
+  }
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return info_.frames; }
+  TimeNs time_of(size_t i) const override { return static_cast<TimeNs>(i) * kSecond / 30; }
+  int64_t index_of(size_t i) const override { return static_cast<int64_t>(i); }
+  RgbdFrame frame(size_t i) const override {
+    RgbdFrame frame;
+    frame.camera = info_.camera;
+    frame.depth = cv::Mat(120, 160, CV_32F, cv::Scalar(1.6));
+    frame.color = cv::Mat(120, 160, CV_8UC3);
+    cv::RNG(static_cast<uint64_t>(i)).fill(frame.color, cv::RNG::UNIFORM, 100, 200);
+    Isometry3d pose = Isometry3d::Identity();
+    pose.linear() << 0, 0, -1, 1, 0, 0, 0, -1, 0;
+    pose.translation() = Vector3d(1.6, i < 60 ? -0.3 + 0.0175 * static_cast<double>(i) : -1.01, 0.5);
+    frame.map_from_camera = pose;
+    return frame;
+  }
+
+ private:
+  RecordingInfo info_;
+};
+
+TEST(Orthophoto, LeavesNoPartOfAFaceWithoutFrames) {
+  const Orthophoto photo = photo_of(Video());
+  const auto seen = [&](double u) {
+    return photo.weight.at<float>(static_cast<int>(photo.row(0.5)), static_cast<int>(photo.column(u))) > 0;
+  };
+  EXPECT_TRUE(seen(0.5));
+  EXPECT_TRUE(seen(-0.745));
+}
+
 std::vector<FurnitureFace> parts_of(const Recording& recording) {
   std::vector<std::optional<Isometry3d>> poses;
   for (size_t i = 0; i < recording.size(); ++i) poses.push_back(recording.frame(i).map_from_camera);

@@ -246,6 +246,22 @@ TEST(Tracking, TheFixedErrorOfTheDepthCameraIsFoundAndUndone) {
   EXPECT_EQ(tracked(Room(walk(20))).depth_offset, 0);
 }
 
+/// Mean absolute difference of the measured inverse depths, in 1/m.
+double depth_difference(const Recording& a, const Recording& b, size_t number) {
+  const cv::Mat first = a.frame(number).depth, second = b.frame(number).depth;
+  const cv::Mat both = (first == first) & (second == second);
+  return cv::mean(cv::abs(1 / first - 1 / second), both)[0];
+}
+
+TEST(Tracking, WhatIsTrackedIsReadWithoutTheFixedError) {
+  Room distorted(walk(80)), straight(walk(80));
+  distorted.distortion_ = -0.004;
+  const TrackingResult result = tracked(distorted);
+  Warnings warnings;
+  const auto corrected = with_tracked_poses(std::make_unique<Room>(distorted), result, false, warnings);
+  EXPECT_LT(depth_difference(*corrected, straight, 40), 0.4 * depth_difference(distorted, straight, 40));
+}
+
 TEST(Tracking, AFewCentimetresAreEnoughToFindTheFixedError) {
   Room room(walk(30));
   room.distortion_ = 0.004;
