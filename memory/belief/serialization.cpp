@@ -601,7 +601,7 @@ ProtoObject object_from_bytes(std::string_view bytes) {
   check(message.surface_size() % 3 == 0, "surface");
   for (int i = 0; i < message.surface_size(); i += 3)
     object.surface.emplace_back(message.surface(i), message.surface(i + 1), message.surface(i + 2));
-  object.surface_camera = Codec::read(message.surface_camera());
+  if (message.has_surface_camera()) object.surface_camera = Codec::read(message.surface_camera());
   return object;
 }
 
