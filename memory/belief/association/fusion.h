@@ -23,7 +23,6 @@ void set_place(ProtoObject& object, const std::string& place, const Scene& scene
 void store_view(ProtoObject& object, const Observation& observation, const Scene& scene,
                 const BeliefOptions& options, const Corrections& corrections, bool position_confirmed);
 
-/// Most probable class over the stored views; empty = not classified.
 /// Adds what is seen of the surface; what is hidden now is kept unless the object moved.
 void store_surface(ProtoObject& object, const Surface& seen, const std::vector<PointState>& before,
                    const Scene& scene, bool moved);
@@ -33,6 +32,7 @@ void store_surface(ProtoObject& object, const Surface& seen, const std::vector<P
 void store_texture(ProtoObject& object, const Observation& observation, const Scene& scene, bool moved,
                    bool learn);
 
+/// Most probable class over the stored views; empty = not classified.
 std::string most_probable_class(const ProtoObject& object);
 
 }  // namespace loci::memory::belief
