@@ -26,8 +26,7 @@ struct Parameters {
                                    ///< its distance in seconds, from this up to 1
 
   // Position evidence
-  double max_log_evidence = 30;       ///< of one pair: no sensor model is exact beyond
-  double max_texture_evidence = 6.5;  ///< the most that texture_log_ratio() gives
+  double max_log_evidence = 30;    ///< of one pair: no sensor model is exact beyond
   double other_print = -3;         ///< log ratio of staying unchanged where the same side shows another print
   double joined_cluster = 0.1;     ///< share of clusters that hold parts of other objects
   double vertical_noise_m = 0.01;  ///< heights vary with the segmentation of the supporting surface

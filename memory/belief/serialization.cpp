@@ -600,7 +600,10 @@ ProtoObject object_from_bytes(std::string_view bytes) {
   Codec::read_all(message.textures(), object.textures);
   check(message.surface_size() % 3 == 0, "surface");
   for (int i = 0; i < message.surface_size(); i += 3)
-    object.surface.emplace_back(message.surface(i), message.surface(i + 1), message.surface(i + 2));
+    object.surface.push_back(Vector3d(finite(message.surface(i), "surface"),
+                                      finite(message.surface(i + 1), "surface"),
+                                      finite(message.surface(i + 2), "surface"))
+                                 .cast<float>());
   if (message.has_surface_camera()) object.surface_camera = Codec::read(message.surface_camera());
   return object;
 }

@@ -134,8 +134,7 @@ class PairComparer {
       if (!evidence_.settled[size_t(k)]) open.push_back(k);
     if (!open.empty())
       for (const Eigen::Index o : elsewhere) compare(o, open);
-    for (Eigen::Index o = 0; o < evidence_.offset.rows(); ++o)
-      for (const Eigen::Index k : open) compare_textures(o, k);
+    for (Eigen::Index o = 0; o < evidence_.offset.rows(); ++o) compare_textures(o, open);
     evidence_.distances.push_back(std::move(texture_));
     std::erase_if(evidence_.distances,
                   [](const PairEvidence::Distances& d) { return d.distance.array().isNaN().all(); });
@@ -174,11 +173,9 @@ class PairComparer {
       if (comparisons()[i].kind == "class") evidence_.log_class(o, k) = similar.parts[i].log_ratio;
     }
     const PositionNoise noise = position_noise(object, p, observation, noise_weights_, options_);
-    const double displaced = displaced_share(p.surface).value_or(0);
-    evidence_.log_proximity(o, k) =
-        std::clamp(log_proximity(believed, noise, object.partial, observation, position_options_) +
-                       surface_log_ratio(displaced),
-                   -kMaxEvidence, kMaxEvidence);
+    evidence_.log_proximity(o, k) = std::clamp(
+        log_proximity(believed, noise, object.partial, observation, position_options_) + p.log_surface,
+        -kMaxEvidence, kMaxEvidence);
   }
 
   /// Whether a snapshot shows the side of an object whose print is known, and the print is another one.
@@ -187,27 +184,37 @@ class PairComparer {
     const Vector3d towards = towards_camera(observation, scene_);
     for (const TextureView& view : object.textures)
       if (view.in_place && is_same_side(view.towards_camera, towards) &&
-          is_another_print(match(view, observation), view.texture, observation.texture))
+          is_another_print(match(texture_in_map(view, scene_.places), view.range, observation), view.texture,
+                           observation.texture))
         return true;
     return false;
   }
 
-  TextureMatch match(const TextureView& view, const Observation& observation) const {
-    return match_textures(texture_in_map(view, scene_.places), observation.texture,
-                          texture_tolerance(std::max(view.range, observation.range)));
+  static TextureMatch match(const Texture& in_map, double range, const Observation& observation) {
+    return match_textures(in_map, observation.texture, texture_tolerance(std::max(range, observation.range)));
   }
 
   /// Key points are compared last, and only where the rest leaves it open: they cost most.
-  void compare_textures(Eigen::Index o, Eigen::Index k) {
+  void compare_textures(Eigen::Index o, const std::vector<Eigen::Index>& columns) {
+    std::vector<Texture> in_map;
+    for (const TextureView& view : state_.objects[size_t(o)].textures)
+      in_map.push_back(texture_in_map(view, scene_.places));
+    for (const Eigen::Index k : columns)
+      if (!scene_.observations[size_t(k)].texture.empty() &&
+          evidence_.log_similar(o, k) >= -kMaxTextureLogRatio)
+        compare_textures(o, k, in_map);
+  }
+
+  /// `in_map`: the object's textures.
+  void compare_textures(Eigen::Index o, Eigen::Index k, const std::vector<Texture>& in_map) {
     const ProtoObject& object = state_.objects[size_t(o)];
     const Observation& observation = scene_.observations[size_t(k)];
     double& similar = evidence_.log_similar(o, k);
-    if (similar < -kParameters.max_texture_evidence) return;
     const Vector3d towards = towards_camera(observation, scene_);
     std::optional<double> best;
-    for (const TextureView& view : object.textures) {
-      if (view.texture.empty() || observation.texture.empty()) continue;
-      const TextureMatch found = match(view, observation);
+    for (size_t i = 0; i < in_map.size(); ++i) {
+      const TextureView& view = object.textures[i];
+      const TextureMatch found = match(in_map[i], view.range, observation);
       const double ratio = texture_log_ratio(found, view.texture, observation.texture);
       if (found.agreeing >= kTellingKeypoints && view.in_place)
         evidence_.log_proximity(o, k) = log_offset(o, k, found.offset_m);

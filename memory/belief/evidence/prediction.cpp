@@ -153,11 +153,13 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
       p.seen.visibility = {.out_of_view = 1};
       std::ranges::fill(p.seen.occupied_by, 0.0);
     }
-    if (timing.snapshot && !object.surface.empty())
-      p.surface = observe_surface(
-          scene.view, surface_in_map(object, scene.places),
-          std::sqrt(view_change_variance(object.surface_camera, scene.view.map_from_camera, 0, options)),
-          options.visibility);
+    if (timing.snapshot && !object.surface.empty()) {
+      const double pose_variance =
+          view_change_variance(object.surface_camera, scene.view.map_from_camera, 0, options);
+      p.surface = observe_surface(scene.view, surface_in_map(object, scene.places), std::sqrt(pose_variance),
+                                  options.visibility);
+      p.log_surface = surface_log_ratio(displaced_share(p.surface).value_or(0));
+    }
     // Without a size the sampled box is the uncertainty of the position. Nothing is certainly out of view.
     constexpr double kMinInView = 1e-3;
     p.undetectable = object.has_size ? undetectable(p.seen.visibility)

@@ -31,6 +31,7 @@ struct Prediction {
   double here = 1;     ///< probability of still being there
   BoxVisibility seen;  ///< what observing its spot showed
   std::vector<PointState> surface;  ///< what became of the points of its surface, between snapshots
+  double log_surface = 0;           ///< surface_log_ratio() of it
   /// Probability of having been put down, unseen since, on each place of the scene (`PlaceView`).
   std::vector<double> moved_to;
   double carried_off = 0;   ///< probability

@@ -167,7 +167,7 @@ double texture_tolerance(double range_m) {
 double texture_log_ratio(const TextureMatch& match, const Texture& a, const Texture& b) {
   if (a.size() < kMinKeypoints || b.size() < kMinKeypoints) return 0;
   // By how many agree, from labelled views of objects on a table that were moved and turned between them.
-  constexpr std::array kRatios{-0.7, -0.7, -0.7, 1.6, 2.8, 3.5, 4.5, 5.5, 6.5};
+  constexpr std::array kRatios{-0.7, -0.7, -0.7, 1.6, 2.8, 3.5, 4.5, 5.5, kMaxTextureLogRatio};
   return kRatios[std::min(kRatios.size() - 1, static_cast<size_t>(match.agreeing))];
 }
 

@@ -20,6 +20,7 @@ double texture_tolerance(double range_m);
 
 /// Log-likelihood ratio "same object" against "unrelated objects". That nothing agrees says little: it may be
 /// another side. 0 where either shows too few key points to tell.
+inline constexpr double kMaxTextureLogRatio = 6.5;
 double texture_log_ratio(const TextureMatch& match, const Texture& a, const Texture& b);
 
 /// Whether two views of one side show different prints: both have so many key points that some would agree.

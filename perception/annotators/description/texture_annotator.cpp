@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "mapping/base/math.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
 
@@ -44,10 +45,7 @@ ObjectImage object_image(const types::SceneCas& scene, const types::StandaloneIm
                           static_cast<int>(std::lround(at.y())) - region.y);
     if (cv::Rect({}, object.point.size()).contains(pixel)) object.point.at<int>(pixel) = static_cast<int>(i);
   }
-  if (depths.empty()) return object;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  object.range = *middle;
+  if (!depths.empty()) object.range = median(std::move(depths));
   return object;
 }
 
