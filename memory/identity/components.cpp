@@ -97,19 +97,6 @@ class Splitter {
     }
   }
 
-  /// The smaller side of the largest connected part.
-  size_t max_side() {
-    const auto m = static_cast<size_t>(log_ratio_.rows()), n = static_cast<size_t>(log_ratio_.cols());
-    if (std::min(m, n) == 0) return 0;
-    const std::vector<size_t> group = groups();
-    std::vector<size_t> rows(m + n, 0), columns(m + n, 0);
-    for (size_t o = 0; o < m; ++o) ++rows[group[o]];
-    for (size_t k = 0; k < n; ++k) ++columns[group[m + k]];
-    size_t largest = 0;
-    for (size_t g = 0; g < m + n; ++g) largest = std::max(largest, std::min(rows[g], columns[g]));
-    return largest;
-  }
-
   IdentityComponents components() {
     const auto m = log_row_.size(), n = log_column_.size();
     const std::vector<size_t> group = groups();
@@ -203,6 +190,7 @@ class Splitter {
         const double ratio = part.transposed ? log_ratio_(column, row) : log_ratio_(row, column);
         part.log_ratio(i, j) = ratio < -700 ? kNever : std::min(ratio, limit);
       }
+    part.order = elimination_order(rows_of_columns(part), part.rows.size());
     return part;
   }
 
@@ -218,18 +206,31 @@ class Splitter {
 
 }  // namespace
 
+std::vector<std::vector<size_t>> rows_of_columns(const IdentityComponent& component) {
+  std::vector<std::vector<size_t>> rows_of(component.columns.size());
+  for (size_t j = 0; j < rows_of.size(); ++j)
+    for (size_t i = 0; i < component.rows.size(); ++i)
+      if (component.log_ratio(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) != kNever)
+        rows_of[j].push_back(i);
+  return rows_of;
+}
+
 IdentityComponents split(const PairTable& log_pair, const std::vector<double>& log_row,
-                         const std::vector<double>& log_column, double budget, size_t max_side) {
+                         const std::vector<double>& log_column, double budget, size_t max_width) {
   Splitter splitter(log_pair, log_row, log_column);
   splitter.gate(budget);
+  IdentityComponents components = splitter.components();
+  const auto is_wide = [&](const IdentityComponent& part) { return part.order.width > max_width; };
   const double most = static_cast<double>(log_pair.size());
-  for (double enlarged = std::max(1.25 * budget, 1e-12); splitter.max_side() > max_side; enlarged *= 1.25) {
+  for (double enlarged = std::max(1.25 * budget, 1e-12);
+       std::any_of(components.parts.begin(), components.parts.end(), is_wide); enlarged *= 1.25) {
     if (enlarged > 4 * most)
-      throw Error("invalid_value: more than " + std::to_string(max_side) +
+      throw Error("invalid_value: more than " + std::to_string(max_width) +
                   " things that must all be matched depend on each other");
     splitter.gate(enlarged);
+    components = splitter.components();
   }
-  return splitter.components();
+  return components;
 }
 
 }  // namespace loci::memory

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "memory/identity/elimination.h"
 #include "memory/identity/problem.h"
 
 namespace loci::memory {
@@ -16,7 +17,11 @@ struct IdentityComponent {
   std::vector<bool> row_free;  ///< may stay unmatched
   std::vector<bool> column_free;
   double log_scale = 0;  ///< log of the product of all scales
+  EliminationOrder order;
 };
+
+/// Per column the rows that it has a pair with.
+std::vector<std::vector<size_t>> rows_of_columns(const IdentityComponent& component);
 
 struct IdentityComponents {
   std::vector<IdentityComponent> parts;  ///< includes single rows and columns only if they must be matched
@@ -25,8 +30,8 @@ struct IdentityComponents {
 };
 
 /// `log_pair` old × new, `log_row` and `log_column` of staying unmatched. Drops pairs by ascending odds
-/// within the budget, and beyond it as long as a part is larger than `max_side` on its smaller side.
+/// within the budget, and beyond it as long as a part's elimination order is wider than `max_width`.
 IdentityComponents split(const PairTable& log_pair, const std::vector<double>& log_row,
-                         const std::vector<double>& log_column, double budget, size_t max_side = 20);
+                         const std::vector<double>& log_column, double budget, size_t max_width = 20);
 
 }  // namespace loci::memory

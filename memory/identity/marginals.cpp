@@ -45,167 +45,235 @@ constexpr AddForward kAddForward[] = {add_forward<1>, add_forward<2>,  add_forwa
 constexpr AddBackward kAddBackward[] = {add_backward<1>, add_backward<2>,  add_backward<4>,
                                         add_backward<8>, add_backward<16>, add_backward<32>};
 
-/// One layer of the recursion: a weight per subset of the rows, divided by its maximum.
+/// A weight per subset of the open rows, divided by their maximum.
 struct Layer {
   std::vector<double> weight;
   double log_scale = 0;
+
+  void normalise() {
+    Eigen::Map<Eigen::ArrayXd> all(weight.data(), static_cast<Eigen::Index>(weight.size()));
+    const double largest = all.maxCoeff();
+    if (!(largest > 0)) throw Error("invalid_value: no matching is possible");
+    all *= 1 / largest;
+    log_scale += std::log(largest);
+  }
 };
+
+/// One column is summed out. Bit b of a subset says that row `open[b]` is taken.
+struct Step {
+  struct Pair {
+    size_t bit;
+    double odds;
+  };
+  size_t column = 0;
+  std::vector<size_t> open;     ///< rows, those that this column opens last
+  std::vector<Pair> pairs;      ///< of this column
+  std::vector<size_t> closing;  ///< bits of rows without further columns, descending
+};
+
+size_t subsets(size_t rows) {
+  return size_t{1} << rows;
+}
+
+/// Subset of one row less, with the row's bit inserted as 0.
+size_t with_gap(size_t subset, size_t bit) {
+  const size_t low = subset & (subsets(bit) - 1);
+  return ((subset - low) << 1) + low;
+}
 
 class SubsetSum {
  public:
   explicit SubsetSum(const IdentityComponent& component) : component_(component) {
-    rows_ = component.rows.size();
-    columns_ = component.columns.size();
-    states_ = size_t{1} << rows_;
-    low_bits_ = std::min(rows_, kBlockBits);
-    block_ = size_t{1} << low_bits_;
-    weights_.resize(rows_ * columns_);
-    for (size_t i = 0; i < rows_; ++i)
-      for (size_t j = 0; j < columns_; ++j)
-        weights_[j * rows_ + i] =
-            std::exp(component.log_ratio(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+    const std::vector<std::vector<size_t>> rows_of = rows_of_columns(component);
+    std::vector<size_t> left(component.rows.size(), 0);
+    for (const std::vector<size_t>& rows : rows_of)
+      for (const size_t row : rows) ++left[row];
+    for (size_t row = 0; row < left.size(); ++row)
+      if (left[row] == 0 && !component.row_free[row]) throw Error("invalid_value: no matching is possible");
+    std::vector<size_t> open;
+    for (const size_t column : component.order.columns)
+      steps_.push_back(step_of(column, rows_of[column], open, left));
   }
 
   ComponentMarginals run() {
     ComponentMarginals result;
-    result.matched.setZero(static_cast<Eigen::Index>(rows_), static_cast<Eigen::Index>(columns_));
-    result.row_alone.assign(rows_, 0);
-    result.column_alone.assign(columns_, 0);
+    result.matched.setZero(static_cast<Eigen::Index>(component_.rows.size()),
+                           static_cast<Eigen::Index>(component_.columns.size()));
+    result.row_alone.assign(component_.rows.size(), 1);
+    result.column_alone.assign(component_.columns.size(), 0);
     forward_checkpoints();
-    Layer backward = last_backward();
-    finish_rows(backward, result);
-    for (size_t j = columns_; j-- > 0;) {
-      const Layer& forward = forward_layer(j);
-      backward = back_step(j, forward, backward, result);
-    }
-    result.log_z += component_.log_scale;
+    log_z_ = last_forward_.log_scale + std::log(last_forward_.weight[0]);
+    Layer backward{{1.0}, 0};
+    for (size_t t = steps_.size(); t-- > 0;) backward = back_step(t, forward_layer(t), backward, result);
+    result.log_z = log_z_ + component_.log_scale;
     return result;
   }
 
  private:
-  double weight(size_t i, size_t j) const { return weights_[j * rows_ + i]; }
-
-  static void normalise(Layer& layer) {
-    Eigen::Map<Eigen::ArrayXd> weight(layer.weight.data(), static_cast<Eigen::Index>(layer.weight.size()));
-    const double largest = weight.maxCoeff();
-    if (!(largest > 0)) throw Error("invalid_value: no matching is possible");
-    weight *= 1 / largest;
-    layer.log_scale += std::log(largest);
+  /// Opens and closes rows in `open`, and counts the columns that are left of each.
+  Step step_of(size_t column, const std::vector<size_t>& rows, std::vector<size_t>& open,
+               std::vector<size_t>& left) const {
+    Step step;
+    step.column = column;
+    for (const size_t row : rows) {
+      const auto bit = static_cast<size_t>(std::find(open.begin(), open.end(), row) - open.begin());
+      if (bit == open.size()) open.push_back(row);
+      step.pairs.push_back({bit, std::exp(component_.log_ratio(static_cast<Eigen::Index>(row),
+                                                               static_cast<Eigen::Index>(column)))});
+      --left[row];
+    }
+    step.open = open;
+    for (size_t bit = open.size(); bit-- > 0;)
+      if (left[open[bit]] == 0) {
+        step.closing.push_back(bit);
+        open.erase(open.begin() + static_cast<std::ptrdiff_t>(bit));
+      }
+    return step;
   }
 
-  /// F of column j + 1 from F of column j.
-  Layer forward_step(size_t j, const Layer& from) const {
-    Layer to{std::vector<double>(states_, 0.0), from.log_scale};
-    const double alone = component_.column_free[j] ? 1 : 0;
-    for (size_t high = 0; high < states_; high += block_) {
-      if (static_cast<size_t>(std::popcount(high)) > j + 1) continue;
-      double* out = to.weight.data() + high;
-      const double* in = from.weight.data() + high;
-      for (size_t s = 0; s < block_; ++s) out[s] = alone * in[s];
-      for (size_t i = 0; i < low_bits_; ++i)
-        if (const double w = weight(i, j); w != 0) kAddForward[i](out, in, w, block_);
-      for (size_t i = low_bits_; i < rows_; ++i) {
-        const size_t bit = size_t{1} << i;
-        const double w = weight(i, j);
-        if ((high & bit) == 0 || w == 0) continue;
-        Part<kBlock>(out) += w * ConstPart<kBlock>(in - bit);
+  double alone(const Step& step) const { return component_.column_free[step.column] ? 1 : 0; }
+  double alone(const Step& step, size_t bit) const { return component_.row_free[step.open[bit]] ? 1 : 0; }
+
+  /// The layer with the rows that a step opens, none of which is taken.
+  Layer open_rows(const Step& step, Layer layer) const {
+    layer.weight.resize(subsets(step.open.size()), 0.0);
+    return layer;
+  }
+
+  /// Sums over the column's partner: out[s] = alone · in[s] + the sum of odds · in[s without the row].
+  Layer match(size_t t, const Layer& in) const {
+    const Step& step = steps_[t];
+    const size_t states = in.weight.size(), block = std::min(states, subsets(kBlockBits));
+    Layer out{std::vector<double>(states, 0.0), in.log_scale};
+    for (size_t high = 0; high < states; high += block) {
+      if (static_cast<size_t>(std::popcount(high)) > t + 1) continue;
+      double* to = out.weight.data() + high;
+      const double* from = in.weight.data() + high;
+      for (size_t s = 0; s < block; ++s) to[s] = alone(step) * from[s];
+      for (const auto& [bit, odds] : step.pairs) {
+        if (bit < kBlockBits)
+          kAddForward[bit](to, from, odds, block);
+        else if ((high & subsets(bit)) != 0)
+          Part<kBlock>(to) += odds * ConstPart<kBlock>(from - subsets(bit));
       }
     }
-    normalise(to);
-    return to;
+    return out;
+  }
+
+  Layer forward_step(size_t t, const Layer& from) const {
+    Layer layer = match(t, open_rows(steps_[t], from));
+    for (const size_t bit : steps_[t].closing) {
+      const double free = alone(steps_[t], bit);
+      std::vector<double> rest(layer.weight.size() / 2);
+      for (size_t s = 0; s < rest.size(); ++s)
+        rest[s] = free * layer.weight[with_gap(s, bit)] + layer.weight[with_gap(s, bit) + subsets(bit)];
+      layer.weight = std::move(rest);
+    }
+    layer.normalise();
+    return layer;
   }
 
   /// Keeps every stride-th layer when all of them would take too much memory.
   void forward_checkpoints() {
     constexpr size_t kMaxDoubles = size_t{1} << 25;
+    size_t widest = 0;
+    for (const Step& step : steps_) widest = std::max(widest, step.open.size());
     stride_ = 1;
-    while ((columns_ / stride_ + stride_) * states_ > kMaxDoubles && stride_ * stride_ < columns_) ++stride_;
-    Layer layer{std::vector<double>(states_, 0.0), 0};
-    layer.weight[0] = 1;
-    for (size_t j = 0; j < columns_; ++j) {
-      Layer next = forward_step(j, layer);
-      if (j % stride_ == 0) checkpoints_.push_back(std::move(layer));
+    while ((steps_.size() / stride_ + stride_) * subsets(widest) > kMaxDoubles &&
+           stride_ * stride_ < steps_.size())
+      ++stride_;
+    Layer layer{{1.0}, 0};
+    for (size_t t = 0; t < steps_.size(); ++t) {
+      Layer next = forward_step(t, layer);
+      if (t % stride_ == 0) checkpoints_.push_back(std::move(layer));
       layer = std::move(next);
     }
     last_forward_ = std::move(layer);
   }
 
-  const Layer& forward_layer(size_t j) {
-    const size_t first = j / stride_ * stride_;
+  const Layer& forward_layer(size_t t) {
+    const size_t first = t / stride_ * stride_;
     if (segment_first_ != first || segment_.empty()) {
       segment_first_ = first;
       segment_.clear();
       segment_.push_back(std::move(checkpoints_[first / stride_]));
     }
-    while (segment_.size() <= j - first)
+    while (segment_.size() <= t - first)
       segment_.push_back(forward_step(first + segment_.size() - 1, segment_.back()));
-    return segment_[j - first];
+    return segment_[t - first];
   }
 
-  /// B of the last column: 1 where all rows that are not in the subset may stay unmatched.
-  Layer last_backward() const {
-    size_t must = 0;
-    for (size_t i = 0; i < rows_; ++i)
-      if (!component_.row_free[i]) must |= size_t{1} << i;
-    Layer layer{std::vector<double>(states_, 0.0), 0};
-    for (size_t s = 0; s < states_; ++s) layer.weight[s] = (s & must) == must ? 1 : 0;
+  /// B before the rows of a step are closed from B after it.
+  Layer reopen_rows(const Step& step, Layer layer) const {
+    for (size_t i = step.closing.size(); i-- > 0;) {
+      const size_t bit = step.closing[i];
+      const double free = alone(step, bit);
+      std::vector<double> all(2 * layer.weight.size());
+      for (size_t s = 0; s < layer.weight.size(); ++s) {
+        all[with_gap(s, bit)] = free * layer.weight[s];
+        all[with_gap(s, bit) + subsets(bit)] = layer.weight[s];
+      }
+      layer.weight = std::move(all);
+    }
     return layer;
   }
 
-  void finish_rows(const Layer& backward, ComponentMarginals& result) {
-    double z = 0;
-    for (size_t s = 0; s < states_; ++s) {
-      const double term = last_forward_.weight[s] * backward.weight[s];
-      z += term;
-      for (size_t i = 0; i < rows_; ++i)
-        if ((s >> i & 1) == 0) result.row_alone[i] += term;
+  /// What is left of the weight where the rows that a step closes are alone.
+  void finish_rows(size_t t, const Layer& forward, const Layer& backward, ComponentMarginals& result) const {
+    const Step& step = steps_[t];
+    if (step.closing.empty()) return;
+    const Layer matched = match(t, forward);
+    const double factor = std::exp(matched.log_scale + backward.log_scale - log_z_);
+    for (const size_t bit : step.closing) {
+      double sum = 0;
+      for (size_t s = 0; s < matched.weight.size() / 2; ++s)
+        sum += matched.weight[with_gap(s, bit)] * backward.weight[with_gap(s, bit)];
+      result.row_alone[step.open[bit]] = sum * factor;
     }
-    if (!(z > 0)) throw Error("invalid_value: no matching is possible");
-    for (double& value : result.row_alone) value /= z;
-    result.log_z = std::log(z) + last_forward_.log_scale;
-    log_z_ = result.log_z;
   }
 
-  /// B of column j from B of column j + 1, and the marginals of column j.
-  Layer back_step(size_t j, const Layer& forward, const Layer& backward, ComponentMarginals& result) const {
-    Layer to{std::vector<double>(states_, 0.0), backward.log_scale};
-    std::vector<double> pair(rows_, 0.0);
-    const double alone = component_.column_free[j] ? 1 : 0;
+  /// B before a step from B after it, and the marginals of its column and of the rows that it closes.
+  Layer back_step(size_t t, const Layer& before, const Layer& after, ComponentMarginals& result) const {
+    const Step& step = steps_[t];
+    const Layer forward = open_rows(step, before), backward = reopen_rows(step, after);
+    finish_rows(t, forward, backward, result);
+    const size_t states = forward.weight.size(), block = std::min(states, subsets(kBlockBits));
+    Layer to{std::vector<double>(states, 0.0), backward.log_scale};
+    std::vector<double> pair(step.pairs.size(), 0.0);
     double column_alone = 0;
-    for (size_t high = 0; high < states_; high += block_) {
-      if (static_cast<size_t>(std::popcount(high)) > j) continue;
+    for (size_t high = 0; high < states; high += block) {
+      if (static_cast<size_t>(std::popcount(high)) > t) continue;
       double* out = to.weight.data() + high;
       const double* in = backward.weight.data() + high;
       const double* f = forward.weight.data() + high;
-      const auto size = static_cast<Eigen::Index>(block_);
+      const auto size = static_cast<Eigen::Index>(block);
       Eigen::Map<Eigen::ArrayXd> here(out, size);
-      here = alone * Eigen::Map<const Eigen::ArrayXd>(in, size);
+      here = alone(step) * Eigen::Map<const Eigen::ArrayXd>(in, size);
       column_alone += (Eigen::Map<const Eigen::ArrayXd>(f, size) * here).sum();
-      for (size_t i = 0; i < low_bits_; ++i) {
-        const double w = weight(i, j);
-        if (w != 0) pair[i] += kAddBackward[i](out, in, f, w, block_);
-      }
-      for (size_t i = low_bits_; i < rows_; ++i) {
-        const size_t bit = size_t{1} << i;
-        const double w = weight(i, j);
-        if ((high & bit) != 0 || w == 0) continue;
-        const ConstPart<kBlock> with(in + bit);
-        Part<kBlock>(out) += w * with;
-        pair[i] += (ConstPart<kBlock>(f) * with).sum();
+      for (size_t i = 0; i < step.pairs.size(); ++i) {
+        const auto [bit, odds] = step.pairs[i];
+        if (bit < kBlockBits) {
+          pair[i] += kAddBackward[bit](out, in, f, odds, block);
+        } else if ((high & subsets(bit)) == 0) {
+          const ConstPart<kBlock> with(in + subsets(bit));
+          Part<kBlock>(out) += odds * with;
+          pair[i] += (ConstPart<kBlock>(f) * with).sum();
+        }
       }
     }
     const double factor = std::exp(forward.log_scale + backward.log_scale - log_z_);
-    for (size_t i = 0; i < rows_; ++i)
-      result.matched(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          weight(i, j) * pair[i] * factor;
-    result.column_alone[j] = column_alone * factor;
-    normalise(to);
+    const auto column = static_cast<Eigen::Index>(step.column);
+    for (size_t i = 0; i < step.pairs.size(); ++i)
+      result.matched(static_cast<Eigen::Index>(step.open[step.pairs[i].bit]), column) =
+          step.pairs[i].odds * pair[i] * factor;
+    result.column_alone[step.column] = column_alone * factor;
+    to.weight.resize(before.weight.size());
+    to.normalise();
     return to;
   }
 
   const IdentityComponent& component_;
-  size_t rows_ = 0, columns_ = 0, states_ = 0, low_bits_ = 0, block_ = 0;
-  std::vector<double> weights_;  ///< column-major: all rows of a column together
+  std::vector<Step> steps_;
   size_t stride_ = 1;
   std::vector<Layer> checkpoints_;
   std::vector<Layer> segment_;

@@ -11,7 +11,8 @@ struct ComponentMarginals {
   double log_z = 0;  ///< includes the component's scale
 };
 
-/// Forward-backward over the subsets of the rows, one column at a time. O(rows · columns · 2^rows) time.
+/// Forward-backward over the columns in their elimination order, with a weight per subset of the open rows:
+/// O(pairs · 2^width) time.
 ComponentMarginals marginals(const IdentityComponent& component);
 
 }  // namespace loci::memory

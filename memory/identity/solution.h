@@ -47,8 +47,8 @@ struct IdentityDecision {
 IdentityDecision decide_observation(const IdentitySolution& solution, size_t observation);
 IdentityDecision decide_object(const IdentitySolution& solution, size_t object);
 
-/// Exact marginals, partition function and ranked matchings. Problems whose connected parts have a smaller
-/// side of more than 20 are split further by enlarging the gate, which `gate_bound` tells.
+/// Exact marginals, partition function and ranked matchings. Problems in whose connected parts more than 20
+/// rows stay open at a time are split further by enlarging the gate, which `gate_bound` tells.
 IdentitySolution solve(const IdentityWeights& weights, const IdentityOptions& options = {});
 IdentitySolution solve(const IdentityProblem& problem, const IdentityOptions& options = {});
 IdentitySolution solve(const LogOddsProblem& problem, const IdentityOptions& options = {});

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "memory/identity/solution.h"
 #include "tests/memory/identity/random_problem.h"
@@ -110,6 +111,24 @@ TEST(Identity, AnObjectWithoutAnyEvidenceChangesNothingElse) {
   EXPECT_LT((matched(after).topRows(4) - matched(before)).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_NEAR(after.hidden[4], 0.25, 1e-12);
   EXPECT_NEAR(after.disappear[4], 0.75, 1e-12);
+}
+
+TEST(Identity, ManyObjectsThatDependOnFewOthersAreSolvedExactly) {
+  // Observation k may be object k or k + 1, all odds 1: a path of 80 edges, whose matchings are counted by
+  // the Fibonacci numbers.
+  constexpr Eigen::Index kCount = 40;
+  LogOddsProblem problem;
+  problem.log_similar = PairTable::Constant(kCount + 1, kCount, kNever);
+  for (Eigen::Index k = 0; k < kCount; ++k) problem.log_similar(k, k) = problem.log_similar(k + 1, k) = 0;
+  problem.log_proximity = PairTable::Constant(kCount + 1, kCount, kNever);
+  problem.out_of_view.assign(kCount + 1, 0.0);
+  const IdentitySolution solution = solve(problem, exact());
+  double matchings = 1, before = 1;
+  for (int edge = 0; edge < 2 * kCount; ++edge) before = std::exchange(matchings, matchings + before);
+  EXPECT_NEAR(solution.log_z, std::log(matchings), 1e-9);
+  EXPECT_EQ(solution.gate_bound, 0);
+  for (Eigen::Index k = 0; k < kCount; ++k)
+    EXPECT_NEAR(matched(solution).col(k).sum() + solution.appear[static_cast<size_t>(k)], 1, 1e-12);
 }
 
 TEST(Identity, SplittingIntoComponentsDoesNotChangeTheAnswer) {
