@@ -161,7 +161,9 @@ class PythonAnnotator : public perception::Annotator {
                      .description = made.attr("description").cast<std::string>(),
                      .inputs = made.attr("inputs").cast<std::vector<std::string>>(),
                      .outputs = made.attr("outputs").cast<std::vector<std::string>>(),
-                     .optional_inputs = made.attr("optional_inputs").cast<std::vector<std::string>>()};
+                     .optional_inputs = made.attr("optional_inputs").cast<std::vector<std::string>>(),
+                     .modifies = {},
+                     .shares = {"python"}};
       for (const auto& [name, value] : made.attr("options").cast<py::dict>())
         options_.emplace_back(name.cast<std::string>(), option_of(py::reinterpret_borrow<py::object>(value)));
       annotator_ = hold(made);

@@ -2,11 +2,14 @@
 
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <limits>
+#include <mutex>
 #include <optional>
 #include <thread>
 #include <vector>
@@ -17,6 +20,45 @@ namespace {
 /// TBB orders what stands before a loop, its parts, and what follows. The thread sanitizer, which does not
 /// look into TBB, sees it by the changes of this.
 std::atomic<size_t> tasks_in_order = 0;
+
+/// Lets there be more threads than cores while it lives: for tasks that wait, e.g. for a network.
+std::optional<tbb::global_control> allow_threads(size_t count) {
+  using Control = tbb::global_control;
+  std::optional<Control> more;
+  if (count > Control::active_value(Control::max_allowed_parallelism))
+    more.emplace(Control::max_allowed_parallelism, count);
+  return more;
+}
+
+/// The first item of an assembly line at which something failed, and how.
+class FirstFailure {
+ public:
+  /// Runs what is to be done for an item, unless it or an earlier one has failed.
+  void run(size_t item, const std::function<void()>& task) {
+    if (item >= item_) return;
+    ++tasks_in_order;
+    try {
+      task();
+    } catch (...) {
+      const std::scoped_lock lock(mutex_);
+      if (item < item_) {
+        item_ = item;
+        exception_ = std::current_exception();
+      }
+    }
+    ++tasks_in_order;
+  }
+  bool any() const { return item_ != kNone; }
+  void rethrow() const {
+    if (exception_) std::rethrow_exception(exception_);
+  }
+
+ private:
+  static constexpr size_t kNone = std::numeric_limits<size_t>::max();
+  std::atomic<size_t> item_ = kNone;
+  std::exception_ptr exception_;
+  std::mutex mutex_;
+};
 
 }  // namespace
 
@@ -30,10 +72,7 @@ void parallel_for(size_t count, int threads, const std::function<void(size_t, si
     if (count > 0) task(0, count);
     return;
   }
-  using Control = tbb::global_control;
-  std::optional<Control> more_threads;  // Than cores: for tasks that wait, e.g. for a network.
-  if (parts > Control::active_value(Control::max_allowed_parallelism))
-    more_threads.emplace(Control::max_allowed_parallelism, parts);
+  const auto more_threads = allow_threads(parts);
   std::vector<std::exception_ptr> failures(parts);
   const auto run = [&](size_t part) {
     ++tasks_in_order;
@@ -59,6 +98,37 @@ void parallel_each(size_t count, int threads, const std::function<void(size_t)>&
   parallel_for(workers, threads, [&](size_t, size_t) {
     for (size_t i = next++; i < count; i = next++) task(i);
   });
+}
+
+void parallel_stages(size_t in_flight, size_t stages, const std::function<bool(size_t)>& begin,
+                     const std::function<void(size_t, size_t)>& work) {
+  if (in_flight <= 1) {
+    for (size_t item = 0; begin(item); ++item)
+      for (size_t stage = 0; stage < stages; ++stage) work(item, stage);
+    return;
+  }
+  constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
+  FirstFailure failure;
+  size_t next = 0;
+  tbb::filter<void, size_t> line = tbb::make_filter<void, size_t>(kInOrder, [&](tbb::flow_control& control) {
+    bool more = false;
+    if (!failure.any()) failure.run(next, [&] { more = begin(next); });
+    if (!more) control.stop();
+    return next++;
+  });
+  for (size_t stage = 0; stage < stages; ++stage)
+    line = line & tbb::make_filter<size_t, size_t>(kInOrder, [&failure, &work, stage](size_t item) {
+             failure.run(item, [&] { work(item, stage); });
+             return item;
+           });
+  const auto more_threads = allow_threads(in_flight);
+  ++tasks_in_order;
+  tbb::task_arena arena(static_cast<int>(in_flight));
+  arena.execute([&] {
+    tbb::parallel_pipeline(in_flight, line & tbb::make_filter<size_t, void>(kInOrder, [](size_t) {}));
+  });
+  ++tasks_in_order;
+  failure.rethrow();
 }
 
 }  // namespace loci

@@ -14,6 +14,13 @@ void parallel_for(size_t count, int threads, const std::function<void(size_t beg
 /// Otherwise as parallel_for.
 void parallel_each(size_t count, int threads, const std::function<void(size_t i)>& task);
 
+/// An assembly line: begin(item) is called for the items 0, 1, … until it returns false, and work(item,
+/// stage) for the stages 0, 1, … of each. A stage takes the items one at a time and in order, while other
+/// items are in other stages; at most `in_flight` have begun and not come through (item i + in_flight begins
+/// after item i). An exception ends the line: what began before that item comes through, and it is rethrown.
+void parallel_stages(size_t in_flight, size_t stages, const std::function<bool(size_t item)>& begin,
+                     const std::function<void(size_t item, size_t stage)>& work);
+
 /// `threads` if positive, otherwise the number of cores.
 int thread_count(int threads);
 

@@ -184,7 +184,9 @@ SceneRecord record_of(const perception::types::SceneCas& scene, const perception
     if (world != nullptr && world->find_link(place.name) != nullptr) place.map = session.map();
   record.row.recording = session.recording();
   record.row.map = session.map();
-  record.seconds_to_next = session.seconds_after(record.row.time);
+  if (context.next)
+    record.seconds_to_next =
+        static_cast<double>(context.next->time_ns - record.row.time) / static_cast<double>(kSecond);
   record.annotations.push_back({kKnownPlanesType, session.planes().to_json().dump(), std::nullopt, {}});
   return record;
 }
@@ -201,7 +203,8 @@ perception::AnnotatorDescriptor PlaceNaming::descriptor() const {
           {"PlanarSupport"},
           {},
           {},
-          {"PlanarSupport"}};
+          {"PlanarSupport"},
+          {kSharedMemory}};
 }
 
 void PlaceNaming::process(perception::cas::Cas& cas, perception::Context& context) {
@@ -219,7 +222,9 @@ perception::AnnotatorDescriptor IdentityResolution::descriptor() const {
           "Decides which cluster is which known object, what moved, appeared, is hidden or has gone.",
           {"Scene", "Cluster"},
           {"TrackingAnnotation", "SimilarityMatrix", "DistanceMatrix", "BeliefStateInstance"},
-          {"*"}};
+          {"*"},
+          {},
+          {kSharedMemory}};
 }
 
 void IdentityResolution::start(perception::Context& context) {
@@ -241,7 +246,9 @@ perception::AnnotatorDescriptor MemoryWriter::descriptor() const {
           "Keeps each scene, and everything that it changes, in the memory: one transaction per scene.",
           {"Scene", "Cluster"},
           {},
-          {"*"}};
+          {"*"},
+          {},
+          {kSharedMemory}};
 }
 
 void MemoryWriter::declare(OptionTable& table) {

@@ -80,7 +80,10 @@ perception::AnnotatorDescriptor MemoryReader::descriptor() const {
       {},
       {"Scene", "CameraInfo", "view:color", "view:depth", "Cluster", "StandaloneImageROI",
        "ReferenceClusterPoints", "PlanarSupport", "GeometryAnnotation", "ColorAnnotation", "ColorHistogram",
-       "TFLocationAnnotation"}};
+       "TFLocationAnnotation"},
+      {},
+      {},
+      {kSharedMemory}};
 }
 
 void MemoryReader::start(perception::Context& context) {

@@ -95,11 +95,6 @@ MemorySession::MemorySession(const MemorySessionOptions& options, const mapping:
     }
 }
 
-std::optional<double> MemorySession::seconds_after(TimeNs time) const {
-  if (reader_ == nullptr || reader_->position() >= reader_->count()) return std::nullopt;
-  return static_cast<double>(reader_->upcoming().time_ns - time) / static_cast<double>(kSecond);
-}
-
 void add_memory_session(MemorySessionOptions options, perception::Pipeline& pipeline,
                         const perception::AnnotatorRegistry& registry, perception::Resources& resources) {
   if (options.people == People::blurred) pipeline.add("PersonAnnotator", registry);
@@ -122,7 +117,6 @@ MemoryRunResult run_with_memory(perception::Pipeline& pipeline, perception::Cont
     context.resources.put(std::make_shared<perception::FurnitureStates>(session.furniture_));
   pipeline.start(context);
   perception::Reader& reader = pipeline.reader();
-  session.reader_ = &reader;
   const auto is_present = [&] {  // or was left out on purpose
     const perception::FrameId next = reader.upcoming();
     return std::pair{next.time_ns, next.index} <= *session.last_present_;
@@ -134,7 +128,6 @@ MemoryRunResult run_with_memory(perception::Pipeline& pipeline, perception::Cont
   result.pipeline = pipeline.run(context, types, progress, done);
   session.store_.finish_run(session.run_);
   apply_catalogues(session.store_);
-  session.reader_ = nullptr;
   return result;
 }
 

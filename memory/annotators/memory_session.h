@@ -27,6 +27,9 @@ struct MemorySessionOptions {
   WriteOptions write;
 };
 
+/// What annotators share that read or change the memory (perception::AnnotatorDescriptor::shares).
+inline constexpr const char* kSharedMemory = "memory";
+
 /// What run_with_memory() did.
 struct MemoryRunResult {
   perception::PipelineResult pipeline;
@@ -49,9 +52,6 @@ class MemorySession {
   /// Furniture that the last scene had elsewhere than this map.
   const perception::FurnitureStates& furniture() const { return furniture_; }
 
-  /// Seconds until the frame that will be read next; unset at the end, or when nobody said who reads.
-  std::optional<double> seconds_after(TimeNs time) const;
-
   /// What IdentityResolution made of the scene that is being processed, for MemoryWriter.
   struct Pending {
     const perception::cas::Cas* cas = nullptr;
@@ -70,7 +70,6 @@ class MemorySession {
   Id recording_ = 0;
   std::optional<Id> map_;
   People people_;
-  const perception::Reader* reader_ = nullptr;
   /// The time of a frame and its index, because two frames may have one time.
   using Moment = std::pair<TimeNs, int64_t>;
   std::optional<Moment> last_present_;  ///< the last frame of the recording that was in the memory

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <typeindex>
 #include <vector>
@@ -67,9 +68,18 @@ struct AnnotatorDescriptor {
   std::vector<std::string> outputs;               ///< added
   std::vector<std::string> optional_inputs = {};  ///< read when present; "*" = everything
   std::vector<std::string> modifies = {};         ///< written to, although output by others
+  /// What it changes beside the CAS that others read or change, too, such as "memory". Everything from the
+  /// first to the last annotator with one of these is done with a scene before it begins with the next.
+  std::vector<std::string> shares = {};
   /// Whether it cannot start without options: a model, an index, a server. --goal takes it only when they are
   /// given.
   bool needs_options = false;
+};
+
+/// A frame of a recording.
+struct FrameId {
+  int64_t index = 0;  ///< as in the recording
+  TimeNs time_ns = 0;
 };
 
 /// What an annotator gets besides the CAS.
@@ -77,11 +87,13 @@ struct Context {
   Resources& resources;
   Warnings& warnings;
   int threads = 1;
-  Json configuration;  ///< of the whole pipeline, with defaults, for outputs
-  bool alone = true;   ///< no other annotator runs meanwhile
+  Json configuration;                ///< of the whole pipeline, with defaults, for outputs
+  bool alone = true;                 ///< no other annotator runs meanwhile
+  std::optional<FrameId> next = {};  ///< the frame that is read after this one
 };
 
-/// An expert that reads a CAS and adds to it. Made for one run; frames come one after the other.
+/// An expert that reads a CAS and adds to it. Made for one run; frames come one after the other, on any
+/// thread, and maybe before another annotator has seen the frame before (AnnotatorDescriptor::shares).
 class Annotator {
  public:
   virtual ~Annotator() = default;
@@ -93,12 +105,6 @@ class Annotator {
   virtual void process(cas::Cas& cas, Context& context) = 0;
   /// After the last frame, also when the run was interrupted.
   virtual void finish(Context& /*context*/) {}
-};
-
-/// A frame of a recording.
-struct FrameId {
-  int64_t index = 0;  ///< as in the recording
-  TimeNs time_ns = 0;
 };
 
 /// The source of scenes: each goes into a fresh CAS.

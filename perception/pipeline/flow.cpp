@@ -320,17 +320,19 @@ Json steps_json(const std::vector<FlowNode>& nodes) {
 bool depends(const DataAccess& later, const DataAccess& earlier) {
   return later.reads.contains("*") || intersects(earlier.outputs, later.reads) ||
          intersects(earlier.modifies, later.reads) || intersects(earlier.outputs, later.modifies) ||
-         intersects(earlier.modifies, later.modifies);
+         intersects(earlier.modifies, later.modifies) || intersects(earlier.shares, later.shares);
 }
 
 void DataAccess::add(const DataAccess& more) {
   reads.insert(more.reads.begin(), more.reads.end());
   outputs.insert(more.outputs.begin(), more.outputs.end());
   modifies.insert(more.modifies.begin(), more.modifies.end());
+  shares.insert(more.shares.begin(), more.shares.end());
 }
 
 void DataAccess::add(const AnnotatorDescriptor& descriptor) {
-  DataAccess own{set_of(descriptor.inputs), set_of(descriptor.outputs), set_of(descriptor.modifies)};
+  DataAccess own{set_of(descriptor.inputs), set_of(descriptor.outputs), set_of(descriptor.modifies),
+                 set_of(descriptor.shares)};
   own.reads.insert(descriptor.optional_inputs.begin(), descriptor.optional_inputs.end());
   add(own);
 }

@@ -162,7 +162,7 @@ struct Flow {
 
 /// What a node of a flow reads and writes in the CAS, from the descriptors of its annotators.
 struct DataAccess {
-  std::set<std::string> reads, outputs, modifies;
+  std::set<std::string> reads, outputs, modifies, shares;
   void add(const DataAccess& more);
   void add(const AnnotatorDescriptor& descriptor);
 };
@@ -233,5 +233,7 @@ Json to_json(const Flow& flow);
 
 /// Runs a flow over a scene.
 void run_flow(Flow& flow, cas::Cas& cas, Context& context);
+/// Runs one of its batches, which is not asynchronous.
+void run_batch(Flow& flow, size_t batch, cas::Cas& cas, Context& context);
 
 }  // namespace loci::perception

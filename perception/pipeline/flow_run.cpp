@@ -36,6 +36,7 @@ void run_side_by_side(const std::vector<Task>& tasks, cas::Cas& cas, Context& co
   parallel_each(tasks.size(), threads, [&](size_t i) {
     Context own{context.resources, sides[i].warnings, std::max(1, cores / threads), {}};
     own.alone = context.alone && threads == 1;
+    own.next = context.next;
     try {
       tasks[i].work(sides[i].cas ? *sides[i].cas : cas, own);
     } catch (...) {
@@ -196,18 +197,22 @@ class Outstanding {
 
 }  // namespace
 
+void run_batch(Flow& flow, size_t batch, cas::Cas& cas, Context& context) {
+  std::vector<Task> tasks;
+  for (size_t i = flow.batches[batch].first; i < flow.batches[batch].second; ++i)
+    tasks.push_back({[&flow, i](cas::Cas& own, Context& its) { run_node(flow.nodes[i], own, its); }});
+  run_side_by_side(tasks, cas, context);
+}
+
 void run_flow(Flow& flow, cas::Cas& cas, Context& context) {
   Outstanding outstanding(flow);
-  for (const auto& [begin, end] : flow.batches) {
+  for (size_t batch = 0; batch < flow.batches.size(); ++batch) {
+    const auto [begin, end] = flow.batches[batch];
     outstanding.join(begin, end, cas, context);
-    if (flow.nodes[begin].asynchronous()) {
+    if (flow.nodes[begin].asynchronous())
       outstanding.launch(begin, cas, context);
-      continue;
-    }
-    std::vector<Task> tasks;
-    for (size_t i = begin; i < end; ++i)
-      tasks.push_back({[&flow, i](cas::Cas& own, Context& its) { run_node(flow.nodes[i], own, its); }});
-    run_side_by_side(tasks, cas, context);
+    else
+      run_batch(flow, batch, cas, context);
   }
   outstanding.join(0, 0, cas, context);
 }

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
+#include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
 
 namespace loci::perception {
@@ -111,34 +113,110 @@ void Pipeline::finish(Context& context) {
   for (Step* step : steps()) step->finish(context);
 }
 
+bool Pipeline::asynchronous() const {
+  const auto is = [](const FlowNode& node) { return node.asynchronous(); };
+  return std::ranges::any_of(flow_.nodes, is) || std::ranges::any_of(writers_.nodes, is);
+}
+
+std::vector<Pipeline::Stage> Pipeline::stages() {
+  if (asynchronous())
+    return {{[this](cas::Cas& cas, Context& context) {
+      run_flow(flow_, cas, context);
+      run_flow(writers_, cas, context);
+    }}};
+  std::vector<Stage> stages;
+  std::map<std::string, size_t> first;  // batch of the first annotator that shares something
+  std::vector<size_t> begins;           // of each stage, the first of its batches
+  size_t batch_number = 0;
+  for (Flow* flow : {&flow_, &writers_})
+    for (size_t batch = 0; batch < flow->batches.size(); ++batch, ++batch_number) {
+      stages.push_back(
+          {[flow, batch](cas::Cas& cas, Context& context) { run_batch(*flow, batch, cas, context); }});
+      begins.push_back(batch_number);
+      size_t begin = batch_number;
+      for (size_t i = flow->batches[batch].first; i < flow->batches[batch].second; ++i)
+        for (const std::string& shared : flow->nodes[i].access.shares)
+          begin = std::min(begin, first.try_emplace(shared, batch_number).first->second);
+      while (begins.back() > begin) {
+        Stage& before = stages[stages.size() - 2];
+        before.insert(before.end(), stages.back().begin(), stages.back().end());
+        stages.pop_back();
+        begins.pop_back();
+      }
+    }
+  return stages;
+}
+
+size_t Pipeline::scenes_in_flight(int threads) const {
+  constexpr int kMost = 4;  // a scene holds some ten megabytes
+  if (asynchronous() || !reader_->descriptor().shares.empty()) return 1;
+  const auto most = static_cast<size_t>(std::min(kMost, thread_count(threads)));
+  return std::clamp<size_t>(reader_->count() - reader_->position(), 1, most);
+}
+
+/// A scene on its way through the pipeline.
+struct Pipeline::Scene {
+  cas::Cas cas;
+  Warnings warnings;
+  Context context;
+  bool left_out = false;
+
+  Scene(const std::shared_ptr<const cas::TypeSystem>& types, const Context& of_run, int threads, bool alone)
+      : cas(types), context{of_run.resources, warnings, threads, of_run.configuration, alone} {}
+};
+
+void Pipeline::read_scene(Scene& scene) {
+  const Stopwatch watch;
+  reader_->read_next(scene.cas, scene.context);
+  if (reader_->position() < reader_->count()) scene.context.next = reader_->upcoming();
+  reader_seconds_ += watch.seconds();
+  reader_cpu_seconds_ += watch.cpu_seconds();
+}
+
 void Pipeline::run_frames(Context& context, const std::shared_ptr<const cas::TypeSystem>& type_system,
                           Progress& progress, const std::function<void(cas::Cas&)>& done,
                           PipelineResult& result) {
   const size_t first = reader_->position();
   const auto left = static_cast<double>(std::max<size_t>(1, reader_->count() - first));
-  while (reader_->position() < reader_->count()) {
-    const FrameId frame = reader_->upcoming();
+  const size_t in_flight = scenes_in_flight(context.threads);
+  const int threads = std::max(1, thread_count(context.threads) / static_cast<int>(in_flight));
+  std::vector<std::unique_ptr<Scene>> scenes(in_flight);
+  bool interrupted = false;
+  const auto begin = [&](size_t item) {
+    if (reader_->position() >= reader_->count()) return false;
     const double fraction = static_cast<double>(reader_->position() - first) / left;
-    if (!progress.update(fraction, fmt::format("frame {}", frame.index))) {
-      finish(context);
-      throw Interrupted();
+    interrupted = !progress.update(fraction, fmt::format("frame {}", reader_->upcoming().index));
+    if (interrupted) return false;
+    auto& scene = scenes[item % in_flight];
+    scene = std::make_unique<Scene>(type_system, context, threads, in_flight == 1 && context.alone);
+    read_scene(*scene);
+    return true;
+  };
+  const auto finish_scene = [&](Scene& scene) {
+    for (const std::string& text : scene.warnings.texts()) context.warnings.add(text);
+    ++(scene.left_out ? result.left_out : result.frames);
+    if (!scene.left_out && done) done(scene.cas);
+  };
+  const std::vector<Stage> line = stages();
+  const auto work = [&](size_t item, size_t stage) {
+    auto& scene = scenes[item % in_flight];
+    if (stage == line.size()) {
+      finish_scene(*scene);
+      scene.reset();
+      return;
     }
-    cas::Cas cas(type_system);
-    const Stopwatch watch;
-    reader_->read_next(cas, context);
-    reader_seconds_ += watch.seconds();
-    reader_cpu_seconds_ += watch.cpu_seconds();
+    if (scene->left_out) return;
     try {
-      run_flow(flow_, cas, context);
-      run_flow(writers_, cas, context);
+      for (const auto& batch : line[stage]) batch(scene->cas, scene->context);
     } catch (const SceneSkipped& skipped) {
-      context.warnings.add(skipped.what());
-      ++result.left_out;
-      continue;
+      scene->warnings.add(skipped.what());
+      scene->left_out = true;
     }
-    ++result.frames;
-    if (done) done(cas);
-  }
+  };
+  parallel_stages(in_flight, line.size() + 1, begin, work);
+  if (!interrupted) return;
+  finish(context);
+  throw Interrupted();
 }
 
 PipelineResult Pipeline::run(Context& context, const std::shared_ptr<const cas::TypeSystem>& type_system,

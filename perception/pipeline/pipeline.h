@@ -72,6 +72,16 @@ class Pipeline {
   void start(Context& context);
 
  private:
+  struct Scene;
+  /// Batches that are done with a scene before they begin with the next; other stages meanwhile work on other
+  /// scenes.
+  using Stage = std::vector<std::function<void(cas::Cas&, Context&)>>;
+
+  bool asynchronous() const;
+  std::vector<Stage> stages();
+  /// How many are worked on at a time: one where a step is asynchronous or the reader shares something.
+  size_t scenes_in_flight(int threads) const;
+  void read_scene(Scene& scene);
   void run_frames(Context& context, const std::shared_ptr<const cas::TypeSystem>& type_system,
                   Progress& progress, const std::function<void(cas::Cas&)>& done, PipelineResult& result);
   void finish(Context& context);

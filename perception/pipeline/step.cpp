@@ -191,6 +191,7 @@ std::shared_ptr<Step::Attempt> Step::launch(const cas::Cas& cas, Context& contex
   attempt->resources = policy_.timeout_s > 0 ? context.resources.lasting() : context.resources;
   attempt->context.threads = context.threads;
   attempt->context.alone = false;
+  attempt->context.next = context.next;
   attempt->annotator = annotator_;
   std::thread([attempt] {
     try {

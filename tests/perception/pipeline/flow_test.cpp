@@ -104,8 +104,70 @@ TEST(Flow, WhatDoesNotDependOnEachOtherRunsAtTheSameTime) {
   const auto work = [&](cas::Cas&, Context&) { met += meeting.meet() ? 1 : 0; };
   add_scripted(registry, {"One", "", {"Cluster"}, {"ColorAnnotation"}}, work);
   add_scripted(registry, {"Two", "", {"Cluster"}, {"SizeAnnotation"}}, work);
-  run_test("flow: [One, Two]", registry, 2);
+  run_test("flow: [One, Two]", registry, 8);
   EXPECT_EQ(met, 6);
+}
+
+TEST(Flow, ScenesAreWorkedOnSideBySideAndEachAnnotatorSeesThemInOrder) {
+  AnnotatorRegistry registry = test_registry();
+  Meeting meeting(2);
+  std::vector<int64_t> first, second;
+  const auto frame_of = [](cas::Cas& cas) { return types::SceneCas(cas).scene().frame_index.get(); };
+  add_scripted(registry, {"First", "", {"Cluster"}, {"ColorAnnotation"}}, [&](cas::Cas& cas, Context&) {
+    first.push_back(frame_of(cas));
+    if (first.size() == 2) meeting.meet();  // while the scene before is with Second
+  });
+  add_scripted(registry, {"Second", "", {"ColorAnnotation"}, {}}, [&](cas::Cas& cas, Context&) {
+    if (second.empty()) {
+      EXPECT_TRUE(meeting.meet());
+    }
+    second.push_back(frame_of(cas));
+  });
+  EXPECT_EQ(run_test("flow: [First, Second]", registry, 2).result.frames, 3U);
+  EXPECT_EQ(first, second);
+  EXPECT_TRUE(std::ranges::is_sorted(first));
+}
+
+TEST(Flow, WhatSharesAResourceIsDoneWithASceneBeforeTheNext) {
+  for (const int threads : {1, 2, 4}) {
+    AnnotatorRegistry registry = test_registry();
+    std::string order;
+    const auto note = [&order](char name) { return [&order, name](cas::Cas&, Context&) { order += name; }; };
+    AnnotatorDescriptor writes{"Writes", "", {"Cluster"}, {}}, reads{"Reads", "", {"TextAnnotation"}, {}};
+    writes.shares = reads.shares = {"notebook"};
+    add_scripted(registry, writes, note('w'));
+    add_scripted(registry, reads, note('r'));
+    run_test("flow: [Writes, Speaker]\nwriters: [Reads]", registry, threads);
+    EXPECT_EQ(order, "wrwrwr") << threads;
+  }
+}
+
+TEST(Flow, ScenesBeforeOneThatFailsComeThrough) {
+  for (const int threads : {1, 2, 4}) {
+    AnnotatorRegistry registry = test_registry();
+    std::vector<int64_t> seen;
+    add_scripted(registry, {"Fails", "", {"Cluster"}, {"ColorAnnotation"}}, [](cas::Cas& cas, Context&) {
+      if (types::SceneCas(cas).scene().frame_index.get() == 11) throw Error("no");
+    });
+    add_scripted(registry, {"Keeps", "", {"Cluster", "ColorAnnotation"}, {}}, [&](cas::Cas& cas, Context&) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      seen.push_back(types::SceneCas(cas).scene().frame_index.get());
+    });
+    EXPECT_THROW(run_test("flow: [Fails, Keeps]", registry, threads), Error);
+    EXPECT_EQ(seen, std::vector<int64_t>{10}) << threads;
+  }
+}
+
+TEST(Flow, AnAnnotatorKnowsWhichFrameComesNext) {
+  for (const int threads : {1, 2}) {
+    AnnotatorRegistry registry = test_registry();
+    std::vector<int64_t> next;
+    add_scripted(registry, {"Asks", "", {"Cluster"}, {}}, [&](cas::Cas&, Context& context) {
+      next.push_back(context.next ? context.next->index : -1);
+    });
+    run_test("flow: [Asks]", registry, threads);
+    EXPECT_EQ(next, (std::vector<int64_t>{11, 12, -1}));
+  }
 }
 
 TEST(Flow, WhatDependsOnAnotherWaitsForIt) {
