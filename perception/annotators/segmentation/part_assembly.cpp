@@ -50,9 +50,23 @@ class Assembly {
  private:
   bool alive(size_t i) { return sets_.find(i) == i; }
 
-  /// Which share of a piece's points lies within the footprint of another.
-  double share_within(const Piece& inner, const Piece& outer, double slack) const {
+  enum class Check { within, around, facing_around, behind, hovers, bent, neck };
+  /// What was found out about two pieces, which holds until one of them grows.
+  template <class Find>
+  double remembered(Check check, const Piece& a, const Piece& b, Find&& find) const {
+    const auto number = [this](const Piece& piece) { return static_cast<size_t>(&piece - pieces_.data()); };
+    const auto [entry, is_new] = found_.try_emplace({check, number(a), number(b)}, 0.0);
+    if (is_new) entry->second = static_cast<double>(find());
+    return entry->second;
+  }
+
+  /// Which share of a piece's points lies within the footprint of another, or nearly so.
+  double share_within(const Piece& inner, const Piece& outer) const {
+    return remembered(Check::within, inner, outer, [&] { return find_share_within(inner, outer); });
+  }
+  double find_share_within(const Piece& inner, const Piece& outer) const {
     if (outer.footprint.size() < 3) return 0;
+    const double slack = options_.slack_m;
     const size_t stride = std::max<size_t>(1, inner.points.size() / 300);
     int within = 0;
     int count = 0;
@@ -69,6 +83,10 @@ class Assembly {
     const size_t keep = std::min(a, b);
     const size_t gone = std::max(a, b);
     sets_.join(keep, gone);
+    std::erase_if(found_, [&](const auto& entry) {
+      const auto& [check, first, second] = entry.first;
+      return first == keep || first == gone || second == keep || second == gone;
+    });
     pieces_[keep].points.insert(pieces_[keep].points.end(), pieces_[gone].points.begin(),
                                 pieces_[gone].points.end());
     pieces_[gone].points.clear();
@@ -171,7 +189,7 @@ class Assembly {
         const Piece& b = pieces_[outer];
         const auto slack = static_cast<float>(options_.slack_m);
         if (a.top > b.top + slack || a.bottom < b.bottom - 0.03f) continue;
-        if (share_within(a, b, options_.slack_m) < options_.within) continue;
+        if (share_within(a, b) < options_.within) continue;
         join(inner, outer);
         return true;
       }
@@ -204,6 +222,9 @@ class Assembly {
   }
 
   bool one_bent_rod(const Piece& a, const Piece& b) const {
+    return remembered(Check::bent, a, b, [&] { return find_bent_rod(a, b); }) != 0;
+  }
+  bool find_bent_rod(const Piece& a, const Piece& b) const {
     const auto slack = static_cast<float>(options_.slack_m);
     if (std::abs(a.top - b.top) > slack || std::abs(a.bottom - b.bottom) > slack) return false;
     constexpr float kMinThickness = 0.45f;  // only the side towards the camera is seen
@@ -236,6 +257,10 @@ class Assembly {
   /// those of `b`, too, or away from it. Walls of boxes that meet in a corner are flat and face past each
   /// other.
   bool around_one_axis(const Piece& a, const Piece& b, bool b_faces_it) const {
+    return remembered(b_faces_it ? Check::around : Check::facing_around, a, b,
+                      [&] { return find_common_axis(a, b, b_faces_it); }) != 0;
+  }
+  bool find_common_axis(const Piece& a, const Piece& b, bool b_faces_it) const {
     constexpr float kMinSlope = 0.2f;  // What lies level faces nowhere.
     constexpr float kMinSpread = 0.05f;
     std::vector<Vector2f> places;
@@ -294,7 +319,7 @@ class Assembly {
 
   /// Whether `a` stands on top of `b`.
   bool on_top(const Piece& a, const Piece& b) const {
-    return a.bottom > b.bottom + 0.02f && a.top > b.top + 0.02f && share_within(a, b, options_.slack_m) > 0.6;
+    return a.bottom > b.bottom + 0.02f && a.top > b.top + 0.02f && share_within(a, b) > 0.6;
   }
 
   /// The nearest piece that is larger than `a`; pieces_.size() = none within `reach`.
@@ -312,6 +337,9 @@ class Assembly {
 
   /// Whether a piece ends above the support and empty space is seen below it.
   bool hovers(const Piece& piece) const {
+    return remembered(Check::hovers, piece, piece, [&] { return find_hovering(piece); }) != 0;
+  }
+  bool find_hovering(const Piece& piece) const {
     if (static_cast<double>(piece.bottom) <= options_.hovering_m) return false;
     int free = 0;
     int known = 0;
@@ -369,6 +397,9 @@ class Assembly {
   }
 
   bool is_neck(const Piece& neck, const Piece& body) const {
+    return remembered(Check::neck, neck, body, [&] { return find_neck(neck, body); }) != 0;
+  }
+  bool find_neck(const Piece& neck, const Piece& body) const {
     const auto band = [&](const Piece& piece, float low) {
       return outline_band(cloud_.points, piece.points, cloud_.viewpoint, low, piece.top + 0.05f);
     };
@@ -395,7 +426,7 @@ class Assembly {
         const Piece& b = pieces_[lid];
         if (body == lid || !alive(body) || contact(body, lid) == 0) continue;
         if (a.area > 0.35 * b.area || a.top > b.bottom + 0.03f || a.bottom > b.bottom) continue;
-        if (share_within(a, b, options_.slack_m) < options_.within) continue;
+        if (share_within(a, b) < options_.within) continue;
         if (share_between(b, a) < 0.6) continue;
         join(body, lid);
         return true;
@@ -421,6 +452,9 @@ class Assembly {
 
   /// Whether the convex completion of two pieces is nowhere seen to be empty, and hidden in between.
   bool one_behind_something(const Piece& a, const Piece& b) const {
+    return remembered(Check::behind, a, b, [&] { return find_hidden_middle(a, b); }) != 0;
+  }
+  bool find_hidden_middle(const Piece& a, const Piece& b) const {
     std::vector<cv::Point2f> both = a.footprint;
     both.insert(both.end(), b.footprint.begin(), b.footprint.end());
     std::vector<cv::Point2f> hull;
@@ -483,6 +517,7 @@ class Assembly {
   DisjointSets sets_;
   std::vector<Piece> pieces_;
   std::map<std::array<int, 2>, int> contacts_;
+  mutable std::map<std::tuple<Check, size_t, size_t>, double> found_;
 };
 
 }  // namespace
