@@ -36,10 +36,10 @@ class Assembly {
   void run() {
     while (join_splinter()) {
     }
-    for (size_t i = 0; i < pieces_.size(); ++i)
-      if (alive(i)) measure_shape(pieces_[i], cloud_);
     while (join_coplanar()) {
     }
+    for (size_t i = 0; i < pieces_.size(); ++i)
+      if (alive(i)) measure_shape(pieces_[i], cloud_);
     while (join_hollow() || join_cavity() || join_contained() || join_appendage() || join_neck() ||
            join_lid() || join_bent() || join_hidden()) {
     }
@@ -146,7 +146,7 @@ class Assembly {
       const Piece& b = pieces_[second];
       const double noise = depth_noise(1.0) * std::max(a.noise, b.noise);
       if (plane_residual(a, b) > noise) continue;
-      join(first, second);
+      merge(first, second);
       return true;
     }
     return false;
