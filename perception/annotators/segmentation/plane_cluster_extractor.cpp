@@ -20,7 +20,7 @@ constexpr double kFloorHeight = 0.15;
 /// The surface of a region of interest as this frame shows it, or as the map has it where the frame shows too
 /// little (glossy counters).
 SupportPlane support_of_region(const types::PlanarSupport& known, int label, const cv::Mat& points,
-                               const cv::Mat& normals, const cv::Mat& region, const Isometry3d& pose,
+                               const cv::Mat& normals, const std::vector<int>& region, const Isometry3d& pose,
                                const SupportOptions& options) {
   const Isometry3d camera_from_map = pose.inverse();
   const Isometry3d camera_from_support =
@@ -34,9 +34,7 @@ SupportPlane support_of_region(const types::PlanarSupport& known, int label, con
   const auto along = [&n](const cv::Vec3f& v) { return n[0] * v[0] + n[1] * v[1] + n[2] * v[2]; };
   const auto* point = points.ptr<cv::Vec3f>();
   const auto* direction = normals.ptr<cv::Vec3f>();
-  const auto* label_of = region.ptr<uint16_t>();
-  for (int i = 0; i < static_cast<int>(points.total()); ++i) {
-    if (label_of[i] != label) continue;
+  for (const int i : region) {
     const float height = along(point[i]) - static_cast<float>(offset);
     if (std::abs(height) > 0.05f) continue;
     pixels.push_back(i);
@@ -64,6 +62,15 @@ SupportPlane support_of_region(const types::PlanarSupport& known, int label, con
   for (const Vector3d& corner : types::points_from_values(known.outline.get()))
     plane->outline.push_back(plane->in_plane(camera_from_map * corner).head<2>());
   return *plane;
+}
+
+/// The pixels of each label of an image (CV_16U) from 1 to `count`, ascending.
+std::vector<std::vector<int>> pixels_of_labels(const cv::Mat& labels, size_t count) {
+  std::vector<std::vector<int>> pixels(count);
+  const auto* label_of = labels.ptr<uint16_t>();
+  for (int i = 0; i < static_cast<int>(labels.total()); ++i)
+    if (label_of[i] > 0 && label_of[i] <= count) pixels[label_of[i] - 1U].push_back(i);
+  return pixels;
 }
 
 /// Share of the outline that the image shows: in view, and not hidden behind something that does not stand
@@ -233,9 +240,11 @@ void PlaneClusterExtractor::process(cas::Cas& cas, Context& context) {
   std::vector<SupportPlane> planes;
   if (facade.has(kRegionsView)) {
     region = types::view_image(facade, kRegionsView);
-    int label = 0;
-    for (const types::PlanarSupport& support : facade.supports())
-      planes.push_back(support_of_region(support, ++label, points, normals, region, pose, support_options_));
+    const std::vector<types::PlanarSupport> known = facade.supports();
+    const std::vector<std::vector<int>> pixels = pixels_of_labels(region, known.size());
+    for (size_t i = 0; i < known.size(); ++i)
+      planes.push_back(support_of_region(known[i], static_cast<int>(i) + 1, points, normals, pixels[i], pose,
+                                         support_options_));
   } else {
     std::optional<Vector3d> up;
     if (has_measured_pose(scene)) up = pose.linear().transpose() * Vector3d::UnitZ();
