@@ -165,8 +165,8 @@ std::string text_of(const SystemResult& result) {
          kinds_table(result) + steps_table("Everything, with the memory", result.steps) + "\n" +
          steps_table("The tabletop pipeline", speed.steps) +
          fmt::format(
-             "  {:.1f} frames per second ({:.1f} ms of wall time, {:.1f} ms of CPU time each, "
-             "without the reader)\n  resident memory {:.0f} MB after a tenth of {} frames, {:.0f} MB "
+             "  {:.1f} frames per second ({:.1f} ms of wall time each, {:.1f} ms of CPU time of the "
+             "annotators)\n  resident memory {:.0f} MB after a tenth of {} frames, {:.0f} MB "
              "after half, {:.0f} MB at the end\n",
              speed.frames_per_second(), speed.clock_ms, speed.processor_ms, speed.megabytes_first_tenth,
              speed.frames, speed.megabytes_half, speed.megabytes_at_end);

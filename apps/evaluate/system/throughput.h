@@ -25,8 +25,8 @@ std::vector<StepTime> step_times(const perception::PipelineResult& result);
 struct Throughput {
   size_t frames = 0;
   std::vector<StepTime> steps;  ///< the reader first
-  double clock_ms = 0;          ///< per frame, of the annotators: a camera needs no reader of files
-  double processor_ms = 0;
+  double clock_ms = 0;          ///< per frame of the whole run, in which several are worked on at a time
+  double processor_ms = 0;      ///< per frame, of the annotators
   double megabytes_first_tenth = 0, megabytes_half = 0, megabytes_at_end = 0;  ///< resident memory
 
   double frames_per_second() const { return clock_ms > 0 ? 1000 / clock_ms : 0; }
