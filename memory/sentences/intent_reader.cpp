@@ -1,6 +1,7 @@
 #include "memory/sentences/intent_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <set>
 
@@ -154,6 +155,15 @@ std::string filled(const std::string& form, const Delexicalised& names, const st
   return text + (time.empty() ? "" : " " + time) + (order ? "." : "?");
 }
 
+/// "Furthest", "heavier": compares.
+bool is_degree(const std::string& word) {
+  using wordnet::PartOfSpeech;
+  if (!word.ends_with("est") && !word.ends_with("er")) return false;
+  if (!wordnet::base_forms(word, PartOfSpeech::noun).empty()) return false;
+  return std::ranges::any_of(std::array{PartOfSpeech::adjective, PartOfSpeech::adverb},
+                             [&](PartOfSpeech part) { return !wordnet::base_forms(word, part).empty(); });
+}
+
 /// Whether a word restricts what is asked: numbers and quantities, order, comparison, exceptions, times,
 /// states, and question words.
 bool restricts(const std::string& lemma) {
@@ -162,7 +172,7 @@ bool restricts(const std::string& lemma) {
       "least more fewer less than other else except without never again repeated before afterwards since "
       "newsince until between during within back or tomorrow predict closed open empty full fresh new "
       "howlong howmany howmuch howsure howfar howbig howoften when where why who whose which");
-  return restricting.contains(lemma) || std::ranges::any_of(lemma, is_digit);
+  return restricting.contains(lemma) || is_digit(lemma[0]) || lemma.size() == 1 || is_degree(lemma);
 }
 
 /// Whether the form says all that a sentence does. Words that it has not met are passed over where the rest
@@ -194,7 +204,12 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   const bool past = time.empty() && std::ranges::count(tokens.lemmas, "was") > 0;
   const bool present = form.starts_with("Is ") || form.find(" is ") != std::string::npos ||
                        form.find(" are ") != std::string::npos;
-  if (past && present && form.find("PLACE") != std::string::npos) return std::nullopt;
+  const bool placed =
+      form.find("PLACE") != std::string::npos ||
+      std::ranges::any_of(sentence.objects, [](const std::string& name) {
+        return name.find(" on ") != std::string::npos || name.find(" in ") != std::string::npos;
+      });
+  if (past && present && placed) return std::nullopt;
   // Of a whole time only this is asked.
   if (sentence.throughout && form != "Was OBJECT on PLACE?" && form != "Is OBJECT on PLACE?")
     return std::nullopt;
@@ -333,10 +348,7 @@ std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sente
       readings.insert(readings.begin(), {literal(parts[i], {&both, topic.place})});
     }
     if (auto colour = colour_question(parts[i], snapshot)) readings.push_back(std::move(*colour));
-    for (const auto& [coordinated, attached] :
-         {std::pair(false, false), {true, false}, {false, true}, {true, true}}) {
-      const auto mentions = joined_mentions(all[i].mentions, all[i].tokens, coordinated, attached);
-      if ((coordinated || attached) && mentions.size() == all[i].mentions.size()) continue;
+    const auto add_readings = [&](const std::vector<Mention>& mentions) {
       Delexicalised sentence_of = delexicalised(all[i], mentions, topic);
       sentence_of.throughout = all[i].throughout;
       if (auto reading = classified(sentence_of, all[i].time))
@@ -358,6 +370,18 @@ std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sente
       } else {
         add_topic(topic.object, sentence_of.objects, "OBJECT");
       }
+    };
+    for (const auto& [coordinated, attached] :
+         {std::pair(false, false), {true, false}, {false, true}, {true, true}}) {
+      const auto mentions = joined_mentions(all[i].mentions, all[i].tokens, coordinated, attached);
+      if ((coordinated || attached) && mentions.size() == all[i].mentions.size()) continue;
+      add_readings(mentions);
+    }
+    // "I popped round with the shopping and there were two cups, ...": names that mean nothing may be words.
+    if (std::ranges::none_of(readings, &PlainQuestion::reworded)) {
+      std::vector<Mention> meant;
+      std::ranges::copy_if(all[i].mentions, std::back_inserter(meant), &Mention::known);
+      if (!meant.empty() && meant.size() < all[i].mentions.size()) add_readings(meant);
     }
     std::stable_sort(
         readings.begin() + 1, readings.end(),

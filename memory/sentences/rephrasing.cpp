@@ -253,7 +253,12 @@ const std::vector<Pattern>& meanings() {
       {"^ are there two|three|four <n:noun> or one|two|three|four|five $", "how many <n> are there"},
       {"which|what of? the? two? <n:noun> is|was closer|nearer to <y> , the <a> one? or the <b> one $",
        "is <y> nearer to the <a> <n> or to the <b> <n>"},
-      {"which|what of? the? two? <n:noun> is|was <v> , the <a> one or the <b> one $", "which <n> is <v>"}};
+      {"which|what of? the? two? <n:noun> is|was <v> , the <a> one or the <b> one $", "which <n> is <v>"},
+      // Lists: of four, the last three first.
+      {"<a:name> , <b:name> ,? and <c:name>", "<a> and <b> and <c>"},
+      {"<a:name> , <b:name> ,? or <c:name>", "<a> or <b> or <c>"},
+      {"<a:name> , <b:name> and <c>", "<a> and <b> and <c>"},
+      {"<a:name> , <b:name> or <c>", "<a> or <b> or <c>"}};
   return all;
 }
 
@@ -271,6 +276,7 @@ const std::vector<Pattern>& constructions() {
       // Who does it, and how often.
       {"keep|keeps|kept|keep|been <v:doing>", "<v>"},
       {"in front of me|us|you", ""},
+      {"the|my|our|your|these|those two|three|four|five <n:name>", "the <n>"},
       // What restricts the objects.
       {"how many of the|my|our|these|those <x> is|are <c:colour> $", "how many <c> <x>"},
       {"which|what of the|my|our|these|those <x> is|are <c:colour> $", "which <c> <x>"},
