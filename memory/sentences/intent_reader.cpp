@@ -1,7 +1,6 @@
 #include "memory/sentences/intent_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <set>
 
@@ -93,7 +92,10 @@ struct Topic {
 Topic topic_for(const std::vector<Named>& parts, size_t at) {
   Topic topic;
   const auto take = [&](const Named& part, bool known) {
-    if (topic.object == nullptr) topic.object = part.first(false, known);
+    // "The bowl looked orange": a colour alone is no topic.
+    const Mention* object = part.first(false, known);
+    if (topic.object == nullptr && !(object != nullptr && known && is_color_word(object->text)))
+      topic.object = object;
     if (topic.place == nullptr) topic.place = part.first(true, known);
   };
   for (const bool known : {true, false}) {
@@ -158,10 +160,12 @@ std::string filled(const std::string& form, const Delexicalised& names, const st
 /// "Furthest", "heavier": compares.
 bool is_degree(const std::string& word) {
   using wordnet::PartOfSpeech;
-  if (!word.ends_with("est") && !word.ends_with("er")) return false;
-  if (!wordnet::base_forms(word, PartOfSpeech::noun).empty()) return false;
-  return std::ranges::any_of(std::array{PartOfSpeech::adjective, PartOfSpeech::adverb},
-                             [&](PartOfSpeech part) { return !wordnet::base_forms(word, part).empty(); });
+  const auto compares = [&](PartOfSpeech part) {
+    const std::vector<std::string> bases = wordnet::base_forms(word, part);
+    return !bases.empty() && bases.front() != word;
+  };
+  return (word.ends_with("est") || word.ends_with("er")) &&
+         (compares(PartOfSpeech::adjective) || compares(PartOfSpeech::adverb));
 }
 
 /// Whether a word restricts what is asked: numbers and quantities, order, comparison, exceptions, times,
@@ -171,7 +175,7 @@ bool restricts(const std::string& lemma) {
       "second third fourth two three four five six half spare once twice only every both first last most "
       "least more fewer less than other else except without never again repeated before afterwards since "
       "newsince until between during within back or tomorrow predict closed open empty full fresh new "
-      "howlong howmany howmuch howsure howfar howbig howoften when where why who whose which");
+      "will should howlong howmany howmuch howsure howfar howbig howoften when where why who whose which");
   return restricting.contains(lemma) || is_digit(lemma[0]) || lemma.size() == 1 || is_degree(lemma);
 }
 

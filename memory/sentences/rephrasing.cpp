@@ -226,6 +226,7 @@ bool apply_all(const std::vector<Pattern>& patterns, Words& words, const IsName&
 /// What readers would take for less than it says.
 const std::vector<Pattern>& meanings() {
   static const std::vector<Pattern> all = {
+      {"have|has|had|would <x> by now", "have <x>"},
       // "What was it that I put on the table?"
       {"what is|was it that? i|we|you had <x>", "what was <x>"},
       {"^ what is|was it that? i|we|you|someone|somebody <x>", "what did someone <x>"},
@@ -266,6 +267,8 @@ const std::vector<Pattern>& constructions() {
   static const std::vector<Pattern> all = {
       // Around the question.
       {"^ if <c:courtesy> $", ""},
+      {"^ if i remember|recall correctly|rightly|right ,?", ""},
+      {"^ unless i am mistaken|wrong ,?", ""},
       {"^ not that <x> , but", ""},
       {"^ <m:matrix> as? to|of|about|on? which <x>", "which <x>"},
       {"^ <m:matrix> as? to|of|about|on? what <x>", "what <x>"},
@@ -288,6 +291,7 @@ const std::vector<Pattern>& constructions() {
       {"^ <a:name> or <b:name> taller|higher $", "which is taller <a> or <b>"},
       {"^ is more big|large <a> or <b> $", "which is bigger <a> or <b>"},
       {"^ is bigger|larger <a> or <b> $", "which is bigger <a> or <b>"},
+      {"^ what is|was the|that|this <c:colour> <n:noun> $", "which <c> <n> are there"},
       {"are there any? <n:noun> that? you|we have never <v> $", "which <n> were never <v>"},
       {"is|are there more <a:noun> than <b:noun> $", "does the <a> outnumber the <b>"},
       {"is|are there fewer|less <a:noun> than <b:noun> $", "does the <b> outnumber the <a>"},
