@@ -213,7 +213,8 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
       std::ranges::any_of(sentence.objects, [](const std::string& name) {
         return name.find(" on ") != std::string::npos || name.find(" in ") != std::string::npos;
       });
-  if (past && present && placed) return std::nullopt;
+  const bool contents = form == "What is on PLACE?" && time.empty();
+  if (past && present && placed && !contents) return std::nullopt;
   // Of a whole time only this is asked.
   if (sentence.throughout && form != "Was OBJECT on PLACE?" && form != "Is OBJECT on PLACE?")
     return std::nullopt;
@@ -223,7 +224,10 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   if (!is_covered(best, tokens) || drops_relation(form, tokens)) return std::nullopt;
   // "Is it on the table or on the counter?" asks for one of them.
   const bool choice = form == "Is OBJECT on PLACE?" && sentence.places[0].find(" or ") != std::string::npos;
-  const std::string asked = sentence.throughout ? "Was OBJECT on PLACE?" : choice ? "Where is OBJECT?" : form;
+  const std::string asked = sentence.throughout ? "Was OBJECT on PLACE?"
+                            : choice            ? "Where is OBJECT?"
+                            : past && contents  ? "What has been on PLACE?"
+                                                : form;
   return PlainQuestion{filled(asked, sentence, time), true, best.probability, sentence.known};
 }
 
@@ -242,6 +246,27 @@ std::optional<Delexicalised> embedded_question(const Delexicalised& sentence) {
     return question;
   }
   return std::nullopt;
+}
+
+/// None for a name that means nothing.
+std::vector<Id> objects_called(const std::string& name, const Snapshot& snapshot) {
+  try {
+    return snapshot.find_objects(name);
+  } catch (const UnknownName&) {
+    return {};
+  }
+}
+
+/// "How far apart are the cups": of the two that are called so; unset where they are not two.
+std::optional<Delexicalised> as_pair(const Delexicalised& sentence, const Snapshot& snapshot) {
+  if (sentence.objects.size() != 1 || !snapshot.means_objects(sentence.objects[0])) return std::nullopt;
+  const std::vector<Id> objects = objects_called(sentence.objects[0], snapshot);
+  if (objects.size() != 2) return std::nullopt;
+  Delexicalised pair = sentence;
+  const auto at = std::ranges::find(pair.words, "OBJECT");
+  pair.words.insert(at, {"OBJECT", "and"});
+  pair.objects = {object_name(objects[0]), object_name(objects[1])};
+  return pair;
 }
 
 /// "Is the pot grey?", "Is the cup red or blue?": asks for the colour; unset for other questions.
@@ -265,7 +290,7 @@ std::string several(const Named& part, const Snapshot& snapshot) {
   const bool two = topic->first > 0 && (part.tokens.words[topic->first - 1] == "two" ||
                                         part.tokens.lemmas[topic->first - 1] == "every");
   if (!two || !topic->known) return "";
-  const std::vector<Id> objects = snapshot.find_objects(topic->text);
+  const std::vector<Id> objects = objects_called(topic->text, snapshot);
   return objects.size() == 2 ? object_name(objects[0]) + " and " + object_name(objects[1]) : "";
 }
 
@@ -359,6 +384,8 @@ std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sente
         readings.push_back(std::move(*reading));
       else if (const auto question = embedded_question(sentence_of))
         if (auto part = classified(*question, all[i].time)) readings.push_back(std::move(*part));
+      if (const auto pair = as_pair(sentence_of, snapshot))
+        if (auto reading = classified(*pair, all[i].time)) readings.push_back(std::move(*reading));
       // "I need the milk, any idea where?", "Peek into the drawer, what is inside?"
       const auto add_topic = [&](const Mention* mention, std::vector<std::string>& names, const char* kind) {
         if (mention == nullptr || !names.empty()) return;
