@@ -408,7 +408,7 @@ std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sente
       if ((coordinated || attached) && mentions.size() == all[i].mentions.size()) continue;
       add_readings(mentions);
     }
-    // "I popped round with the shopping and there were two cups, ...": names that mean nothing may be words.
+    // "I popped round with the shopping and ...": names that mean nothing may be words.
     if (std::ranges::none_of(readings, &PlainQuestion::reworded)) {
       std::vector<Mention> meant;
       std::ranges::copy_if(all[i].mentions, std::back_inserter(meant), &Mention::known);

@@ -259,7 +259,10 @@ const std::vector<Pattern>& meanings() {
       {"<a:name> , <b:name> ,? and <c:name>", "<a> and <b> and <c>"},
       {"<a:name> , <b:name> ,? or <c:name>", "<a> or <b> or <c>"},
       {"<a:name> , <b:name> and <c>", "<a> and <b> and <c>"},
-      {"<a:name> , <b:name> or <c>", "<a> or <b> or <c>"}};
+      {"<a:name> , <b:name> or <c>", "<a> or <b> or <c>"},
+      // "Which of my ingredients has moved: the oil, the milk or the jam?"
+      {"which|what of the|my|our|these|those <n:noun> has|have|was|were|did <v> , <a> or <b:name> $",
+       "which <a> or <b> was <v>"}};
   return all;
 }
 
