@@ -153,8 +153,6 @@ ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
            (places.empty() || is_one_of(places, now->place));
   };
   for (const EventRow& event : store.events(question.as_of, question.from, question.to)) {
-    // What the look at the start shows had happened before.
-    if (!question.to && event.clock.valid_from == question.from) continue;
     if (!question.subject.empty() && !is_one_of(objects, event.object)) continue;
     const bool at_place = is_one_of(places, event.place) || is_one_of(places, event.from_place) ||
                           (event.joint && joints.contains(*event.joint));
