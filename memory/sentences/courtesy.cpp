@@ -83,7 +83,7 @@ void strip_politeness(Words& words) {
       "[hey|hi|hello|ok|okay|excuse me|listen|so|well] "
       "(robot|computer|assistant|machine|loci|mate|dear|love)|"
       "hey|hello|hi|hiya|excuse me|sorry|ok|okay|well|so|and|but|please|thanks|now then|right|look|listen|"
-      "quick question|quick|quickly|just curious|just checking|by the way|anyway|good "
+      "quick question|quick|quickly|just curious|just checking|by the way|between you and me|anyway|good "
       "(morning|evening|afternoon)|"
       "if|whether|[are you|i am|am i] (sure|certain|right|correct) [that|in thinking that]|is it "
       "(true|correct|right|possible|the case) that|"

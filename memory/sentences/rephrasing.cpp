@@ -226,6 +226,7 @@ bool apply_all(const std::vector<Pattern>& patterns, Words& words, const IsName&
 /// What readers would take for less than it says.
 const std::vector<Pattern>& meanings() {
   static const std::vector<Pattern> all = {
+      {"have|has|had|would <x> by now", "have <x>"},
       // "What was it that I put on the table?"
       {"what is|was it that? i|we|you had <x>", "what was <x>"},
       {"^ what is|was it that? i|we|you|someone|somebody <x>", "what did someone <x>"},
@@ -253,7 +254,15 @@ const std::vector<Pattern>& meanings() {
       {"^ are there two|three|four <n:noun> or one|two|three|four|five $", "how many <n> are there"},
       {"which|what of? the? two? <n:noun> is|was closer|nearer to <y> , the <a> one? or the <b> one $",
        "is <y> nearer to the <a> <n> or to the <b> <n>"},
-      {"which|what of? the? two? <n:noun> is|was <v> , the <a> one or the <b> one $", "which <n> is <v>"}};
+      {"which|what of? the? two? <n:noun> is|was <v> , the <a> one or the <b> one $", "which <n> is <v>"},
+      // Lists: of four, the last three first.
+      {"<a:name> , <b:name> ,? and <c:name>", "<a> and <b> and <c>"},
+      {"<a:name> , <b:name> ,? or <c:name>", "<a> or <b> or <c>"},
+      {"<a:name> , <b:name> and <c>", "<a> and <b> and <c>"},
+      {"<a:name> , <b:name> or <c>", "<a> or <b> or <c>"},
+      // "Which of my ingredients has moved: the oil, the milk or the jam?"
+      {"which|what of the|my|our|these|those <n:noun> has|have|was|were|did <v> , <a> or <b:name> $",
+       "which <a> or <b> was <v>"}};
   return all;
 }
 
@@ -261,6 +270,8 @@ const std::vector<Pattern>& constructions() {
   static const std::vector<Pattern> all = {
       // Around the question.
       {"^ if <c:courtesy> $", ""},
+      {"^ if i remember|recall correctly|rightly|right ,?", ""},
+      {"^ unless i am mistaken|wrong ,?", ""},
       {"^ not that <x> , but", ""},
       {"^ <m:matrix> as? to|of|about|on? which <x>", "which <x>"},
       {"^ <m:matrix> as? to|of|about|on? what <x>", "what <x>"},
@@ -271,6 +282,7 @@ const std::vector<Pattern>& constructions() {
       // Who does it, and how often.
       {"keep|keeps|kept|keep|been <v:doing>", "<v>"},
       {"in front of me|us|you", ""},
+      {"the|my|our|your|these|those two|three|four|five <n:name>", "the <n>"},
       // What restricts the objects.
       {"how many of the|my|our|these|those <x> is|are <c:colour> $", "how many <c> <x>"},
       {"which|what of the|my|our|these|those <x> is|are <c:colour> $", "which <c> <x>"},
@@ -282,6 +294,7 @@ const std::vector<Pattern>& constructions() {
       {"^ <a:name> or <b:name> taller|higher $", "which is taller <a> or <b>"},
       {"^ is more big|large <a> or <b> $", "which is bigger <a> or <b>"},
       {"^ is bigger|larger <a> or <b> $", "which is bigger <a> or <b>"},
+      {"^ what is|was the|that|this <c:colour> <n:noun> $", "which <c> <n> are there"},
       {"are there any? <n:noun> that? you|we have never <v> $", "which <n> were never <v>"},
       {"is|are there more <a:noun> than <b:noun> $", "does the <a> outnumber the <b>"},
       {"is|are there fewer|less <a:noun> than <b:noun> $", "does the <b> outnumber the <a>"},

@@ -135,6 +135,7 @@ constexpr Lemma kLemmas[] = {
 constexpr Compound kCompounds[] = {
     // How much, how long.
     {"[the] (number|count|quantity|amount|total) of (times|occasions)", "howoften"},
+    {"[on] how many occasions", "howoften"},
     {"[the] (number|count) of (moves|movements|relocations|displacements|(place|location|position) changes)",
      "howoften move"},
     {"[the] (number|count) of openings", "howoften opened"},

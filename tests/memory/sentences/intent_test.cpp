@@ -168,6 +168,20 @@ TEST_F(SecondReader, PassesOverNewWordsButNoneThatMeansSomethingElse) {
   EXPECT_EQ(say("Where in blazes is the tea cup?").query->text(), "where 'tea cup'");
   EXPECT_EQ(say("How long has the drawer been shut?").query->asks, Asks::closed_for) << "not open";
   EXPECT_FALSE(say("Where is most of the tea cup?").reply);
+  EXPECT_EQ(say("Well I never, whatever became of the yellow thing in the end").query->text(),
+            "changes --object 'yellow thing'");
+  EXPECT_FALSE(say("What moved the furthest?").reply) << "not what moved";
+}
+
+TEST_F(SecondReader, ANameOfTwoObjectsIsAPair) {
+  {
+    Store store = Store::open_write(file_, {});
+    set_fact(store, "blue", "class", "bowl");
+    set_fact(store, "object_1", "class", "bowl");
+  }
+  const NaturalLanguageAnswer answer = say("How far apart are the two bowls?");
+  ASSERT_TRUE(answer.query);
+  EXPECT_THAT(answer.query->text(), HasSubstr("--by distance"));
 }
 
 TEST_F(SecondReader, WhatANameIsForOrInChangesNothing) {

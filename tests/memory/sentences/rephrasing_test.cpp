@@ -35,6 +35,16 @@ TEST(Rephrasing, AChoiceAfterACompleteQuestionIsPartOfIt) {
             "is the pot nearer to the red cup or to the blue cup ?");
 }
 
+TEST(Rephrasing, ListsAreJoined) {
+  EXPECT_EQ(as_meant("Are the tea, the milk and the pot on the table?", is_name),
+            "are the tea and the milk and the pot on the table ?");
+  EXPECT_EQ(as_meant("Where are the cup, the tea, the milk and the pot?", is_name),
+            "where are the cup and the tea and the milk and the pot ?");
+  EXPECT_EQ(as_meant("Which of my dishes was moved, the pot, the cup or the plate?", is_name),
+            "which the pot or the cup or the plate was moved ?");
+  EXPECT_EQ(plain("Where are my two cups?"), "where are the cups ?");
+}
+
 TEST(Rephrasing, CleftsAndCountsAskPlainly) {
   EXPECT_EQ(as_meant("What was it that I put on the table?", is_name), "what did someone put on the table ?");
   EXPECT_EQ(as_meant("cups total", is_name), "how many cups");
