@@ -1,5 +1,8 @@
 #include "perception/conversions/opencv.h"
 
+#include <array>
+#include <limits>
+
 namespace loci::perception::types {
 namespace {
 
@@ -117,6 +120,34 @@ std::vector<cv::Rect> heads_of_people(const Scene& scene) {
     if (const auto person = try_as<PersonAnnotation>(annotation))
       heads.push_back(from<cv::Rect>(person->head.get()));
   return heads;
+}
+
+std::vector<cv::Point2f> near_hull(const std::vector<cv::Point2f>& points) {
+  constexpr std::array<std::array<float, 2>, 8> kDirections{
+      {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};  // counter-clockwise
+  std::array<cv::Point2f, 8> corners;
+  std::array<float, 8> reach;
+  reach.fill(std::numeric_limits<float>::lowest());
+  for (const cv::Point2f& p : points)
+    for (size_t d = 0; d < corners.size(); ++d) {
+      const float along = kDirections[d][0] * p.x + kDirections[d][1] * p.y;
+      if (along <= reach[d]) continue;
+      reach[d] = along;
+      corners[d] = p;
+    }
+  if (corners[0] == corners[4] && corners[2] == corners[6]) return points;  // all are one
+  constexpr float kOnEdge = 1e-9f;  // square metres: a point on an edge may be a corner
+  std::vector<cv::Point2f> outer;
+  for (const cv::Point2f& p : points) {
+    bool inside = true;
+    for (size_t d = 0; d < corners.size() && inside; ++d) {
+      const cv::Point2f& from = corners[d];
+      const cv::Point2f edge = corners[(d + 1) % corners.size()] - from;
+      inside = edge == cv::Point2f() || edge.cross(p - from) > kOnEdge;
+    }
+    if (!inside) outer.push_back(p);
+  }
+  return outer;
 }
 
 }  // namespace loci::perception::types

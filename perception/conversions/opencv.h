@@ -1,6 +1,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "mapping/sensor/camera.h"
 #include "perception/types/geometry.h"
@@ -64,5 +65,9 @@ void set_cameras(const SceneCas& cas, const mapping::RgbdCamera& camera);
 
 /// Throws Error when the scene has no such cameras.
 mapping::RgbdCamera cameras(const SceneCas& cas);
+
+/// The points without those that surely lie inside their convex hull, which is found much faster among the
+/// rest: within the octagon of the outermost points in eight directions.
+std::vector<cv::Point2f> near_hull(const std::vector<cv::Point2f>& points);
 
 }  // namespace loci::perception::types

@@ -10,6 +10,7 @@
 
 #include "mapping/base/math.h"
 #include "perception/annotators/scene_data.h"
+#include "perception/conversions/opencv.h"
 
 namespace loci::perception {
 namespace {
@@ -74,7 +75,7 @@ UprightBox upright_box(const std::vector<Vector3d>& points, double ground, doubl
     footprint.emplace_back(static_cast<float>(p.x() - origin.x()), static_cast<float>(p.y() - origin.y()));
     heights.push_back(p.z());
   }
-  const cv::RotatedRect rectangle = cv::minAreaRect(footprint);
+  const cv::RotatedRect rectangle = cv::minAreaRect(types::near_hull(footprint));
   double yaw = static_cast<double>(rectangle.angle) * kPi / 180;
   if (rectangle.size.height > rectangle.size.width) yaw += kPi / 2;
   yaw = std::remainder(yaw, kPi);

@@ -11,6 +11,7 @@
 #include "mapping/base/parallel.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/annotators/segmentation/standing_points.h"
+#include "perception/conversions/opencv.h"
 #include "perception/recognition/image_features.h"
 
 namespace loci::perception {
@@ -81,7 +82,7 @@ class ClusterMaker {
     constexpr float kWide = 0.05f;  // many values measure the height of what is wide
     std::vector<cv::Point2f> footprint;
     for (const Vector3f& p : object.in_plane) footprint.emplace_back(p.x(), p.y());
-    const cv::Size2f sides = cv::minAreaRect(footprint).size;
+    const cv::Size2f sides = cv::minAreaRect(types::near_hull(footprint)).size;
     if (is_drawer_side(object, sides, cluster.top)) return std::nullopt;
     const double height = (std::min(sides.width, sides.height) > kWide ? 0.5 : 1) * options_.min_height_m;
     const double least = std::max(height, 3 * depth_noise(depth)) + support_.uncertainty;

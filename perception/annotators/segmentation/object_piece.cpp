@@ -1,7 +1,6 @@
 #include "perception/annotators/segmentation/object_piece.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -9,6 +8,7 @@
 #include <tuple>
 
 #include "mapping/base/math.h"
+#include "perception/conversions/opencv.h"
 
 namespace loci::perception {
 namespace {
@@ -28,36 +28,6 @@ void set_hollowness(Piece& piece, const Vector2f& mean, const PlaneCloud& cloud)
     all += normal.norm() * out.norm();
   }
   piece.facing_out = all > 0 ? facing / all : 0;
-}
-
-/// Without those that surely lie inside the convex hull of all: within the octagon of the outermost points in
-/// eight directions.
-std::vector<cv::Point2f> near_hull(const std::vector<cv::Point2f>& points) {
-  constexpr std::array<std::array<float, 2>, 8> kDirections{
-      {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};  // counter-clockwise
-  std::array<cv::Point2f, 8> corners;
-  std::array<float, 8> reach;
-  reach.fill(std::numeric_limits<float>::lowest());
-  for (const cv::Point2f& p : points)
-    for (size_t d = 0; d < corners.size(); ++d) {
-      const float along = kDirections[d][0] * p.x + kDirections[d][1] * p.y;
-      if (along <= reach[d]) continue;
-      reach[d] = along;
-      corners[d] = p;
-    }
-  if (corners[0] == corners[4] && corners[2] == corners[6]) return points;  // all are one
-  constexpr float kOnEdge = 1e-9f;  // square metres: a point on an edge may be a corner
-  std::vector<cv::Point2f> outer;
-  for (const cv::Point2f& p : points) {
-    bool inside = true;
-    for (size_t d = 0; d < corners.size() && inside; ++d) {
-      const cv::Point2f& from = corners[d];
-      const cv::Point2f edge = corners[(d + 1) % corners.size()] - from;
-      inside = edge == cv::Point2f() || edge.cross(p - from) > kOnEdge;
-    }
-    if (!inside) outer.push_back(p);
-  }
-  return outer;
 }
 
 /// Convex hull of the points and of their reflection about the middle of the line between the outermost
@@ -86,7 +56,7 @@ void set_footprint(Piece& piece, const PlaneCloud& cloud) {
   const Vector2f middle = 0.5f * (first->second + last->second);
   std::vector<cv::Point2f> half;
   for (auto point = first; point <= last; ++point) half.emplace_back(point->second.x(), point->second.y());
-  half = near_hull(half);
+  half = types::near_hull(half);
   std::vector<cv::Point2f> both = half;
   for (const cv::Point2f& p : half) both.emplace_back(2.0f * middle.x() - p.x, 2.0f * middle.y() - p.y);
   cv::convexHull(both, piece.footprint);
