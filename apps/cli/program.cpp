@@ -14,6 +14,7 @@
 #include <fstream>
 
 #include "apps/cli/help.h"
+#include "mapping/base/files.h"
 #include "mapping/base/json.h"
 #include "mapping/base/terminal.h"
 
@@ -62,6 +63,15 @@ std::vector<std::filesystem::path> paths_of(const Argument& argument) {
   if (const auto* paths = std::get_if<std::vector<std::filesystem::path>*>(&argument.variable))
     return **paths;
   return {};
+}
+
+/// Whether what was done so far is kept, and the same command with --resume goes on with it.
+bool can_resume(const ArgumentTable& arguments) {
+  const auto resumes = [](const Argument& argument) { return argument.name == "--resume"; };
+  const auto is_missing = [](const Argument& argument) {
+    return argument.value_name == "MEMORY" && paths_of(argument).front().empty();
+  };
+  return std::ranges::any_of(arguments.all(), resumes) && std::ranges::none_of(arguments.all(), is_missing);
 }
 
 bool is_output(const Argument& argument) {
@@ -123,6 +133,7 @@ void check_outputs(const ArgumentTable& arguments, const OutputOptions& options)
     for (const std::filesystem::path& path : paths_of(argument)) {
       if (path.empty()) continue;
       if (std::filesystem::exists(path, none)) check_output(argument, path, options);
+      if (argument.value_name == "FOLDER" || argument.value_name == "POSED") check_folder_name(path);
       require_writable(path);
     }
   }
@@ -217,6 +228,10 @@ int Program::run_command(const Command& command, const std::vector<std::string>&
     Session session(flags, outputs);
     try {
       body(session);
+    } catch (const Interrupted&) {
+      session.show_warnings();
+      if (can_resume(arguments)) session.log("what is complete is kept: --resume goes on with it");
+      throw;
     } catch (...) {
       session.show_warnings();
       throw;

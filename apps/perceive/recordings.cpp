@@ -141,6 +141,7 @@ void convert(const ConvertArguments& arguments, Session& session) {
       {"tum", mapping::RecordingFormat::tum}};
   const bool is_mcap = std::filesystem::path(arguments.out).extension() == ".mcap";
   const std::string format = !arguments.format.empty() ? arguments.format : is_mcap ? "mcap" : "loci";
+  if (format != "mcap") check_folder_name(arguments.out);
   mapping::ConvertOptions options{
       kFormats.at(format), arguments.every, {arguments.recording.path}, session.flags().force};
   if (!arguments.recording.options.poses.empty())

@@ -1,8 +1,11 @@
 #include "mapping/base/files.h"
 
+#include <fmt/format.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <set>
 
 #include "mapping/base/error.h"
 #include "mapping/base/output_file.h"
@@ -34,6 +37,18 @@ void make_folder(const std::filesystem::path& path) {
   if (code || !std::filesystem::is_directory(path))
     throw Error("cannot create this folder: " + (code ? code.message() : std::string("a file is in the way")),
                 {path.string(), 0, {}});
+}
+
+void check_folder_name(const std::filesystem::path& path) {
+  static const std::set<std::string> endings = {".bag",  ".csv",  ".db3",  ".gif",  ".glb", ".gz",  ".html",
+                                                ".jpg",  ".json", ".loci", ".mcap", ".obj", ".pcd", ".pdf",
+                                                ".pgm",  ".ply",  ".png",  ".sdf",  ".svg", ".tar", ".txt",
+                                                ".urdf", ".xml",  ".yaml", ".yml",  ".zip"};
+  const std::string ending = path.extension().string();
+  std::error_code none;
+  if (!endings.contains(ending) || std::filesystem::exists(path, none)) return;
+  throw Error(fmt::format("what is written is a folder, its name ends in {} as a file's", ending),
+              {path.string(), 0, {}}, "name a folder");
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {

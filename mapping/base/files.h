@@ -15,4 +15,8 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
 /// Creates a folder and its parents; throws Error when that fails or a file is in the way.
 void make_folder(const std::filesystem::path& path);
 
+/// Throws Error when a folder that does not exist yet would be named like a file ("map.urdf", "day.zip"):
+/// whoever writes this expects one.
+void check_folder_name(const std::filesystem::path& path);
+
 }  // namespace loci

@@ -127,6 +127,15 @@ TEST(Commands, RefuseAnOutputThatCannotBeWrittenBeforeTheWork) {
               testing::HasSubstr("cannot be written: the folder does not exist"));
 }
 
+TEST(Commands, RefuseAFolderThatIsNamedLikeAFile) {
+  const std::string folder = fresh_folder();
+  for (const std::string command : {"loci-map fuse absent -o " + folder + "/room.ply",
+                                    "loci-map interpret absent -o " + folder + "/map.urdf",
+                                    "loci-perceive convert absent -o " + folder + "/day.zip"})
+    EXPECT_THAT(run(command).error, testing::HasSubstr("what is written is a folder, its name ends in"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
+}
+
 TEST(Dispatcher, RunsTheProgramsBesideIt) {
   EXPECT_EQ(run("loci map check apps/samples/kitchen.urdf").out,
             run("loci-map check apps/samples/kitchen.urdf").out);
