@@ -170,7 +170,7 @@ void Pipeline::read_scene(Scene& scene) {
   reader_->read_next(scene.cas, scene.context);
   if (reader_->position() < reader_->count()) scene.context.next = reader_->upcoming();
   reader_seconds_ += watch.seconds();
-  reader_cpu_seconds_ += watch.cpu_seconds();
+  reader_cpu_seconds_ += scene.context.alone ? watch.cpu_seconds() : watch.seconds();
 }
 
 void Pipeline::run_frames(Context& context, const std::shared_ptr<const cas::TypeSystem>& type_system,
