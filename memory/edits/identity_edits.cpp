@@ -292,7 +292,8 @@ Edit split_object(Store& store, Id object, TimeNs from, Progress& progress) {
   if (later.empty() || !store.last_observation_before(object, from, {}))
     refuse(store,
            fmt::format("{} was {} {}", object_name(object),
-                       later.empty() ? "not seen from" : "first seen not before", store.time_zone().format(from)),
+                       later.empty() ? "not seen from" : "first seen not before",
+                       store.time_zone().format(from)),
            "loci-memory history shows when it was seen");
   const TimeNs first = later.front().time;
   const Id made = store.max_object_id() + 1;
