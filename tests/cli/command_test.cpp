@@ -130,8 +130,8 @@ TEST(Commands, RefuseAnOutputThatCannotBeWrittenBeforeTheWork) {
 TEST(Commands, RefuseAFolderThatIsNamedLikeAFile) {
   const std::string folder = fresh_folder();
   for (const std::string& command : {"loci-map fuse absent -o " + folder + "/room.ply",
-                                    "loci-map interpret absent -o " + folder + "/map.urdf",
-                                    "loci-perceive convert absent -o " + folder + "/day.zip"})
+                                     "loci-map interpret absent -o " + folder + "/map.urdf",
+                                     "loci-perceive convert absent -o " + folder + "/day.zip"})
     EXPECT_THAT(run(command).error, testing::HasSubstr("what is written is a folder, its name ends in"));
   EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
