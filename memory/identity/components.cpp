@@ -168,6 +168,8 @@ class Splitter {
     return result;
   }
 
+  static constexpr double kRange = 700;  ///< e to this power is nearly the largest double
+
   IdentityComponent part(const std::vector<size_t>& olds, const std::vector<size_t>& news) const {
     IdentityComponent part;
     part.transposed = news.size() < olds.size();
@@ -179,8 +181,6 @@ class Splitter {
     for (const size_t column : part.columns) part.column_free.push_back(column_alone[column] != kNever);
     for (const size_t o : olds) part.log_scale += row_scale_[o];
     for (const size_t k : news) part.log_scale += column_scale_[k];
-    // Beyond this a product of odds would leave the range of a double.
-    const double limit = 700.0 / static_cast<double>(part.rows.size());
     part.log_ratio.resize(static_cast<Eigen::Index>(part.rows.size()),
                           static_cast<Eigen::Index>(part.columns.size()));
     for (Eigen::Index i = 0; i < part.log_ratio.rows(); ++i)
@@ -188,9 +188,11 @@ class Splitter {
         const auto row = static_cast<Eigen::Index>(part.rows[static_cast<size_t>(i)]);
         const auto column = static_cast<Eigen::Index>(part.columns[static_cast<size_t>(j)]);
         const double ratio = part.transposed ? log_ratio_(column, row) : log_ratio_(row, column);
-        part.log_ratio(i, j) = ratio < -700 ? kNever : std::min(ratio, limit);
+        part.log_ratio(i, j) = ratio < -kRange ? kNever : ratio;
       }
     part.order = elimination_order(rows_of_columns(part), part.rows.size());
+    // With larger odds the weights of the subsets of the open rows would leave the range of a double.
+    part.log_ratio = part.log_ratio.cwiseMin(kRange / static_cast<double>(part.order.width));
     return part;
   }
 

@@ -131,6 +131,19 @@ TEST(Identity, ManyObjectsThatDependOnFewOthersAreSolvedExactly) {
     EXPECT_NEAR(matched(solution).col(k).sum() + solution.appear[static_cast<size_t>(k)], 1, 1e-12);
 }
 
+TEST(Identity, OddsOfManyObjectsMayBeLarge) {
+  constexpr Eigen::Index kCount = 60;
+  LogOddsProblem problem;
+  problem.log_similar = PairTable::Constant(kCount, kCount, kNever);
+  for (Eigen::Index k = 0; k < kCount; ++k) problem.log_similar(k, k) = 25;
+  for (Eigen::Index k = 1; k < kCount; ++k) problem.log_similar(k, k - 1) = 0;
+  problem.log_proximity = PairTable::Constant(kCount, kCount, kNever);
+  problem.out_of_view.assign(kCount, 0.0);
+  const IdentitySolution solution = solve(problem, exact());
+  EXPECT_NEAR(solution.log_z, 25 * kCount, 1e-6);
+  for (Eigen::Index k = 0; k < kCount; ++k) EXPECT_NEAR(solution.none(k, k), 0, 1e-9);
+}
+
 TEST(Identity, SplittingIntoComponentsDoesNotChangeTheAnswer) {
   Random random(7);
   const IdentityProblem a = testing_support::random_problem(4, 5, random),
