@@ -163,7 +163,7 @@ class PythonAnnotator : public perception::Annotator {
                      .outputs = made.attr("outputs").cast<std::vector<std::string>>(),
                      .optional_inputs = made.attr("optional_inputs").cast<std::vector<std::string>>(),
                      .modifies = {},
-                     .shares = {"python"}};
+                     .shares = {"python"}};  // classes may keep what others read
       for (const auto& [name, value] : made.attr("options").cast<py::dict>())
         options_.emplace_back(name.cast<std::string>(), option_of(py::reinterpret_borrow<py::object>(value)));
       annotator_ = hold(made);

@@ -17,7 +17,7 @@ struct IdentityComponent {
   std::vector<bool> row_free;  ///< may stay unmatched
   std::vector<bool> column_free;
   double log_scale = 0;  ///< log of the product of all scales
-  EliminationOrder order;
+  EliminationOrder order;  ///< of the columns
 };
 
 /// Per column the rows that it has a pair with.

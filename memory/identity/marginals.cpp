@@ -102,7 +102,6 @@ class SubsetSum {
     result.row_alone.assign(component_.rows.size(), 1);
     result.column_alone.assign(component_.columns.size(), 0);
     forward_checkpoints();
-    log_z_ = last_forward_.log_scale + std::log(last_forward_.weight[0]);
     Layer backward{{1.0}, 0};
     for (size_t t = steps_.size(); t-- > 0;) backward = back_step(t, forward_layer(t), backward, result);
     result.log_z = log_z_ + component_.log_scale;
@@ -173,7 +172,7 @@ class SubsetSum {
     return layer;
   }
 
-  /// Keeps every stride-th layer when all of them would take too much memory.
+  /// Sums out all columns. Keeps every stride-th layer when all of them would take too much memory.
   void forward_checkpoints() {
     constexpr size_t kMaxDoubles = size_t{1} << 25;
     size_t widest = 0;
@@ -188,7 +187,7 @@ class SubsetSum {
       if (t % stride_ == 0) checkpoints_.push_back(std::move(layer));
       layer = std::move(next);
     }
-    last_forward_ = std::move(layer);
+    log_z_ = layer.log_scale + std::log(layer.weight[0]);  // all rows are closed
   }
 
   const Layer& forward_layer(size_t t) {
@@ -278,7 +277,6 @@ class SubsetSum {
   std::vector<Layer> checkpoints_;
   std::vector<Layer> segment_;
   size_t segment_first_ = 0;
-  Layer last_forward_;
   double log_z_ = 0;
 };
 

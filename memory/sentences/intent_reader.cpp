@@ -92,7 +92,7 @@ struct Topic {
 Topic topic_for(const std::vector<Named>& parts, size_t at) {
   Topic topic;
   const auto take = [&](const Named& part, bool known) {
-    // "The bowl looked orange": a colour alone is no topic.
+    // "The bowl looked orange": a colour alone is not what is spoken of.
     const Mention* object = part.first(false, known);
     if (topic.object == nullptr && !(object != nullptr && known && is_color_word(object->text)))
       topic.object = object;

@@ -186,8 +186,7 @@ cv::Mat eroded_by_disc(const cv::Mat& image, int width) {
   constexpr float kBeyond = std::numeric_limits<float>::max();
   const int reach = width / 2;
   const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {width, width});
-  std::vector<std::vector<int>> rows_of_half(static_cast<size_t>(reach) +
-                                             1);  // by half the length of the run
+  std::vector<std::vector<int>> rows_of_half(size_t(reach) + 1);  // by half the length of the run
   for (int row = 0; row < width; ++row)
     rows_of_half[static_cast<size_t>(cv::countNonZero(disc.row(row)) / 2)].push_back(row - reach);
   cv::Mat padded;
