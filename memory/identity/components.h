@@ -16,7 +16,7 @@ struct IdentityComponent {
   PairTable log_ratio;         ///< rows × columns: log weight over the two scales; kNever = no pair
   std::vector<bool> row_free;  ///< may stay unmatched
   std::vector<bool> column_free;
-  double log_scale = 0;  ///< log of the product of all scales
+  double log_scale = 0;    ///< log of the product of all scales
   EliminationOrder order;  ///< of the columns
 };
 
