@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 struct Arguments {
   int runs = 2, scenes = changes::kScenesOfADay;
   uint64_t seed = 1;
-  std::string samples = "apps/samples", keep;
+  std::vector<std::string> worlds, package_paths;
+  std::string samples = "apps/samples", map, keep;
   bool drawers = false;
 };
 
@@ -28,24 +29,42 @@ struct DayResult {
   changes::AnswerScore answers;
 };
 
-/// One day in one of the kitchens, by the memory and by the baselines.
-DayResult one_day(const Arguments& arguments, int run, const fs::path& folder, Progress& progress,
-                  Session& session) {
-  const std::string kitchen = run % 2 == 0 ? "kitchen" : "kitchen_l";
-  const fs::path urdf = fs::absolute(fs::path(arguments.samples) / (kitchen + ".urdf"));
+/// A kitchen, and where days can be in it.
+struct Kitchen {
+  fs::path urdf;
+  changes::DayWorld world;
+};
+
+std::vector<Kitchen> kitchens_of(const Arguments& arguments, Warnings& warnings) {
+  std::vector<Kitchen> kitchens;
+  for (const std::string& world : arguments.worlds)
+    kitchens.push_back({fs::absolute(world),
+                        changes::find_day_world(world, {arguments.package_paths.begin(), arguments.package_paths.end()},
+                                                arguments.seed, warnings)});
+  if (!kitchens.empty()) return kitchens;
+  for (const char* name : {"kitchen", "kitchen_l"})
+    kitchens.push_back({fs::absolute(fs::path(arguments.samples) / name) += ".urdf", changes::sample_day_world(name)});
+  return kitchens;
+}
+
+/// One day in a kitchen, by the memory and by the baselines.
+DayResult one_day(const Arguments& arguments, const Kitchen& kitchen, int run, const fs::path& folder,
+                  Progress& progress, Session& session) {
   const fs::path day = folder / fmt::format("day_{}", run + 1), scenario = day.string() + ".yaml";
   const uint64_t seed = arguments.seed + static_cast<uint64_t>(run);
-  write_file_atomically(scenario, changes::random_day(changes::day_world(kitchen), urdf, seed,
-                                                      arguments.scenes, arguments.drawers));
+  write_file_atomically(scenario, changes::random_day(kitchen.world, kitchen.urdf, seed, arguments.scenes,
+                                                      arguments.drawers));
   mapping::RecordOptions record_options;
   record_options.seed = static_cast<int>(seed);
   record_options.threads = session.flags().threads;
+  record_options.package_paths.assign(arguments.package_paths.begin(), arguments.package_paths.end());
   PartialProgress recording_it(progress, 0, 0.6), remembering(progress, 0.6, 1);
   record(mapping::read_scenario(scenario), day, record_options, recording_it, session.warnings());
   const std::shared_ptr<mapping::Recording> recording = mapping::open_recording(day);
   changes::RememberOptions options;
   options.memory = day.string() + ".loci";
-  options.map = urdf;
+  options.map = arguments.map.empty() ? kitchen.urdf : fs::path(arguments.map);
+  options.package_paths = record_options.package_paths;
   options.program = "loci-evaluate days";
   options.threads = session.flags().threads;
   fs::remove(options.memory);
@@ -58,13 +77,14 @@ void run(const Arguments& arguments, Session& session) {
   const TemporaryFolder temporary("loci-evaluate-days");
   const fs::path folder = arguments.keep.empty() ? temporary.path() : fs::path(arguments.keep);
   make_folder(folder);
+  const std::vector<Kitchen> kitchens = kitchens_of(arguments, session.warnings());
   std::vector<changes::Comparison> all;
   changes::AnswerScore answers;
   std::string text;
   Json days = Json::array();
   for (int i = 0; i < arguments.runs; ++i) {
     PartialProgress progress(session.progress(), double(i) / arguments.runs, double(i + 1) / arguments.runs);
-    const DayResult result = one_day(arguments, i, folder, progress, session);
+    const DayResult result = one_day(arguments, kitchens[static_cast<size_t>(i) % kitchens.size()], i, folder, progress, session);
     const std::vector<changes::Comparison>& day = result.methods;
     answers.add(result.answers);
     text += fmt::format("day {}: {} of {} right; identity F1 {:.3f}, {:.3f}, {:.3f}\n", i + 1, day[0].right(),
@@ -90,14 +110,18 @@ Command days_command() {
       {"loci-evaluate days --runs 1 --scenes 4", "loci-evaluate days --runs 1 --scenes 3 --seed 4 --json"},
       [](ArgumentTable& table) {
         auto arguments = std::make_shared<Arguments>();
-        table.option("--runs N", &arguments->runs,
-                     "Number of days, alternating between the two sample kitchens", {.min = 1, .max = 1000});
+        table.positional("[KITCHEN...]", &arguments->worlds,
+                         "Worlds (URDF) to have days in, instead of the two sample kitchens");
+        table.option("--runs N", &arguments->runs, "Number of days; the kitchens take turns",
+                     {.min = 1, .max = 1000});
         table.option("--scenes N", &arguments->scenes,
                      "Number of scenes per day; the middle cup is back after 12", {.min = 1, .max = 100});
         table.option("--seed N", &arguments->seed, "Seed of the first day; later days count on");
         table.flag("--drawers", arguments->drawers,
                    "Drawers are used, too, where the kitchen has any to look into");
         table.option("--samples FOLDER", &arguments->samples, "Folder of kitchen.urdf and kitchen_l.urdf");
+        table.package_path(&arguments->package_paths);
+        table.option("--map MAP", &arguments->map, "Perceive against this map (URDF) instead of the world itself");
         table.option("-o,--output FOLDER", &arguments->keep,
                      "Keep scenarios, recordings and memories in this folder");
         return [arguments](Session& session) { run(*arguments, session); };

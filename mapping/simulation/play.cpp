@@ -18,6 +18,18 @@ Eigen::AlignedBox3d turned_bounds(const ObjectModel& model, const Eigen::Matrix3
 
 }  // namespace
 
+std::optional<SupportTop> top_of_link(const Link& link, const MeshSearch& search, Warnings& warnings) {
+  Eigen::AlignedBox3d bounds;
+  for (const Visual& visual : link.visuals)
+    for (const auto& vertex : triangulate(visual.geometry, search, warnings).vertices)
+      bounds.extend(Vector3d(visual.link_from_visual * vertex.cast<double>()));
+  if (bounds.isEmpty()) return std::nullopt;
+  SupportTop top;
+  top.centre << bounds.center().head<2>(), bounds.max().z();
+  top.half = bounds.sizes().head<2>() / 2;
+  return top;
+}
+
 ScenarioPlay::ScenarioPlay(const Scenario& scenario, const World& world, const MeshSearch& search)
     : scenario_(scenario), world_(world), search_(search) {
   for (const auto& [name, spec] : scenario.objects) {
@@ -77,7 +89,7 @@ Isometry3d ScenarioPlay::placed(const Action& action, const std::string& support
     top.half = (model.high - model.low).head<2>() / 2;
     if (!upright) throw Error("'" + support + "' lies on its side, nothing stands on it", action.location);
   } else {
-    top = top_of_link(support);
+    top = known_top(support);
   }
   const Vector2d at = action.at.value_or(Vector2d::Zero());
   if (std::abs(at.x()) > top.half.x() || std::abs(at.y()) > top.half.y())
@@ -93,22 +105,13 @@ Isometry3d ScenarioPlay::placed(const Action& action, const std::string& support
   return pose;
 }
 
-SupportTop ScenarioPlay::top_of_link(const std::string& link) {
+SupportTop ScenarioPlay::known_top(const std::string& link) {
   if (const auto known = tops_.find(link); known != tops_.end()) return known->second;
-  Eigen::AlignedBox3d bounds;
   Warnings warnings;  // The renderer names missing meshes.
-  for (const Visual& visual : world_.find_link(link)->visuals) {
-    const TriangleMesh mesh = triangulate(visual.geometry, search_, warnings);
-    for (const auto& vertex : mesh.vertices)
-      bounds.extend(Vector3d(visual.link_from_visual * vertex.cast<double>()));
-  }
-  if (bounds.isEmpty())
+  const std::optional<SupportTop> top = top_of_link(*world_.find_link(link), search_, warnings);
+  if (!top)
     throw Error("the link '" + link + "' has no shape to stand on", {scenario_.file.string(), 0, {}});
-  SupportTop top;
-  top.centre << bounds.center().head<2>(), bounds.max().z();
-  top.half = bounds.sizes().head<2>() / 2;
-  tops_[link] = top;
-  return top;
+  return tops_[link] = *top;
 }
 
 std::string ScenarioPlay::resolve_support(const Action& action, const WorldState& state) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ struct SupportTop {
   Vector3d centre = Vector3d::Zero();
   Vector2d half = Vector2d::Zero();
 };
+/// Nothing for a link that has no shape. Warns of meshes that are missing.
+std::optional<SupportTop> top_of_link(const Link& link, const MeshSearch& search, Warnings& warnings);
 
 /// Plays a scenario without rendering: the state at every scene. Error with the action's location for links
 /// and joints that the world does not have, joints moved beyond their limits, objects beside their support,
@@ -50,7 +53,7 @@ class ScenarioPlay {
   void move_joint(const Action& action, WorldState& state) const;
   std::string resolve_support(const Action& action, const WorldState& state) const;
   std::string resolve_joint(const Action& action) const;
-  SupportTop top_of_link(const std::string& link);
+  SupportTop known_top(const std::string& link);
   Isometry3d placed(const Action& action, const std::string& support, const WorldState& state);
 
   const Scenario& scenario_;

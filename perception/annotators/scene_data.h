@@ -14,6 +14,8 @@ namespace loci::perception {
 /// Views that this room adds to those of SceneCas.
 inline constexpr std::string_view kRegionsView = "regions";     ///< CV_16U: number of the region, 0 = none
 inline constexpr std::string_view kMapDepthView = "map_depth";  ///< CV_32F: what the map alone would measure
+/// CV_8U: 255 = the map alone would show a surface for objects here, or nothing.
+inline constexpr std::string_view kBareView = "bare";
 
 /// Frame of poses that nobody measured: the first supporting plane before a camera taken as fixed.
 inline constexpr const char* kAssumedFrame = "first_support";

@@ -9,30 +9,11 @@
 #include <optional>
 #include <vector>
 
-#include "mapping/base/error.h"
 #include "mapping/base/pose.h"
 #include "mapping/base/random.h"
 
 namespace loci::apps::changes {
 namespace {
-
-struct View {
-  Vector3d from, at;
-};
-
-/// Something to put objects on: metres from the middle of its top, and the places from where one sees it.
-struct Support {
-  std::string link;
-  double x, y;  ///< half of what is used
-  std::vector<View> views;
-};
-
-/// Something that opens, and the place from where one sees into it.
-struct Drawer {
-  const char* name;
-  double open_m;
-  View view;
-};
 
 struct Model {
   const char* name;
@@ -58,49 +39,6 @@ constexpr const char* kColors[] = {"[0.86, 0.86, 0.84]", "[0.8, 0.14, 0.12]",  "
 constexpr size_t kObjects = 13, kAtFirst = 11;
 constexpr int kCupLeaves = 5, kCupReturns = 11;  ///< scenes before which the middle cup is moved
 
-}  // namespace
-
-struct DayWorld {
-  std::vector<Support> supports;  ///< the row of cups stands on the first
-  std::vector<Drawer> drawers;
-};
-
-const DayWorld& day_world(const std::string& name) {
-  static const std::map<std::string, DayWorld> worlds = {
-      {"kitchen",
-       {{{"counter_1",
-          1.0,
-          0.18,
-          {{{1.0, 1.45, 1.5}, {1.0, 2.65, 0.88}}, {{2.1, 1.45, 1.5}, {2.1, 2.65, 0.88}}}},
-         {"table_1",
-          0.48,
-          0.28,
-          {{{2.0, 1.7, 1.45}, {2.0, 0.62, 0.74}},
-           {{1.5, 1.55, 1.5}, {1.95, 0.62, 0.74}},
-           {{2.5, 1.6, 1.4}, {2.05, 0.62, 0.74}}}}},
-        {{"drawer_1", 0.45, {{0.85, 1.38, 1.6}, {0.8, 2.2, 0.72}}},
-         {"drawer_2", 0.42, {{1.62, 1.38, 1.6}, {1.6, 2.2, 0.72}}}}}},
-      {"kitchen_l",
-       {{{"counter_2", 0.2, 0.75, {{{5.1, 1.25, 1.6}, {5.1, 0.3, 0.9}}, {{4.6, 1.2, 1.5}, {5.0, 0.3, 0.9}}}},
-         {"island_1",
-          0.3,
-          0.6,
-          {{{1.95, 1.3, 1.6}, {1.95, 2.9, 0.92}},
-           {{2.95, 3.1, 1.6}, {1.95, 3.1, 0.92}},
-           {{1.1, 3.1, 1.6}, {1.95, 3.1, 0.92}}}},
-         {"table_1",
-          0.48,
-          0.28,
-          {{{5.25, 0.95, 1.6}, {5.25, 1.9, 0.74}}, {{4.3, 1.5, 1.6}, {5.2, 1.9, 0.74}}}}},
-        {}}}};
-  const auto found = worlds.find(name);
-  if (found == worlds.end())
-    throw Error("no days are simulated in '" + name + "'", {}, "take kitchen or kitchen_l");
-  return found->second;
-}
-
-namespace {
-
 /// Makes up the day, scene by scene.
 class Day {
  public:
@@ -109,10 +47,10 @@ class Day {
     for (size_t i = 0; i < kObjects; ++i) {
       const Model& model = kModels[random_.index(std::size(kModels))];
       true_objects_.push_back(
-          {fmt::format("{}_{}", model.name, i), model, kColors[random_.index(std::size(kColors))], {}});
+          {fmt::format("{}{}_{}", world.prefix, model.name, i), model, kColors[random_.index(std::size(kColors))], {}});
     }
     const char* color = kColors[random_.index(std::size(kColors))];
-    for (int i = 0; i < 3; ++i) true_objects_.push_back({fmt::format("cup_{}", i), kModels[0], color, {}});
+    for (int i = 0; i < 3; ++i) true_objects_.push_back({fmt::format("{}cup_{}", world.prefix, i), kModels[0], color, {}});
   }
 
   std::string write(const std::filesystem::path& urdf, int scenes) {
@@ -151,10 +89,13 @@ class Day {
   };
 
   bool is_free(const Spot& spot, const Object& true_object) const {
+    const auto distance = [&spot](const Vector2d& other) { return (other - Vector2d(spot.x, spot.y)).norm(); };
+    const std::vector<Vector2d>& blocked = world_.supports[spot.support].blocked;
+    if (std::ranges::any_of(blocked, [&](const Vector2d& at) { return distance(at) < true_object.model.radius; }))
+      return false;
     return std::ranges::all_of(true_objects_, [&](const Object& other) {
       return &other == &true_object || !other.at || other.at->support != spot.support ||
-             std::hypot(other.at->x - spot.x, other.at->y - spot.y) >
-                 true_object.model.radius + other.model.radius + 0.02;
+             distance({other.at->x, other.at->y}) > true_object.model.radius + other.model.radius + 0.02;
     });
   }
 
@@ -162,9 +103,13 @@ class Day {
                                 const std::optional<Spot>& near = {}) {
     const Support& on = world_.supports[support];
     for (int i = 0; i < 300; ++i) {
-      const Spot spot{support, near ? near->x + random_.normal(0.1) : random_.uniform(-on.x, on.x),
-                      near ? near->y + random_.normal(0.1) : random_.uniform(-on.y, on.y)};
-      if (std::abs(spot.x) <= on.x && std::abs(spot.y) <= on.y && is_free(spot, true_object)) return spot;
+      const Vector2d from_middle(
+          near ? near->x - on.middle.x() + random_.normal(0.1) : random_.uniform(-on.x, on.x),
+          near ? near->y - on.middle.y() + random_.normal(0.1) : random_.uniform(-on.y, on.y));
+      const Spot spot{support, on.middle.x() + from_middle.x(), on.middle.y() + from_middle.y()};
+      if (std::abs(from_middle.x()) <= on.x && std::abs(from_middle.y()) <= on.y &&
+          is_free(spot, true_object))
+        return spot;
     }
     return std::nullopt;
   }
@@ -184,8 +129,9 @@ class Day {
   /// Three in a row along the longer side of the first support.
   std::optional<Spot> in_row(int number) const {
     const Support& on = world_.supports[0];
-    const double along = 0.14 * (number - 1);
-    return on.x > on.y ? Spot{0, along, 0} : Spot{0, 0, along};
+    const double along = kCupSpacing * (number - 1);
+    const Vector2d at = on.row + (on.x > on.y ? Vector2d(along, 0) : Vector2d(0, along));
+    return Spot{0, at.x(), at.y()};
   }
 
   std::vector<std::string> actions_before(int scene) {

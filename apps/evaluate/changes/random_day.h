@@ -4,12 +4,9 @@
 #include <filesystem>
 #include <string>
 
-namespace loci::apps::changes {
+#include "apps/evaluate/changes/day_world.h"
 
-/// A sample kitchen in which random days can be: where objects stand and from where one looks at them.
-struct DayWorld;
-/// "kitchen" or "kitchen_l" (of apps/samples). Error for others.
-const DayWorld& day_world(const std::string& name);
+namespace loci::apps::changes {
 
 inline constexpr int kScenesOfADay = 18;
 

@@ -24,7 +24,7 @@ void remember(const std::shared_ptr<mapping::Recording>& recording, const Rememb
   perception::Resources resources;
   resources.put(recording);
   if (!options.map.empty()) {
-    const auto map = perception::KnownMap::load(options.map, {}, warnings);
+    const auto map = perception::KnownMap::load(options.map, options.package_paths, warnings);
     resources.put(map);
     resources.put(std::make_shared<mapping::World>(map->world));
   }

@@ -15,7 +15,6 @@ namespace loci::apps::update_claim {
 namespace {
 
 constexpr int kDraws = 200;
-constexpr float kAboveFurniture = 2.3F;  // m
 
 /// The name without its number: "island_cabinet_2" and "island" are of the family "island".
 bool is_of(const std::string& link, const std::string& family) {
@@ -58,8 +57,7 @@ Polygon moved_hull(const Polygon& hull, const Isometry3d& motion) {
 
 MovableWorld::MovableWorld(mapping::World world, const mapping::MeshSearch& search,
                            const std::vector<std::string>& families, Warnings& warnings)
-    : world_(std::move(world)) {
-  scene_.add(world_, search, Isometry3d::Identity(), warnings);
+    : world_(std::move(world)), sight_(world_, search, warnings) {
   const std::vector<Isometry3d> root_from_link = root_from_links(world_, {});
   std::map<std::string, int> group_of;
   for (const mapping::Link& link : world_.links) {
@@ -134,29 +132,6 @@ bool MovableWorld::collides(size_t group, const Isometry3d& motion,
   return false;
 }
 
-/// No wall stands between two places, and walls stand around the second.
-bool MovableWorld::in_room(const Vector3d& from, const Vector3d& to) const {
-  const Eigen::Vector3f start(static_cast<float>(from.x()), static_cast<float>(from.y()), kAboveFurniture);
-  const Eigen::Vector3f end(static_cast<float>(to.x()), static_cast<float>(to.y()), kAboveFurniture);
-  const float distance = (end - start).norm();
-  if (distance > 0 && scene_.cast(start, (end - start) / distance, distance).link >= 0) return false;
-  int walled = 0;
-  constexpr int kDirections = 24;
-  for (int i = 0; i < kDirections; ++i) {
-    const float angle = 2.F * static_cast<float>(kPi) * static_cast<float>(i) / kDirections;
-    walled += scene_.cast(end, {std::cos(angle), std::sin(angle), 0}, 10).link >= 0 ? 1 : 0;
-  }
-  return walled > kDirections / 2;
-}
-
-bool MovableWorld::sees(const Vector3d& camera, const Vector3d& target) const {
-  constexpr double kAbove = 0.3;  // of what stands there
-  if (!in_room(target, camera)) return false;
-  const Eigen::Vector3f from = camera.cast<float>(), to = (target + Vector3d(0, 0, kAbove)).cast<float>();
-  const float distance = (to - from).norm();
-  return scene_.cast(from, (to - from) / distance, distance).link < 0;
-}
-
 std::vector<Move> MovableWorld::draw(size_t count, Random& random, const MoveLimits& limits) const {
   std::vector<Isometry3d> motions(groups_.size(), Isometry3d::Identity());
   std::vector<size_t> order;
@@ -175,7 +150,7 @@ std::vector<Move> MovableWorld::draw(size_t count, Random& random, const MoveLim
       const Vector3d target =
           groups_[g].centre + distance * Vector3d(std::cos(direction), std::sin(direction), 0);
       motion.translation() = target - motion.linear() * groups_[g].centre;
-      if (collides(g, motion, motions) || !in_room(groups_[g].centre, target)) continue;
+      if (collides(g, motion, motions) || !sight_.in_room(groups_[g].centre, target)) continue;
       motions[g] = motion;
       moves.push_back({g, motion});
       break;

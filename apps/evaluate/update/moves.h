@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "apps/evaluate/changes/line_of_sight.h"
 #include "mapping/base/convex.h"
 #include "mapping/base/math.h"
 #include "mapping/base/random.h"
-#include "mapping/render/ray_scene.h"
 #include "mapping/world/mesh.h"
 #include "mapping/world/world.h"
 
@@ -46,8 +46,7 @@ class MovableWorld {
   const std::vector<Group>& groups() const { return groups_; }
   /// Up to `count` moves (log-uniform) with turns; fewer where the room is too full.
   std::vector<Move> draw(size_t count, Random& random, const MoveLimits& limits = {}) const;
-  /// Whether a camera of the room has a free line of sight to just above a point.
-  bool sees(const Vector3d& camera, const Vector3d& target) const;
+  const changes::LineOfSight& sight() const { return sight_; }
   mapping::World moved(const std::vector<Move>& moves) const;
   /// How many points lie on a group at its pose after a motion (within 2 cm of its boxes).
   size_t points_on(size_t group, const Isometry3d& now_from_before,
@@ -61,12 +60,11 @@ class MovableWorld {
     int group = -1;
   };
   bool collides(size_t group, const Isometry3d& motion, const std::vector<Isometry3d>& others) const;
-  bool in_room(const Vector3d& from, const Vector3d& to) const;
 
   mapping::World world_;
   std::vector<Group> groups_;
   std::vector<Prism> prisms_;
-  mapping::RayScene scene_;
+  changes::LineOfSight sight_;
 };
 
 }  // namespace loci::apps::update_claim

@@ -132,7 +132,7 @@ class Room {
       const double azimuth = random.uniform(0, 2 * kPi), distance = random.uniform(1.1, 2.0);
       const Vector3d from(target.x() + distance * std::cos(azimuth),
                           target.y() + distance * std::sin(azimuth), random.uniform(1.35, 1.65));
-      if (now.sees(from, target)) return from;
+      if (now.sight().sees(from, target)) return from;
     }
     return std::nullopt;
   }

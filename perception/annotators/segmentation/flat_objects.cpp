@@ -545,13 +545,15 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
     clusters.emplace_back(indices.begin(), indices.end());
   }
   const cv::Mat map_depth = scene.has(kMapDepthView) ? types::view_image(scene, kMapDepthView) : cv::Mat();
+  const cv::Mat bare = scene.has(kBareView) ? types::view_image(scene, kBareView) : cv::Mat();
   size_t found = 0;
   for (const types::PlanarSupport& support : scene.supports()) {
     FlatSurface surface;
     std::tie(surface.normal, surface.offset) = plane_in_camera(support, pose);
     surface.inside = pixels_over(support, pose.inverse(), camera.depth) & ~taken;
     if (!map_depth.empty())
-      leave_out_what_the_map_hides(map_depth, surface.normal, surface.offset, camera.depth, surface.inside);
+      leave_out_what_the_map_shows(map_depth, bare, surface.normal, surface.offset, camera.depth,
+                                   surface.inside);
     surface.empty_depth = empty_depth_;
     for (const FlatObject& object : find_flat_objects(depth, color, camera, surface, options_)) {
       if (object.pixels.empty() || is_part_of_cluster(object, clusters, depth, color, camera)) continue;

@@ -13,6 +13,7 @@
 #include "perception/annotators/segmentation/convex_parts.h"
 #include "perception/annotators/segmentation/object_piece.h"
 #include "perception/annotators/structure/supports.h"
+#include "perception/conversions/opencv.h"
 
 namespace loci::perception {
 namespace {
@@ -25,7 +26,10 @@ constexpr float kPi = std::numbers::pi_v<float>;
 class Assembly {
  public:
   Assembly(const ConvexParts& parts, const PlaneCloud& cloud, const AssemblyOptions& options)
-      : cloud_(cloud), options_(options), sets_(static_cast<size_t>(parts.count)) {
+      : cloud_(cloud),
+        options_(options),
+        plane_from_camera_(cloud.camera_from_plane.inverse()),
+        sets_(static_cast<size_t>(parts.count)) {
     pieces_.resize(static_cast<size_t>(parts.count));
     for (size_t i = 0; i < parts.part_of_point.size(); ++i)
       pieces_[static_cast<size_t>(parts.part_of_point[i])].points.push_back(static_cast<int>(i));
@@ -450,7 +454,19 @@ class Assembly {
     return behind < -0.012 ? Space::free : behind > 0.03 ? Space::hidden : Space::taken;
   }
 
-  /// Whether the convex completion of two pieces is nowhere seen to be empty, and hidden in between.
+  /// Whether what is measured before a position belongs to a piece.
+  bool hidden_by(const Piece& piece, const Vector3f& position) const {
+    const Vector3d p = cloud_.camera_from_plane * position.cast<double>();
+    const Vector2d pixel = cloud_.camera.project(p);
+    const cv::Vec3f& measured = cloud_.image_points.at<cv::Vec3f>(static_cast<int>(std::lround(pixel.y())),
+                                                                  static_cast<int>(std::lround(pixel.x())));
+    const Vector3f at = (plane_from_camera_ * to_vector(measured)).cast<float>();
+    return at.z() < piece.top + static_cast<float>(options_.slack_m) &&
+           cv::pointPolygonTest(piece.footprint, {at.x(), at.y()}, true) > -options_.slack_m;
+  }
+
+  /// Whether the convex completion of two pieces is nowhere seen to be empty, and hidden in between by
+  /// something else: whatever stands before something of its own height hides what is between them.
   bool one_behind_something(const Piece& a, const Piece& b) const {
     return remembered(Check::behind, a, b, [&] { return find_hidden_middle(a, b); }) != 0;
   }
@@ -476,7 +492,9 @@ class Assembly {
         if (cv::pointPolygonTest(a.footprint, {x, y}, false) > 0) continue;
         if (cv::pointPolygonTest(b.footprint, {x, y}, false) > 0) continue;
         for (const float part : {0.5f, 0.85f}) {
-          const Space space = space_at({x, y, part * std::min(a.top, b.top)});
+          const Vector3f position(x, y, part * std::min(a.top, b.top));
+          const Space space = space_at(position);
+          if (space == Space::hidden && (hidden_by(a, position) || hidden_by(b, position))) continue;
           known += space == Space::unknown ? 0 : 1;
           free += space == Space::free ? 1 : 0;
           hidden += space == Space::hidden ? 1 : 0;
@@ -514,6 +532,7 @@ class Assembly {
 
   const PlaneCloud& cloud_;
   const AssemblyOptions& options_;
+  const Isometry3d plane_from_camera_;
   DisjointSets sets_;
   std::vector<Piece> pieces_;
   std::map<std::array<int, 2>, int> contacts_;

@@ -255,6 +255,7 @@ KnownStructure find_known_structure(const cv::Mat& points, const cv::Mat& normal
   for (const SupportSurface& surface : surfaces) is_surface[surface.link_id] = 1;
   result.region = cv::Mat::zeros(points.size(), CV_16U);
   result.kind = cv::Mat::zeros(points.size(), CV_8U);
+  result.bare = cv::Mat::zeros(points.size(), CV_8U);
   std::mutex counting;
   const auto classify = [&](size_t first_row, size_t end_row) {
     Counts counts(result.regions.size());
@@ -272,12 +273,13 @@ KnownStructure find_known_structure(const cv::Mat& points, const cv::Mat& normal
     const auto* model_link = view.link.ptr<int>();
     const int end = static_cast<int>(end_row) * points.cols;
     for (int i = static_cast<int>(first_row) * points.cols; i < end; ++i) {
+      const int link = model_link[i];
+      const bool by_surface = link >= 0 && is_surface[static_cast<size_t>(link)] != 0;
+      if (by_surface || link < 0) result.bare.ptr<uint8_t>()[i] = 255;
       const auto z = static_cast<double>(point[i][2]);
       if (std::isnan(z)) continue;
       const double noise = 2 * depth_noise(z);
       const bool explained = static_cast<double>(model_depth[i]) - z <= options.epsilon_m + noise;
-      const int link = model_link[i];
-      const bool by_surface = link >= 0 && is_surface[static_cast<size_t>(link)] != 0;
       if (explained && !by_surface) {  // Known, wherever it lies.
         set(i, mapping::PixelKind::map_explained, -1);
         continue;
@@ -309,7 +311,7 @@ AnnotatorDescriptor KnownStructureFilter::descriptor() const {
           "above supports.",
           {"Scene", "view:cloud", "view:normals", "CameraInfo"},
           {"RegionOfInterest", "SegmentationLocationAnnotation", "JointAnnotation", "ObstacleAnnotation",
-           "FurnitureAnnotation", "view:regions", "view:structure", "view:map_depth"},
+           "FurnitureAnnotation", "view:regions", "view:structure", "view:map_depth", "view:bare"},
           {"JointState"},
           {"Scene", "JointState", "PlanarSupport"}};
 }
@@ -496,6 +498,7 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
   types::set_view_image(facade, kRegionsView, known.region);
   types::set_view_image(facade, kStructureView, known.kind);
   types::set_view_image(facade, kMapDepthView, known.map_depth);
+  types::set_view_image(facade, kBareView, known.bare);
   facade.log(
       "KnownStructureFilter", "info",
       fmt::format("{} points known, {} in no region, {} regions in view", known.known, known.outside, next));

@@ -41,6 +41,7 @@ inline constexpr std::string_view kStructureView = "structure";
 struct KnownStructure {
   cv::Mat region;     ///< CV_16U: 1 + index into regions; 0 = known structure, or in no region
   cv::Mat map_depth;  ///< CV_32F: what the map alone would measure, NaN = nothing
+  cv::Mat bare;       ///< CV_8U: 255 = the map alone would show a surface for objects here, or nothing
   cv::Mat kind;       ///< CV_8U: mapping::PixelKind
   std::vector<Region> regions;
   int known = 0;    ///< pixels removed because a known surface explains them

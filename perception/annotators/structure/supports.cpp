@@ -479,15 +479,33 @@ std::pair<Vector3d, double> plane_in_camera(const types::PlanarSupport& support,
   return {pose.linear().transpose() * normal, support.offset.get() - normal.dot(pose.translation())};
 }
 
+namespace {
+
+/// What of a convex polygon lies at least `near` before the camera.
+std::vector<Vector3d> part_before(const std::vector<Vector3d>& corners, double near) {
+  std::vector<Vector3d> part;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const Vector3d& p = corners[i];
+    const Vector3d& next = corners[(i + 1) % corners.size()];
+    if (p.z() >= near) part.push_back(p);
+    if ((p.z() >= near) != (next.z() >= near))
+      part.push_back(p + (near - p.z()) / (next.z() - p.z()) * (next - p));
+  }
+  return part;
+}
+
+}  // namespace
+
 cv::Mat pixels_over(const types::PlanarSupport& support, const Isometry3d& camera_from_map,
                     const mapping::PinholeCamera& camera) {
+  constexpr double kNear = 0.1, kMaxPixel = 1e6;
+  std::vector<Vector3d> outline;
+  for (const Vector3d& corner : types::points_from_values(support.outline.get()))
+    outline.push_back(camera_from_map * corner);
   std::vector<cv::Point> corners;
-  for (const Vector3d& corner : types::points_from_values(support.outline.get())) {
-    const Vector3d p = camera_from_map * corner;
-    if (p.z() < 0.1) continue;  // Beside or behind the camera.
-    const Vector2d at = camera.project(p);
-    corners.emplace_back(static_cast<int>(std::lround(std::clamp(at.x(), -1e4, 1e4))),
-                         static_cast<int>(std::lround(std::clamp(at.y(), -1e4, 1e4))));
+  for (const Vector3d& p : part_before(outline, kNear)) {
+    const Vector2d at = camera.project(p).cwiseMax(-kMaxPixel).cwiseMin(kMaxPixel);
+    corners.emplace_back(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())));
   }
   cv::Mat inside(camera.height, camera.width, CV_8U, cv::Scalar(0));
   if (corners.size() < 3) return inside;
@@ -497,17 +515,26 @@ cv::Mat pixels_over(const types::PlanarSupport& support, const Isometry3d& camer
   return inside;
 }
 
-void leave_out_what_the_map_hides(const cv::Mat& map_depth, const Vector3d& normal, double offset,
-                                  const mapping::PinholeCamera& camera, cv::Mat& inside) {
-  constexpr double kOver_m = 0.01;  // a surface is not over itself
+void leave_out_what_the_map_shows(const cv::Mat& map_depth, const cv::Mat& bare, const Vector3d& normal,
+                                  double offset, const mapping::PinholeCamera& camera, cv::Mat& inside) {
+  constexpr double kOver_m = 0.01;    // a surface is not over itself
+  constexpr double kBeside_m = 0.01;  // poses and maps are not exact
+  cv::Mat other = (bare == 0) & inside;
+  std::vector<float> depths;
   for (int v = 0; v < inside.rows; ++v) {
     const auto* depth = map_depth.ptr<float>(v);
-    auto* pixel = inside.ptr<unsigned char>(v);
-    for (int u = 0; u < inside.cols; ++u)
-      if (pixel[u] != 0 &&
-          normal.dot(camera.unproject(u, v, static_cast<double>(depth[u]))) - offset > kOver_m)
-        pixel[u] = 0;
+    for (int u = 0; u < inside.cols; ++u) {
+      if (inside.at<unsigned char>(v, u) == 0 || std::isnan(depth[u])) continue;
+      depths.push_back(depth[u]);
+      if (normal.dot(camera.unproject(u, v, static_cast<double>(depth[u]))) - offset > kOver_m)
+        other.at<unsigned char>(v, u) = 255;
+    }
   }
+  if (depths.empty()) return;
+  const int beside =
+      static_cast<int>(std::ceil(kBeside_m * camera.fx / static_cast<double>(median(std::move(depths)))));
+  cv::dilate(other, other, cv::Mat::ones(2 * beside + 1, 2 * beside + 1, CV_8U));
+  inside.setTo(0, other);
 }
 
 cv::Mat pixels_of_clusters(const types::SceneCas& scene, const cv::Size& size, int margin) {
