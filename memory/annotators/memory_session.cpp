@@ -6,6 +6,7 @@
 
 #include "mapping/base/json.h"
 #include "memory/catalogue/catalogue.h"
+#include "memory/reasoning/revise.h"
 #include "memory/recorder/map_entry.h"
 #include "memory/store/feature_structures.h"
 #include "perception/types/scene_cas.h"
@@ -88,6 +89,8 @@ MemorySession::MemorySession(const MemorySessionOptions& options, const mapping:
   planes_ = load_planes(store_);
   furniture_ = load_furniture(store_, map_);
   recorder_ = std::make_unique<Recorder>(store_, run_, options.belief);
+  before_ = recorder_->belief();
+  if (const std::optional<SceneRow> last = store_.last_scene()) last_before_ = last->id;
   for (const SceneRow& scene : store_.scenes())
     if (scene.recording == recording_) {
       const Moment moment(scene.time, scene.frame_index.value_or(0));
@@ -126,6 +129,7 @@ MemoryRunResult run_with_memory(perception::Pipeline& pipeline, perception::Cont
     ++result.skipped;
   }
   result.pipeline = pipeline.run(context, types, progress, done);
+  look_back(session.store_, session.run_, session.last_before_, session.before_, progress);
   session.store_.finish_run(session.run_);
   apply_catalogues(session.store_);
   return result;

@@ -58,11 +58,18 @@ struct Confirmed {
   std::vector<PendingObservation> earlier;
 };
 
+/// An object that is found where it stood all the time: what was taken for it meanwhile is another one.
+struct Mistake {
+  int64_t object = 0;  ///< memory's number
+  TimeNs since = 0;    ///< when it had been observed there last
+};
+
 struct BeliefUpdate {
   std::vector<ObservationOutcome> observations;  ///< in the order of the scene
   std::vector<ObjectOutcome> objects;            ///< those believed before the scene, in the state's order
   std::vector<Confirmed> confirmed;
   std::vector<Event> events;
+  std::vector<Mistake> mistakes;  ///< of earlier scenes
   PairEvidence evidence;
   LogOddsProblem problem;  ///< evidence and priors as solved
   double log_evidence = 0;

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "mapping/base/json.h"
+#include "memory/belief/hindsight.h"
 #include "memory/reasoning/stored_scene.h"
 #include "memory/recorder/belief_rows.h"
 #include "memory/recorder/checkpoint.h"
@@ -121,10 +123,14 @@ class Reviser {
         revision_(revision),
         options_(load_options(store)),
         place_rows_(store.places()),
+        known_(revision.known),
         next_object_(store.max_object_id() + 1) {
     for (const PlaceRow& place : place_rows_) places_[place.name] = place.id;
-    for (const auto& [observation, object] : revision.known) known_objects_.insert(object);
-    if (revision.resume_after != 0) state_ = load_belief(store, revision.resume_after);
+    for (const auto& [observation, object] : known_) known_objects_.insert(object);
+    if (revision.before != nullptr)
+      state_ = *revision.before;
+    else if (revision.resume_after != 0)
+      state_ = load_belief(store, revision.resume_after);
   }
 
   void run(Progress& progress) {
@@ -132,7 +138,10 @@ class Reviser {
     bool resumed = revision_.resume_after == 0;
     for (size_t i = 0; i < scenes.size(); ++i) {
       progress.check(static_cast<double>(i) / static_cast<double>(scenes.size()), "reasoning anew");
-      if (scenes[i].id == revision_.from) begin(i == 0 ? std::nullopt : std::optional(scenes[i - 1].time));
+      if (scenes[i].id == revision_.from) {
+        begin(i == 0 ? std::nullopt : std::optional(scenes[i - 1].time));
+        look_back(std::span(scenes).subspan(i));
+      }
       if (resumed) add(scenes[i]);
       resumed = resumed || scenes[i].id == revision_.resume_after;
     }
@@ -157,15 +166,41 @@ class Reviser {
           last_[object.id] = std::move(*row);
   }
 
-  void add(const SceneRow& row) {
+  /// What later ones of the scenes tell of earlier ones is known, too.
+  void look_back(std::span<const SceneRow> scenes) {
+    if (scenes.size() > kLookBack) return;
+    std::vector<belief::Scene> evidence;
+    for (const SceneRow& row : scenes) evidence.push_back(scene_of(row, record_of(row)));
+    state_.next_id = std::max(state_.next_id, next_object_);
+    NoProgress quiet;
+    for (const auto& [observation, object] : belief::hindsight(state_, evidence, options_, quiet)) {
+      known_[observation] = object;
+      known_objects_.insert(object);
+    }
+  }
+
+  SceneRecord record_of(const SceneRow& row) const {
     const std::optional<SceneReasoning> reasoning = load_reasoning(store_, row.id);
     if (!reasoning) throw store_.error(fmt::format("the evidence of scene {} was let go", row.id));
     SceneRecord record = stored_scene(store_, row, *reasoning, place_rows_);
     record.source = "edit";
+    return record;
+  }
+
+  /// A scene as evidence, with what is known of its observations.
+  belief::Scene scene_of(const SceneRow& row, const SceneRecord& record) const {
     std::vector<Id> observations;
     for (const ObservationRecord& one : record.observations) observations.push_back(one.row.id);
     belief::Scene scene = evidence_of(record);
     identify(row.id, observations, scene);
+    return scene;
+  }
+
+  void add(const SceneRow& row) {
+    const SceneRecord record = record_of(row);
+    const belief::Scene scene = scene_of(row, record);
+    std::vector<Id> observations;
+    for (const belief::Observation& one : scene.observations) observations.push_back(one.id);
     state_.next_id = std::max(state_.next_id, next_object_);
     const belief::BeliefUpdate update = belief::advance(state_, scene, options_);
     if (!anew_) return;
@@ -187,10 +222,10 @@ class Reviser {
       observation.id = observations[k];
       const auto before = decided.find(observations[k]);
       const Id object = before == decided.end() ? 0 : before->second;
-      const auto known = revision_.known.find(observations[k]);
+      const auto known = known_.find(observations[k]);
       if (!anew_)
         observation.known_object = object;
-      else if (known != revision_.known.end())
+      else if (known != known_.end())
         observation.known_object = known->second;
       else if (!known_objects_.contains(object))
         observation.former_object = object;
@@ -254,6 +289,7 @@ class Reviser {
   const belief::BeliefOptions options_;
   const std::vector<PlaceRow> place_rows_;
   std::map<std::string, Id> places_;
+  KnownIdentities known_;
   std::set<Id> known_objects_;
   Id next_object_;
   bool anew_ = false;
@@ -282,6 +318,36 @@ void read_identities(const Json& configuration, KnownIdentities& known) {
 
 void revise(const Store& store, SceneTransaction& transaction, const Revision& revision, Progress& progress) {
   Reviser(store, transaction, revision).run(progress);
+}
+
+size_t look_back(Store& store, Id run, Id after, const belief::BeliefState& before, Progress& progress) {
+  std::vector<SceneRow> scenes = store.scenes();
+  const auto first = after == 0 ? scenes.begin() : std::next(std::ranges::find(scenes, after, &SceneRow::id));
+  scenes.erase(scenes.begin(), first);
+  if (scenes.empty() || scenes.size() > kLookBack) return 0;
+  const std::vector<PlaceRow> places = store.places();
+  std::vector<belief::Scene> evidence;
+  std::map<Id, Id> scene_of_observation;
+  for (const SceneRow& scene : scenes) {
+    const std::optional<SceneReasoning> reasoning = load_reasoning(store, scene.id);
+    if (!reasoning) return 0;  // another program wrote it
+    const SceneRecord record = stored_scene(store, scene, *reasoning, places);
+    evidence.push_back(evidence_of(record));
+    for (size_t k = 0; k < record.observations.size(); ++k) {
+      evidence.back().observations[k].id = record.observations[k].row.id;
+      scene_of_observation[record.observations[k].row.id] = scene.id;
+    }
+  }
+  const KnownIdentities known = belief::hindsight(before, evidence, load_options(store), progress);
+  if (known.empty()) return 0;
+  Revision revision{scene_of_observation.at(known.begin()->first), after, known, &before};
+  for (const auto& [observation, object] : known)
+    revision.from = std::min(revision.from, scene_of_observation.at(observation));
+  SceneTransaction rows(store, run);
+  rows.postpone_derived();
+  revise(store, rows, revision, progress);
+  rows.commit();
+  return known.size();
 }
 
 }  // namespace loci::memory

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "mapping/base/json_fwd.h"
+#include "mapping/base/progress.h"
+#include "memory/belief/state.h"
 #include "memory/store/scene_transaction.h"
 
 namespace loci::memory {
@@ -17,17 +19,27 @@ struct Revision {
   /// Scenes from this one on are reasoned about anew, earlier ones are followed as they were decided; 0 = all
   /// are followed.
   Id from = 0;
-  /// The stored belief is that after this scene: earlier ones need not be followed. 0 = from the beginning.
+  /// The stored belief, or `before` where that is set, is that after this scene: earlier ones need not be
+  /// followed. 0 = from the beginning.
   Id resume_after = 0;
-  KnownIdentities known;
+  KnownIdentities known = {};
+  const belief::BeliefState* before = nullptr;
 };
 
-/// Computes the belief again with what is known of identities, and adds the rows that differ from those known
+/// Computes the belief again with what is known of identities, and with what later scenes tell of earlier
+/// ones (belief::hindsight(), where at most kLookBack scenes are reasoned about anew), and adds the rows that differ from those known
 /// now, each in place of one that it supersedes or retracts. The belief after the last scene becomes the new
 /// checkpoint. Objects keep their numbers as long as they keep the observation that they were founded on. The
 /// derived tables are left to Store::derive(). Error when a scene has no evidence
 /// (Store::scenes_without_reasoning()).
 void revise(const Store& store, SceneTransaction& transaction, const Revision& revision, Progress& progress);
+
+constexpr size_t kLookBack = 500;  ///< scenes
+
+/// Corrects what scenes after `after` (0 = all) decided and later ones of them contradict, as part of `run`;
+/// nothing where there are more than kLookBack. `before`: the belief after that scene. The number of
+/// observations that were taken for another object.
+size_t look_back(Store& store, Id run, Id after, const belief::BeliefState& before, Progress& progress);
 
 /// A row that supersedes another and is never known: it retracts that one.
 template <class Row>

@@ -324,6 +324,7 @@ void SceneUpdate::reinstate(size_t o, size_t k) {
       {other.status == Status::gone ? EventKind::reappeared : EventKind::moved, other.id, scene_.time,
        other.last_seen, pair_probability(o, k), other.place, scene_.observations[k].place,
        predicted_[static_cast<size_t>(found - state_.objects.begin())].box, scene_.observations[k].box, k});
+  update_.mistakes.push_back({other.id, stayed.last_seen});
   stayed.id = other.id;
   stayed.first_seen = other.first_seen;
   // The object tracked instead becomes tentative, and is reported as a new one when observed once more.
