@@ -73,6 +73,8 @@ struct BeliefUpdate {
   PairEvidence evidence;
   LogOddsProblem problem;  ///< evidence and priors as solved
   double log_evidence = 0;
+  /// Of the scene: under what was believed, against nothing in it being related to that.
+  double log_likelihood_ratio = 0;
   double gate_bound = 0;  ///< upper bound of the error of all probabilities above
 };
 

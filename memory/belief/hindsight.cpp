@@ -101,10 +101,11 @@ class Hindsight {
       std::map<int64_t, int64_t> supposed = known_;
       supposed[decision.observation] = candidate;
       BeliefState state = before_.at(first);
-      double log_evidence = 0;
-      for (size_t i = first; i <= last; ++i) log_evidence += advanced(state, i, supposed).log_evidence;
-      if (most && log_evidence <= *most) continue;
-      most = log_evidence;
+      double log_likelihood_ratio = 0;
+      for (size_t i = first; i <= last; ++i)
+        log_likelihood_ratio += advanced(state, i, supposed).log_likelihood_ratio;
+      if (most && log_likelihood_ratio <= *most) continue;
+      most = log_likelihood_ratio;
       best = candidate;
     }
     return best;

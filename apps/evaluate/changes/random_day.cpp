@@ -103,13 +103,10 @@ class Day {
                                 const std::optional<Spot>& near = {}) {
     const Support& on = world_.supports[support];
     for (int i = 0; i < 300; ++i) {
-      const Vector2d from_middle(
-          near ? near->x - on.middle.x() + random_.normal(0.1) : random_.uniform(-on.x, on.x),
-          near ? near->y - on.middle.y() + random_.normal(0.1) : random_.uniform(-on.y, on.y));
-      const Spot spot{support, on.middle.x() + from_middle.x(), on.middle.y() + from_middle.y()};
-      if (std::abs(from_middle.x()) <= on.x && std::abs(from_middle.y()) <= on.y &&
-          is_free(spot, true_object))
-        return spot;
+      const double x = near ? near->x - on.middle.x() + random_.normal(0.1) : random_.uniform(-on.x, on.x);
+      const double y = near ? near->y - on.middle.y() + random_.normal(0.1) : random_.uniform(-on.y, on.y);
+      const Spot spot{support, on.middle.x() + x, on.middle.y() + y};
+      if (std::abs(x) <= on.x && std::abs(y) <= on.y && is_free(spot, true_object)) return spot;
     }
     return std::nullopt;
   }

@@ -82,6 +82,7 @@ void SceneUpdate::solve_association() {
   weights_ = weights_of(update_.problem, identity);
   solution_ = solve(weights_, identity);
   update_.log_evidence = solution_.log_evidence;
+  update_.log_likelihood_ratio = solution_.log_z;
   update_.gate_bound = solution_.gate_bound;
 }
 
