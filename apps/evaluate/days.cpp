@@ -38,12 +38,14 @@ struct Kitchen {
 std::vector<Kitchen> kitchens_of(const Arguments& arguments, Warnings& warnings) {
   std::vector<Kitchen> kitchens;
   for (const std::string& world : arguments.worlds)
-    kitchens.push_back({fs::absolute(world),
-                        changes::find_day_world(world, {arguments.package_paths.begin(), arguments.package_paths.end()},
-                                                arguments.seed, warnings)});
+    kitchens.push_back(
+        {fs::absolute(world),
+         changes::find_day_world(world, {arguments.package_paths.begin(), arguments.package_paths.end()},
+                                 arguments.seed, warnings)});
   if (!kitchens.empty()) return kitchens;
   for (const char* name : {"kitchen", "kitchen_l"})
-    kitchens.push_back({fs::absolute(fs::path(arguments.samples) / name) += ".urdf", changes::sample_day_world(name)});
+    kitchens.push_back(
+        {fs::absolute(fs::path(arguments.samples) / name) += ".urdf", changes::sample_day_world(name)});
   return kitchens;
 }
 
@@ -52,8 +54,8 @@ DayResult one_day(const Arguments& arguments, const Kitchen& kitchen, int run, c
                   Progress& progress, Session& session) {
   const fs::path day = folder / fmt::format("day_{}", run + 1), scenario = day.string() + ".yaml";
   const uint64_t seed = arguments.seed + static_cast<uint64_t>(run);
-  write_file_atomically(scenario, changes::random_day(kitchen.world, kitchen.urdf, seed, arguments.scenes,
-                                                      arguments.drawers));
+  write_file_atomically(
+      scenario, changes::random_day(kitchen.world, kitchen.urdf, seed, arguments.scenes, arguments.drawers));
   mapping::RecordOptions record_options;
   record_options.seed = static_cast<int>(seed);
   record_options.threads = session.flags().threads;
@@ -84,7 +86,8 @@ void run(const Arguments& arguments, Session& session) {
   Json days = Json::array();
   for (int i = 0; i < arguments.runs; ++i) {
     PartialProgress progress(session.progress(), double(i) / arguments.runs, double(i + 1) / arguments.runs);
-    const DayResult result = one_day(arguments, kitchens[static_cast<size_t>(i) % kitchens.size()], i, folder, progress, session);
+    const DayResult result =
+        one_day(arguments, kitchens[static_cast<size_t>(i) % kitchens.size()], i, folder, progress, session);
     const std::vector<changes::Comparison>& day = result.methods;
     answers.add(result.answers);
     text += fmt::format("day {}: {} of {} right; identity F1 {:.3f}, {:.3f}, {:.3f}\n", i + 1, day[0].right(),
@@ -121,7 +124,8 @@ Command days_command() {
                    "Drawers are used, too, where the kitchen has any to look into");
         table.option("--samples FOLDER", &arguments->samples, "Folder of kitchen.urdf and kitchen_l.urdf");
         table.package_path(&arguments->package_paths);
-        table.option("--map MAP", &arguments->map, "Perceive against this map (URDF) instead of the world itself");
+        table.option("--map MAP", &arguments->map,
+                     "Perceive against this map (URDF) instead of the world itself");
         table.option("-o,--output FOLDER", &arguments->keep,
                      "Keep scenarios, recordings and memories in this folder");
         return [arguments](Session& session) { run(*arguments, session); };

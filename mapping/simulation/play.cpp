@@ -109,8 +109,7 @@ SupportTop ScenarioPlay::known_top(const std::string& link) {
   if (const auto known = tops_.find(link); known != tops_.end()) return known->second;
   Warnings warnings;  // The renderer names missing meshes.
   const std::optional<SupportTop> top = top_of_link(*world_.find_link(link), search_, warnings);
-  if (!top)
-    throw Error("the link '" + link + "' has no shape to stand on", {scenario_.file.string(), 0, {}});
+  if (!top) throw Error("the link '" + link + "' has no shape to stand on", {scenario_.file.string(), 0, {}});
   return tops_[link] = *top;
 }
 

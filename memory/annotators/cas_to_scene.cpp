@@ -199,11 +199,16 @@ std::string place_of(const perception::types::Cluster& cluster) {
   return cluster.support.is_set() ? cluster.support.get().name.get() : std::string();
 }
 
+/// Of what fewer pixels show, a part is lost in the noise of the depth: its centre and size are biased.
+constexpr size_t kWholePixels = 500;
+
 ObservationRecord read_cluster(const perception::types::Cluster& cluster, const std::vector<cv::Rect>& heads,
                                SceneRecord& record) {
   ObservationRecord observation;
-  set_pixels(indices_of(cluster).span(), record, observation);
-  observation.evidence.partial = cluster.at_image_border.get() || cluster.partly_hidden.get();
+  const auto pixels = indices_of(cluster);
+  set_pixels(pixels.span(), record, observation);
+  observation.evidence.partial =
+      cluster.at_image_border.get() || cluster.partly_hidden.get() || pixels.size() < kWholePixels;
   observation.evidence.place = place_of(cluster);
   observation.evidence.descriptors = descriptors_of(cluster, record.view.map_from_camera.translation());
   observation.evidence.texture = texture_of(cluster);

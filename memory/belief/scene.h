@@ -76,6 +76,7 @@ struct SceneView {
   bool has_camera = true;                              ///< camera and pose are known
   std::optional<std::vector<ObservedPlace>> observed;  ///< of a view without depth, where reported
   mapping::PinholeCamera camera;
+  double sensor_pixels = 1;  ///< of the sensor per pixel of `camera`: a stored depth image is smaller
   Isometry3d map_from_camera = Isometry3d::Identity();
   cv::Mat depth;        ///< CV_32F, metres, NaN = no measurement
   cv::Mat map_depth;    ///< CV_32F, depth of the map alone (joints included), NaN = nothing; may be empty

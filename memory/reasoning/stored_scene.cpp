@@ -30,6 +30,7 @@ void read_view(const Store& store, const SceneRow& row, belief::SceneView& view)
                  row.camera->fy / step,
                  (row.camera->cx - first) / step,
                  (row.camera->cy - first) / step};
+  view.sensor_pixels = step * step;
   const std::vector<float> depth = depth_thumbnail(store, row);
   view.depth = cv::Mat(row.depth_height, row.depth_width, CV_32F);
   view.labels = cv::Mat(row.depth_height, row.depth_width, CV_32S, cv::Scalar(-1));

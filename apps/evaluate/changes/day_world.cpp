@@ -186,11 +186,11 @@ DayWorld find_day_world(const std::filesystem::path& urdf,
   const auto area = [](const Support& support) { return support.x * support.y; };
   std::ranges::stable_sort(day.supports, std::greater(), area);
   if (day.supports.size() > kMaxSupports) day.supports.resize(kMaxSupports);
-  const auto first = std::ranges::find_if(day.supports, [](const Support& one) { return row_on(one).has_value(); });
+  const auto first =
+      std::ranges::find_if(day.supports, [](const Support& one) { return row_on(one).has_value(); });
   if (first == day.supports.end())
     throw Error("no counter, table or island of the world has room for objects and can be seen",
-                {urdf.string(), 0, {}},
-                "their links begin with counter, table, island, shelf or desk");
+                {urdf.string(), 0, {}}, "their links begin with counter, table, island, shelf or desk");
   first->row = *row_on(*first);
   std::rotate(day.supports.begin(), first, first + 1);
   return day;

@@ -18,8 +18,8 @@ struct View {
 /// Something to put objects on, or a part of it: a rectangle on its top.
 struct Support {
   std::string link;
-  double x = 0, y = 0;      ///< half of the rectangle's sides, metres
-  std::vector<View> views;  ///< that show it
+  double x = 0, y = 0;                 ///< half of the rectangle's sides, metres
+  std::vector<View> views;             ///< that show it
   Vector2d middle = Vector2d::Zero();  ///< of the rectangle, from the middle of the link's top
   Vector2d row = Vector2d::Zero();     ///< where the middle one of a row of cups stands, likewise
   std::vector<Vector2d> blocked = {};  ///< what belongs to the kitchen stands here (sinks, hobs), likewise

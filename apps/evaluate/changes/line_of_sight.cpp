@@ -34,9 +34,7 @@ bool LineOfSight::sees(const Vector3d& camera, const Vector3d& target) const {
 
 bool LineOfSight::free_line(const Vector3d& from, const Vector3d& to) const {
   const Vector3d line = to - from;
-  return scene_
-             .cast(from.cast<float>(), line.normalized().cast<float>(),
-                   static_cast<float>(line.norm()))
+  return scene_.cast(from.cast<float>(), line.normalized().cast<float>(), static_cast<float>(line.norm()))
              .link < 0;
 }
 

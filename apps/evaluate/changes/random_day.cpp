@@ -46,11 +46,14 @@ class Day {
       : world_(world), random_(seed), drawer_random_(~seed), drawers_(drawers && !world.drawers.empty()) {
     for (size_t i = 0; i < kObjects; ++i) {
       const Model& model = kModels[random_.index(std::size(kModels))];
-      true_objects_.push_back(
-          {fmt::format("{}{}_{}", world.prefix, model.name, i), model, kColors[random_.index(std::size(kColors))], {}});
+      true_objects_.push_back({fmt::format("{}{}_{}", world.prefix, model.name, i),
+                               model,
+                               kColors[random_.index(std::size(kColors))],
+                               {}});
     }
     const char* color = kColors[random_.index(std::size(kColors))];
-    for (int i = 0; i < 3; ++i) true_objects_.push_back({fmt::format("{}cup_{}", world.prefix, i), kModels[0], color, {}});
+    for (int i = 0; i < 3; ++i)
+      true_objects_.push_back({fmt::format("{}cup_{}", world.prefix, i), kModels[0], color, {}});
   }
 
   std::string write(const std::filesystem::path& urdf, int scenes) {
@@ -89,9 +92,12 @@ class Day {
   };
 
   bool is_free(const Spot& spot, const Object& true_object) const {
-    const auto distance = [&spot](const Vector2d& other) { return (other - Vector2d(spot.x, spot.y)).norm(); };
+    const auto distance = [&spot](const Vector2d& other) {
+      return (other - Vector2d(spot.x, spot.y)).norm();
+    };
     const std::vector<Vector2d>& blocked = world_.supports[spot.support].blocked;
-    if (std::ranges::any_of(blocked, [&](const Vector2d& at) { return distance(at) < true_object.model.radius; }))
+    if (std::ranges::any_of(blocked,
+                            [&](const Vector2d& at) { return distance(at) < true_object.model.radius; }))
       return false;
     return std::ranges::all_of(true_objects_, [&](const Object& other) {
       return &other == &true_object || !other.at || other.at->support != spot.support ||

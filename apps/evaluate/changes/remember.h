@@ -12,10 +12,10 @@
 namespace loci::apps::changes {
 
 struct RememberOptions {
-  std::filesystem::path memory;    ///< to be made
-  std::filesystem::path map;       ///< URDF; empty = none
+  std::filesystem::path memory;                           ///< to be made
+  std::filesystem::path map;                              ///< URDF; empty = none
   std::vector<std::filesystem::path> package_paths = {};  ///< where package:// of the map is looked for
-  std::filesystem::path pipeline;  ///< YAML; empty = the default one
+  std::filesystem::path pipeline;                         ///< YAML; empty = the default one
   std::string program;
   int threads = 0;
 };

@@ -100,8 +100,9 @@ fs::path write_random_day(const std::string& name, const fs::path& folder, const
   const std::string world = name == "kitchen" ? "kitchen" : "kitchen_l";
   const fs::path scenario = folder / (name + ".yaml");
   write_file_atomically(
-      scenario, changes::random_day(changes::sample_day_world(world), fs::absolute(samples / (world + ".urdf")),
-                                    kFirstSeed + (name == "kitchen" ? 0 : 1), kScenes, true));
+      scenario,
+      changes::random_day(changes::sample_day_world(world), fs::absolute(samples / (world + ".urdf")),
+                          kFirstSeed + (name == "kitchen" ? 0 : 1), kScenes, true));
   return scenario;
 }
 

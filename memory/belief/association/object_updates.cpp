@@ -214,7 +214,7 @@ void SceneUpdate::update_unobserved(size_t o) {
   if (object.status == Status::tentative) {
     const double empty = posterior_empty_share(o);
     const double factor = empty > kParameters.seen_empty ? kParameters.seen_empty_factor : 1.0;
-    const double missed_if_object = 1 - detection_rate() * in_view * factor;
+    const double missed_if_object = 1 - p.resolved * detection_rate() * in_view * factor;
     object.exists_log_odds += std::log(std::max(0.01, missed_if_object) / (1 - repeat_clutter() * in_view));
     return;
   }

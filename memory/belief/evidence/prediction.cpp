@@ -164,6 +164,9 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
     constexpr double kMinInView = 1e-3;
     p.undetectable = object.has_size ? undetectable(p.seen.visibility)
                                      : std::clamp(1 - p.seen.visibility.observed(), 0.0, 1 - kMinInView);
+    if (p.with_depth && object.has_size)
+      p.resolved = std::min(1.0, resolved(scene.view, scene.view.map_from_camera, p.box) /
+                                     resolved(scene.view, object.map_from_camera, p.box));
     predictions.push_back(std::move(p));
   }
   return predictions;
@@ -205,8 +208,8 @@ AbsenceEvidence absence_evidence(const Prediction& predicted, double empty_share
       searched > 0
           ? 1.0
           : std::clamp((height - kParameters.flat_height_m) / kParameters.flat_height_range_m, 0.0, 1.0);
-  const double detection =
-      detection_rate * (kParameters.flat_detection + (1 - kParameters.flat_detection) * solid);
+  const double detection = predicted.resolved * detection_rate *
+                           (kParameters.flat_detection + (1 - kParameters.flat_detection) * solid);
   return {independence * (solid * empty_share * std::log(options.empty_if_there) + std::log(1 - detection)),
           independence * solid * taken * std::log(kParameters.occupied_if_gone)};
 }

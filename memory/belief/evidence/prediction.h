@@ -36,6 +36,7 @@ struct Prediction {
   std::vector<double> moved_to;
   double carried_off = 0;   ///< probability
   double undetectable = 0;  ///< probability of not being detected if there: too little in view
+  double resolved = 1;      ///< how much less often so few pixels show it than those of its last observation
 };
 
 /// The places that the scene shows; those of its observations come first, and their extent grows.

@@ -197,6 +197,19 @@ double undetectable(const Visibility& visibility) {
   return 1.0 - std::clamp(visible, 0.0, 1.0);
 }
 
+double resolved(const SceneView& view, const Isometry3d& map_from_camera, const AxisBox& box) {
+  const Vector3d line = box.centre - map_from_camera.translation();
+  const double depth = line.dot(map_from_camera.linear().col(2));
+  if (depth <= 0) return 1;
+  // The silhouette of a box is that of the faces it turns to the camera.
+  const Vector3d faces(box.size.y() * box.size.z(), box.size.x() * box.size.z(), box.size.x() * box.size.y());
+  const double silhouette = line.normalized().cwiseAbs().dot(faces);
+  const double pixels = kParameters.filled_silhouette * silhouette * view.camera.fx * view.camera.fy /
+                        (depth * depth) * view.sensor_pixels;
+  return 1 /
+         (1 + std::pow(kParameters.resolved_pixels / std::max(1.0, pixels), kParameters.resolved_steepness));
+}
+
 double observed_fraction(const SceneView& view, const std::vector<Vector3d>& outline, double step_m,
                          const VisibilityOptions& options) {
   if (outline.size() < 3) return 0.0;

@@ -48,6 +48,10 @@ BoxVisibility box_visibility_without_depth(const SceneView& view, const AxisBox&
 /// Probability that an object in the box is not detected because too little of it is in view.
 double undetectable(const Visibility& visibility);
 
+/// Probability that an object in a box of which nothing is hidden is told from the noise of the depth, seen
+/// with the camera of a view from `map_from_camera`: whether enough pixels show it.
+double resolved(const SceneView& view, const Isometry3d& map_from_camera, const AxisBox& box);
+
 /// Share of a flat outline (map frame, closed polygon at one height) that was measured: neither out of view
 /// nor hidden. Sampled on a grid of `step_m`.
 double observed_fraction(const SceneView& view, const std::vector<Vector3d>& outline, double step_m = 0.05,

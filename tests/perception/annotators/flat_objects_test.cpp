@@ -268,8 +268,7 @@ TEST(FlatObjects, AreNotLookedForWhereTheMapHidesTheSupport) {
   const Vector3d up(0, 0, -1);  // the camera looks straight down on a surface 1 m below: a pixel shows 2 cm
   cv::Mat inside(1, 8, CV_8U, cv::Scalar(255));
   const float nothing = std::numeric_limits<float>::quiet_NaN();
-  const cv::Mat map_depth =
-      (cv::Mat_<float>(1, 8) << 1.0F, 1.0F, 0.95F, 1.0F, nothing, 1.0F, 1.0F, 0.994F);
+  const cv::Mat map_depth = (cv::Mat_<float>(1, 8) << 1.0F, 1.0F, 0.95F, 1.0F, nothing, 1.0F, 1.0F, 0.994F);
   const cv::Mat bare = (cv::Mat_<unsigned char>(1, 8) << 255, 255, 255, 255, 255, 255, 255, 0);
   leave_out_what_the_map_shows(map_depth, bare, up, -1.0, camera, inside);
   // A board over the surface, and a hob in it, with what is beside them.
