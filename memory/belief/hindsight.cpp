@@ -93,22 +93,21 @@ class Hindsight {
     return {0, nullptr};
   }
 
-  /// Under which supposition the scenes from `first` to `last` are most probable.
+  /// Under which supposition the scenes from `first` to `last` are most probable; what was decided, where
+  /// none is clearly more probable.
   int64_t most_probable(const Decision& decision, size_t first, size_t last) {
-    int64_t best = decision.object;
-    std::optional<double> most;
+    std::map<int64_t, double> log_likelihood;
     for (const int64_t candidate : decision.candidates) {
       std::map<int64_t, int64_t> supposed = known_;
       supposed[decision.observation] = candidate;
       BeliefState state = before_.at(first);
-      double log_likelihood_ratio = 0;
       for (size_t i = first; i <= last; ++i)
-        log_likelihood_ratio += advanced(state, i, supposed).log_likelihood_ratio;
-      if (most && log_likelihood_ratio <= *most) continue;
-      most = log_likelihood_ratio;
-      best = candidate;
+        log_likelihood[candidate] += advanced(state, i, supposed).log_likelihood_ratio;
     }
-    return best;
+    const auto best =
+        std::ranges::max_element(log_likelihood, {}, [](const auto& one) { return one.second; });
+    const bool clear = best->second > log_likelihood[decision.object] + kParameters.min_hindsight_log_ratio;
+    return clear ? best->first : decision.object;
   }
 
   const std::vector<Scene>& scenes_;

@@ -62,6 +62,7 @@ struct Parameters {
   double min_probability = 0.001;  ///< of a reported partner
   double min_alternative = 0.02;   ///< of an alternative identity that is carried on
   double min_alternative_hypothesis = 2e-4;  ///< of an alternative hypothesis that is kept
+  double min_hindsight_log_ratio = 0.7;      ///< twice as probable: a decision is not changed for less
   size_t hindsight_advances = 2000;          ///< scenes that looking back may reason about: bounds its time
   double excluded = -200;              ///< log weight of what a known identity excludes: beyond all evidence
   double newview_color_weight = 0.25;  ///< another side may have other colours, though seldom altogether

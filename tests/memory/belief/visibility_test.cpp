@@ -104,5 +104,21 @@ TEST(Visibility, ObservedFractionOfATableHalfInView) {
   EXPECT_LT(half, 0.4);
 }
 
+TEST(Resolved, FallsWithTheDistanceAndNotWithTheSizeOfAStoredImage) {
+  SceneView view;
+  view.camera = {640, 480, 585, 585, 320, 240};
+  const AxisBox cup{Vector3d(0, 3, 0.75), Vector3d(0.08, 0.08, 0.1)};
+  const auto from = [](double distance) {
+    return SyntheticKitchen::look_from({0, 3 - distance, 1.4}, {0, 3, 0.75});
+  };
+  EXPECT_GT(resolved(view, from(1), cup), 0.99);
+  EXPECT_GT(resolved(view, from(2), cup), 0.8);
+  EXPECT_LT(resolved(view, from(4), cup), 0.2);
+  SceneView thumbnail = view;
+  thumbnail.camera = {160, 120, 146.25, 146.25, 80, 60};
+  thumbnail.sensor_pixels = 16;
+  EXPECT_NEAR(resolved(thumbnail, from(2.5), cup), resolved(view, from(2.5), cup), 1e-9);
+}
+
 }  // namespace
 }  // namespace loci::memory::belief
