@@ -77,6 +77,23 @@ TEST(Supports, APlaneFarBelowTheCameraIsOneWhereItEnds) {
   EXPECT_TRUE(find(table, 0.1, table.up()).supports.empty());
 }
 
+TEST(Supports, ReachAsFarAsTheyAreInViewThoughTheyBeginBehindTheCamera) {
+  cas::Cas cas(types::type_system());
+  const auto counter = types::PlanarSupport::create(cas);
+  counter.outline.set(types::values_from_points(
+      {Vector3d(-4, 0, 0.9), Vector3d(4, 0, 0.9), Vector3d(4, 0.6, 0.9), Vector3d(-4, 0.6, 0.9)}));
+  const mapping::PinholeCamera camera{320, 240, 290, 290, 160, 120};
+  const Isometry3d map_from_camera = mapping::looking_at({0, -0.3, 1.5}, {2, 0.3, 0.9});
+  const cv::Mat inside = pixels_over(counter, map_from_camera.inverse(), camera);
+  for (const double x : {0.8, 1.5, 2.5, 3.9}) {
+    const Vector2d at = camera.project(map_from_camera.inverse() * Vector3d(x, 0.3, 0.9));
+    if (!camera.contains(at)) continue;
+    EXPECT_EQ(inside.at<unsigned char>(static_cast<int>(at.y()), static_cast<int>(at.x())), 255) << x;
+  }
+  const Vector2d floor = camera.project(map_from_camera.inverse() * Vector3d(1.5, -0.4, 0.9));
+  EXPECT_EQ(inside.at<unsigned char>(static_cast<int>(floor.y()), static_cast<int>(floor.x())), 0);
+}
+
 TEST(Clusters, EveryBoxIsOneObjectAndNothingElseIs) {
   const Found found = find(table_with_boxes(), 0.1, table_with_boxes().up());
   EXPECT_EQ(found.clusters.size(), 3U);
@@ -216,6 +233,16 @@ TEST(Clusters, TwoBoxesOfNearlyOneHeightWithAHiddenGapAreTwoObjects) {
   const Found found = find(table, 0.05, table.up());
   EXPECT_EQ(found.clusters.size(), 3U);
   for (int label = 1; label <= 3; ++label) EXPECT_GT(best_overlap(found, label), 0.7) << label;
+}
+
+TEST(Clusters, EqualCupsBehindEachOtherAreObjectsOfTheirOwn) {
+  SyntheticTable table;
+  table.map_from_camera = mapping::looking_at({0.1, -1.2, 0.55}, {0, 0, 0.05});
+  // Each hides the gap to the next one, which is as high.
+  for (const double y : {-0.18, -0.05, 0.08}) table.bowls.push_back({{0.02 * y, y, 0}, 0.1, 0.042, 0.042});
+  const Found found = find(table, 0.05, table.up());
+  EXPECT_EQ(found.clusters.size(), 3U);
+  for (int cup = 1; cup <= 3; ++cup) EXPECT_GT(best_overlap(found, cup), 0.8) << cup;
 }
 
 TEST(Clusters, ABowlIsOneObjectWithItsInside) {
@@ -477,6 +504,11 @@ TEST(KnownStructure, TheSupportStaysAndTheWallGoesWhateverTheMapsSmallErrors) {
     }
     EXPECT_EQ(wall_left, 0) << error;
     EXPECT_EQ(boxes_lost, 0) << error;
+    const int bare_wall = cv::countNonZero((labels == 4) & (known.bare != 0) & (known.region == 0));
+    EXPECT_LT(bare_wall, 0.02 * cv::countNonZero(labels == 4))
+        << error << ": a wall is no surface for objects";
+    EXPECT_LT(cv::countNonZero((labels == 0) & (known.bare == 0)), 0.05 * cv::countNonZero(labels == 0))
+        << error;
     // At the foot of the wall a line of the table may go with it.
     EXPECT_LT(table_lost, 0.03 * cv::countNonZero(labels == 0)) << error;
   }
