@@ -75,9 +75,9 @@ class ClusterMaker {
     cluster.top = static_cast<double>(high[2]);
     cluster.low = {static_cast<double>(low[0]), static_cast<double>(low[1])};
     cluster.high = {static_cast<double>(high[0]), static_cast<double>(high[1])};
-    double depth = 0;
-    for (const Vector3f& p : object.points) depth += static_cast<double>(p.z());
-    depth /= static_cast<double>(object.points.size());
+    Vector3d middle = Vector3d::Zero();
+    for (const Vector3f& p : object.points) middle += p.cast<double>();
+    middle /= static_cast<double>(object.points.size());
     const double extent = static_cast<double>(std::max(high[0] - low[0], high[1] - low[1]));
     constexpr float kWide = 0.05f;  // many values measure the height of what is wide
     std::vector<cv::Point2f> footprint;
@@ -85,7 +85,7 @@ class ClusterMaker {
     const cv::Size2f sides = cv::minAreaRect(types::near_hull(footprint)).size;
     if (is_drawer_side(object, sides, cluster.top)) return std::nullopt;
     const double height = (std::min(sides.width, sides.height) > kWide ? 0.5 : 1) * options_.min_height_m;
-    const double least = std::max(height, 3 * depth_noise(depth)) + support_.uncertainty;
+    const double least = std::max(height, 3 * height_noise(support_, middle)) + support_.uncertainty;
     if (cluster.top < least) return std::nullopt;
     if (std::max(extent, cluster.top) < options_.min_extent_m || extent > options_.max_extent_m)
       return std::nullopt;

@@ -26,7 +26,7 @@ int support_below(const Vector3f& p, int label, const std::vector<SupportGround>
     const Vector3d at = support.in_plane(p.cast<double>());
     if (at.z() > options.max_height_m || at.z() < -0.03) continue;
     const double floor =
-        options.floor_m + support.uncertainty + 1.5 * depth_noise(static_cast<double>(p.z()));
+        options.floor_m + support.uncertainty + 1.5 * height_noise(support, p.cast<double>());
     if (at.z() < -floor || (best >= 0 && at.z() > floor && at.z() >= position.z())) continue;
     const double inside = grounds[s].outline.inside(at.head<2>());
     if (inside < -kAround) continue;
@@ -101,7 +101,7 @@ void drop_specks(Standing& standing, const SupportPlane& support, const ClusterO
   std::vector<size_t> kept;
   for (size_t i = 0; i < standing.pixels.size(); ++i) {
     const double reach = options.floor_m + support.uncertainty +
-                         kSigmas * depth_noise(static_cast<double>(standing.points[i].z()));
+                         kSigmas * height_noise(support, standing.points[i].cast<double>());
     const int pixel = standing.pixels[i];
     if (static_cast<double>(standing.in_plane[i].z()) > reach ||
         static_cast<double>(share.ptr<float>()[pixel]) > kMinShare * 255)

@@ -75,6 +75,14 @@ struct SupportPlane {
 
 using mapping::depth_noise;
 
+/// Error of the height over a support that comes from that of a point's depth (camera frame). Where one looks
+/// along the support it is smaller than that of the depth; where one looks down by 45° or more, the
+/// distortion of the sensor and the bend of the surface take the difference.
+inline double height_noise(const SupportPlane& support, const Vector3d& point) {
+  constexpr double kSteep = 0.7;
+  return depth_noise(point.z()) * std::min(1.0, std::abs(support.normal.dot(point)) / point.z() / kSteep);
+}
+
 /// Refines a plane on some pixels (row · width + column): inliers in distance and in normal, weighted least
 /// squares, bend, outline. Empty when what is left is smaller than min_area_m2.
 std::optional<SupportPlane> refine_support(const cv::Mat& points, const cv::Mat& normals,
