@@ -111,10 +111,13 @@ void parallel_stages(size_t in_flight, size_t stages, const std::function<bool(s
   FirstFailure failure;
   size_t next = 0;
   tbb::filter<void, size_t> line = tbb::make_filter<void, size_t>(kInOrder, [&](tbb::flow_control& control) {
+    ++tasks_in_order;
     bool more = false;
     if (!failure.any()) failure.run(next, [&] { more = begin(next); });
     if (!more) control.stop();
-    return next++;
+    const size_t item = next++;
+    ++tasks_in_order;
+    return item;
   });
   for (size_t stage = 0; stage < stages; ++stage)
     line = line & tbb::make_filter<size_t, size_t>(kInOrder, [&failure, &work, stage](size_t item) {
