@@ -36,6 +36,8 @@ struct Kitchen {
 };
 
 std::vector<Kitchen> kitchens_of(const Arguments& arguments, Warnings& warnings) {
+  if (!arguments.map.empty() && arguments.worlds.size() != 1)
+    throw Error("--map is of one kitchen", {}, "name that KITCHEN");
   std::vector<Kitchen> kitchens;
   for (const std::string& world : arguments.worlds)
     kitchens.push_back(
@@ -107,29 +109,29 @@ void run(const Arguments& arguments, Session& session) {
 }  // namespace
 
 Command days_command() {
-  return {
-      "days",
-      "Events and identities on random simulated days against baselines",
-      {"loci-evaluate days --runs 1 --scenes 4", "loci-evaluate days --runs 1 --scenes 3 --seed 4 --json"},
-      [](ArgumentTable& table) {
-        auto arguments = std::make_shared<Arguments>();
-        table.positional("[KITCHEN...]", &arguments->worlds,
-                         "Worlds (URDF) to have days in, instead of the two sample kitchens");
-        table.option("--runs N", &arguments->runs, "Number of days; the kitchens take turns",
-                     {.min = 1, .max = 1000});
-        table.option("--scenes N", &arguments->scenes,
-                     "Number of scenes per day; the middle cup is back after 12", {.min = 1, .max = 100});
-        table.option("--seed N", &arguments->seed, "Seed of the first day; later days count on");
-        table.flag("--drawers", arguments->drawers,
-                   "Drawers are used, too, where the kitchen has any to look into");
-        table.option("--samples FOLDER", &arguments->samples, "Folder of kitchen.urdf and kitchen_l.urdf");
-        table.package_path(&arguments->package_paths);
-        table.option("--map MAP", &arguments->map,
-                     "Perceive against this map (URDF) instead of the world itself");
-        table.option("-o,--output FOLDER", &arguments->keep,
-                     "Keep scenarios, recordings and memories in this folder");
-        return [arguments](Session& session) { run(*arguments, session); };
-      }};
+  return {"days",
+          "Events and identities on random simulated days against baselines",
+          {"loci-evaluate days --runs 1 --scenes 4", "loci-evaluate days --runs 1 --scenes 3 --seed 4 --json",
+           "loci-evaluate days apps/samples/kitchen.urdf --runs 1 --scenes 3"},
+          [](ArgumentTable& table) {
+            auto arguments = std::make_shared<Arguments>();
+            table.positional("[KITCHEN...]", &arguments->worlds,
+                             "Worlds (URDF) to have days in, instead of the two sample kitchens");
+            table.option("--runs N", &arguments->runs, "Number of days; the kitchens take turns",
+                         {.min = 1, .max = 1000});
+            table.option("--scenes N", &arguments->scenes,
+                         "Number of scenes per day; the middle cup is back after 12", {.min = 1, .max = 100});
+            table.option("--seed N", &arguments->seed, "Seed of the first day; later days count on");
+            table.flag("--drawers", arguments->drawers, "Drawers are used, too, in the sample kitchens");
+            table.option("--samples FOLDER", &arguments->samples,
+                         "Folder of kitchen.urdf and kitchen_l.urdf");
+            table.package_path(&arguments->package_paths);
+            table.option("--map MAP", &arguments->map,
+                         "Perceive against this map (URDF) instead of the world itself");
+            table.option("-o,--output FOLDER", &arguments->keep,
+                         "Keep scenarios, recordings and memories in this folder");
+            return [arguments](Session& session) { run(*arguments, session); };
+          }};
 }
 
 }  // namespace loci::apps

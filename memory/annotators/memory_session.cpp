@@ -89,8 +89,7 @@ MemorySession::MemorySession(const MemorySessionOptions& options, const mapping:
   planes_ = load_planes(store_);
   furniture_ = load_furniture(store_, map_);
   recorder_ = std::make_unique<Recorder>(store_, run_, options.belief);
-  before_ = recorder_->belief();
-  if (const std::optional<SceneRow> last = store_.last_scene()) last_before_ = last->id;
+  recorder_->begin_review();
   for (const SceneRow& scene : store_.scenes())
     if (scene.recording == recording_) {
       const Moment moment(scene.time, scene.frame_index.value_or(0));
@@ -129,7 +128,7 @@ MemoryRunResult run_with_memory(perception::Pipeline& pipeline, perception::Cont
     ++result.skipped;
   }
   result.pipeline = pipeline.run(context, types, progress, done);
-  look_back(session.store_, session.run_, session.last_before_, session.before_, progress);
+  look_back(session.store_, session.run_, progress);
   session.store_.finish_run(session.run_);
   apply_catalogues(session.store_);
   return result;

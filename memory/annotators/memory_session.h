@@ -76,8 +76,6 @@ class MemorySession {
   KnownPlanes planes_;
   perception::FurnitureStates furniture_;
   std::unique_ptr<Recorder> recorder_;
-  belief::BeliefState before_;  ///< the belief before the run …
-  Id last_before_ = 0;          ///< … which is that after this scene
 };
 
 /// Makes a pipeline remember what it perceives of the recording among the resources: adds identity, writer

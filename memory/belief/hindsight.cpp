@@ -53,8 +53,9 @@ class Hindsight {
       Decision& decision = decisions_[i].emplace_back();
       decision.observation = scenes_[i].observations[k].id;
       decision.object = outcome.object;
-      if (outcome.explanation != Explanation::move || outcome.probability > kParameters.certain_partner)
-        continue;
+      const bool guess =
+          outcome.explanation == Explanation::move && outcome.probability <= kParameters.certain_partner;
+      if (!guess || scenes_[i].observations[k].known_object) continue;  // what people said is no guess
       guessed = true;
       for (const PartnerProbability& partner : outcome.partners)
         if (partner.object != 0 && partner.probability() >= kParameters.min_alternative)

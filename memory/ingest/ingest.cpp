@@ -17,6 +17,7 @@
 #include "memory/catalogue/catalogue.h"
 #include "memory/ingest/detection_lifter.h"
 #include "memory/ingest/detection_scene.h"
+#include "memory/reasoning/revise.h"
 #include "memory/recorder/map_entry.h"
 #include "memory/recorder/recorder.h"
 #include "perception/detection/detection_set.h"
@@ -355,6 +356,7 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
       {.fingerprint = ahead.fingerprint, .name = file.filename().string(), .kind = "detections"});
   const Id run = store.begin_run(options.program, result.report().dump());
   Recorder recorder(store, run, options.belief);
+  recorder.begin_review();
   std::optional<perception::PeopleDetector> people;
   if (!options.recording.empty() && !options.keep_people) people.emplace();
   while (current) {
@@ -383,6 +385,7 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
   result.bad = reader.bad();
   if (result.bad > kNamedLines)
     warnings.add(fmt::format("{} more bad lines", result.bad - kNamedLines), {file.string(), 0, {}});
+  look_back(store, run, progress);
   store.finish_run(run);
   apply_catalogues(store);
   return result;

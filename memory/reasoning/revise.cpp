@@ -183,7 +183,7 @@ class Reviser {
     const std::optional<SceneReasoning> reasoning = load_reasoning(store_, row.id);
     if (!reasoning) throw store_.error(fmt::format("the evidence of scene {} was let go", row.id));
     SceneRecord record = stored_scene(store_, row, *reasoning, place_rows_);
-    record.source = "edit";
+    record.source = revision_.source;
     return record;
   }
 
@@ -320,32 +320,56 @@ void revise(const Store& store, SceneTransaction& transaction, const Revision& r
   Reviser(store, transaction, revision).run(progress);
 }
 
-size_t look_back(Store& store, Id run, Id after, const belief::BeliefState& before, Progress& progress) {
-  std::vector<SceneRow> scenes = store.scenes();
-  const auto first = after == 0 ? scenes.begin() : std::next(std::ranges::find(scenes, after, &SceneRow::id));
-  scenes.erase(scenes.begin(), first);
-  if (scenes.empty() || scenes.size() > kLookBack) return 0;
-  const std::vector<PlaceRow> places = store.places();
-  std::vector<belief::Scene> evidence;
+namespace {
+
+/// Scenes as evidence, and the scene of each observation.
+struct StoredEvidence {
+  std::vector<belief::Scene> scenes;
   std::map<Id, Id> scene_of_observation;
-  for (const SceneRow& scene : scenes) {
-    const std::optional<SceneReasoning> reasoning = load_reasoning(store, scene.id);
-    if (!reasoning) return 0;  // another program wrote it
-    const SceneRecord record = stored_scene(store, scene, *reasoning, places);
-    evidence.push_back(evidence_of(record));
+};
+
+/// The scenes after one (0 = all), unless they are more than kLookBack or another program wrote one of them.
+StoredEvidence evidence_after(const Store& store, Id after) {
+  std::vector<SceneRow> rows = store.scenes();
+  const auto first = after == 0 ? rows.begin() : std::next(std::ranges::find(rows, after, &SceneRow::id));
+  rows.erase(rows.begin(), first);
+  StoredEvidence evidence;
+  if (rows.size() > kLookBack) return evidence;
+  const std::vector<PlaceRow> places = store.places();
+  for (const SceneRow& row : rows) {
+    const std::optional<SceneReasoning> reasoning = load_reasoning(store, row.id);
+    if (!reasoning) return {};
+    const SceneRecord record = stored_scene(store, row, *reasoning, places);
+    belief::Scene& scene = evidence.scenes.emplace_back(evidence_of(record));
     for (size_t k = 0; k < record.observations.size(); ++k) {
-      evidence.back().observations[k].id = record.observations[k].row.id;
-      scene_of_observation[record.observations[k].row.id] = scene.id;
+      scene.observations[k].id = record.observations[k].row.id;
+      evidence.scene_of_observation[scene.observations[k].id] = row.id;
     }
   }
-  const KnownIdentities known = belief::hindsight(before, evidence, load_options(store), progress);
-  if (known.empty()) return 0;
-  Revision revision{scene_of_observation.at(known.begin()->first), after, known, &before};
-  for (const auto& [observation, object] : known)
-    revision.from = std::min(revision.from, scene_of_observation.at(observation));
+  return evidence;
+}
+
+}  // namespace
+
+size_t look_back(Store& store, Id run, Progress& progress) {
+  const std::optional<PendingReview> review = load_review(store);
+  if (!review) return 0;
+  KnownIdentities known;
   SceneTransaction rows(store, run);
-  rows.postpone_derived();
-  revise(store, rows, revision, progress);
+  if (review->contradicted) {
+    const StoredEvidence evidence = evidence_after(store, review->after);
+    known = belief::hindsight(review->before, evidence.scenes, load_options(store), progress);
+    Id from = 0;
+    for (const auto& [observation, object] : known) {
+      const Id scene = evidence.scene_of_observation.at(observation);
+      from = from == 0 ? scene : std::min(from, scene);
+    }
+    if (from != 0) {
+      rows.postpone_derived();
+      revise(store, rows, {from, review->after, known, &review->before, "hindsight"}, progress);
+    }
+  }
+  end_review(rows);
   rows.commit();
   return known.size();
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 #include "memory/belief/state.h"
@@ -24,6 +26,7 @@ struct Revision {
   Id resume_after = 0;
   KnownIdentities known = {};
   const belief::BeliefState* before = nullptr;
+  std::string source = "edit";  ///< of the rows
 };
 
 /// Computes the belief again with what is known of identities, and with what later scenes tell of earlier
@@ -36,10 +39,10 @@ void revise(const Store& store, SceneTransaction& transaction, const Revision& r
 
 constexpr size_t kLookBack = 500;  ///< scenes
 
-/// Corrects what scenes after `after` (0 = all) decided and later ones of them contradict, as part of `run`;
-/// nothing where there are more than kLookBack. `before`: the belief after that scene. The number of
-/// observations that were taken for another object.
-size_t look_back(Store& store, Id run, Id after, const belief::BeliefState& before, Progress& progress);
+/// Corrects what the scenes that are pending (Recorder::begin_review()) decided and later ones of them
+/// contradict, as part of `run`; nothing where there are more than kLookBack. They are not pending then. The
+/// number of observations that were taken for another object.
+size_t look_back(Store& store, Id run, Progress& progress);
 
 /// A row that supersedes another and is never known: it retracts that one.
 template <class Row>

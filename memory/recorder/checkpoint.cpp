@@ -87,17 +87,18 @@ belief::BeliefState load_belief(const Store& store) {
   return last ? load_belief(store, last->id) : belief::BeliefState();
 }
 
-belief::BeliefState load_belief(const Store& store, Id scene) {
-  const auto checkpoint = store.checkpoint(kCheckpoint);
-  if (!checkpoint || checkpoint->scene != scene) return {};
+namespace {
+
+/// The belief from the checkpoints whose names begin with a prefix; `common`: of its common part.
+belief::BeliefState read_belief(const Store& store, const std::string& prefix, const std::string& common) {
   try {
-    belief::BeliefState state = belief::state_from_bytes(checkpoint->bytes);
-    for (const auto& [name, object] : store.checkpoints(kObjects))
+    belief::BeliefState state = belief::state_from_bytes(common);
+    for (const auto& [name, object] : store.checkpoints(prefix + kObjects))
       state.objects.push_back(belief::object_from_bytes(object.bytes));
-    const auto textures = store.checkpoints(kTextures);
+    const auto textures = store.checkpoints(prefix + kTextures);
     for (belief::ProtoObject& object : state.objects)
       for (belief::TextureView& view : object.textures) {
-        const auto texture = textures.find(texture_checkpoint(object.key, view.time));
+        const auto texture = textures.find(prefix + texture_checkpoint(object.key, view.time));
         if (texture == textures.end()) throw Error("the texture of an object is missing");
         view.texture = belief::texture_from_bytes(texture->second.bytes);
       }
@@ -105,6 +106,14 @@ belief::BeliefState load_belief(const Store& store, Id scene) {
   } catch (const Error& error) {
     throw Error(error.message(), {store.path().string(), 0, {}});
   }
+}
+
+}  // namespace
+
+belief::BeliefState load_belief(const Store& store, Id scene) {
+  const auto checkpoint = store.checkpoint(kCheckpoint);
+  if (!checkpoint || checkpoint->scene != scene) return {};
+  return read_belief(store, "", checkpoint->bytes);
 }
 
 belief::BeliefOptions load_options(const Store& store) {
@@ -131,6 +140,40 @@ std::optional<Id> restore_belief(SceneTransaction& transaction, const Store& sto
 
 void drop_kept_belief(SceneTransaction& transaction, Id run) {
   transaction.drop_checkpoints(kept_before(run));
+}
+
+namespace {
+
+constexpr Id kReview = 0;  ///< no run has this number
+constexpr const char* kPending = "review";
+constexpr const char* kContradicted = "contradicted";
+
+}  // namespace
+
+void begin_review(SceneTransaction& transaction, const Store& store) {
+  if (store.checkpoint(kept_before(kReview) + kPending)) return;
+  keep_belief(transaction, store, kReview);
+  transaction.set_checkpoint(kept_before(kReview) + kPending, {}, std::nullopt);
+}
+
+void note_contradiction(SceneTransaction& transaction) {
+  transaction.set_checkpoint(kept_before(kReview) + kContradicted, {}, std::nullopt);
+}
+
+std::optional<PendingReview> load_review(const Store& store) {
+  const std::string prefix = kept_before(kReview);
+  if (!store.checkpoint(prefix + kPending)) return std::nullopt;
+  PendingReview review;
+  review.contradicted = store.checkpoint(prefix + kContradicted).has_value();
+  if (const auto kept = store.checkpoint(prefix + kCheckpoint)) {
+    review.before = read_belief(store, prefix, kept->bytes);
+    review.after = kept->scene.value_or(0);
+  }
+  return review;
+}
+
+void end_review(SceneTransaction& transaction) {
+  drop_kept_belief(transaction, kReview);
 }
 
 }  // namespace loci::memory

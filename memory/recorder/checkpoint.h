@@ -21,6 +21,18 @@ void keep_belief(SceneTransaction& transaction, const Store& store, Id run);
 /// Makes the belief what it was before that run. The last scene that it knew; unset = it was not kept.
 std::optional<Id> restore_belief(SceneTransaction& transaction, const Store& store, Id run);
 void drop_kept_belief(SceneTransaction& transaction, Id run);
+/// Scenes that look_back() still has to go over: what was believed before them, and whether one of them
+/// contradicts what others decided (BeliefUpdate::mistakes).
+struct PendingReview {
+  belief::BeliefState before;
+  Id after = 0;  ///< the scene that `before` is the belief after; 0 = none
+  bool contradicted = false;
+};
+/// From here on scenes are pending: keeps the belief as it is, unless some are pending already.
+void begin_review(SceneTransaction& transaction, const Store& store);
+void note_contradiction(SceneTransaction& transaction);
+std::optional<PendingReview> load_review(const Store& store);
+void end_review(SceneTransaction& transaction);
 /// The belief after a scene, where the checkpoint is of that.
 belief::BeliefState load_belief(const Store& store, Id scene);
 

@@ -46,6 +46,8 @@ class Recorder {
   RecordedScene record(const SceneRecord& scene);
 
   const belief::BeliefState& belief() const { return state_; }
+  /// From here on scenes are pending for look_back().
+  void begin_review() { review_ = true; }
 
  private:
   class SceneWriter;
@@ -62,6 +64,7 @@ class Recorder {
   std::map<Id, BeliefRow> stored_beliefs_;  ///< last row of each believed object
   Id max_object_ = 0;                       ///< of the memory
   BeliefCheckpoint checkpoint_;
+  bool review_ = false;                         ///< scenes are pending for look_back()
   std::map<std::string, double> last_joints_;   ///< as they were seen last, of those seen in this run
   std::optional<Id> last_map_;                  ///< of the room in the scene before
   std::vector<belief::PlacePose> last_places_;  ///< in the scene before

@@ -77,6 +77,7 @@ class Recorder::SceneWriter {
   }
 
   RecordedScene run() {
+    if (recorder_.review_) memory::begin_review(transaction_, recorder_.store_);
     add_scene();
     add_places();
     add_observations();
@@ -87,6 +88,7 @@ class Recorder::SceneWriter {
     save_reasoning(transaction_, result_.scene,
                    {std::move(evidence_), std::move(decisions), std::move(matrices)});
     recorder_.checkpoint_.save(transaction_, result_.scene, state_);
+    if (recorder_.review_ && !result_.update.mistakes.empty()) note_contradiction(transaction_);
     transaction_.commit();
     recorder_.checkpoint_.committed();
     update_last(recorder_.stored_beliefs_, rows_, state_);

@@ -196,6 +196,55 @@ TEST_F(Reasoning, CorrectionsHoldAfterwards) {
   EXPECT_EQ(known.size(), 2U);
 }
 
+/// Three equal mugs on the table; at nine one stands on the counter, at ten `missing` is not on the table.
+std::string three_mugs(size_t missing) {
+  const auto mugs = [](const std::vector<double>& at, const char* place) {
+    std::string list;
+    for (const double x : at)
+      list +=
+          fmt::format(R"({}{{"position": [{}, 2, 0.8], "size": [0.1, 0.1, 0.1], "color": [10, 0.9, 0.8], )"
+                      R"("place": "{}"}})",
+                      list.empty() ? "" : ", ", x, place);
+    return list;
+  };
+  std::vector<double> all = {1, 1.4, 1.8}, left = all;
+  left.erase(left.begin() + static_cast<std::ptrdiff_t>(missing));
+  const auto scene = [](int hour, const char* place, const std::string& detections) {
+    return fmt::format(
+        R"({{"time": "2026-05-01T{:02}:00:00Z", "observed": [{{"place": "{}", "fraction": 1}}], )"
+        R"("detections": [{}]}})"
+        "\n",
+        hour, place, detections);
+  };
+  return scene(8, "table_1", mugs(all, "table_1")) + scene(9, "counter_1", mugs({4}, "counter_1")) +
+         scene(10, "table_1", mugs(left, "table_1")) + scene(11, "counter_1", mugs({4}, "counter_1"));
+}
+
+TEST_F(Reasoning, ALaterLookDecidesWhichOfEqualObjectsWasMoved) {
+  size_t changed = 0;
+  for (size_t missing = 0; missing < 3; ++missing) {
+    SCOPED_TRACE(missing);
+    const std::filesystem::path file = folder / fmt::format("mugs_{}.loci", missing);
+    std::ofstream(folder / "mugs.jsonl", std::ios::binary) << three_mugs(missing);
+    ingest(folder / "mugs.jsonl", file, {}, {}, progress, warnings);
+    const Store store = Store::open_read(file);
+    const Id moved = static_cast<Id>(missing) + 1;  // they appeared in the order of the file
+    EXPECT_EQ(store.observations_of(moved).size(), 3U) << "on the table once, on the counter twice";
+    EXPECT_EQ(store.beliefs().size(), 3U);
+    EXPECT_TRUE(store.verify(progress).problems.empty());
+    const TimeNs half_past = parse_time("2026-05-01T09:30:00Z");
+    const auto belief = store.belief(moved, {.at = half_past});
+    ASSERT_TRUE(belief);
+    EXPECT_NEAR(belief->position->x(), 4, 1e-6);
+    if (belief->clock.source != "hindsight") continue;
+    ++changed;
+    const auto before = store.belief(moved, {.at = half_past, .known_at = belief->clock.known_from - 1});
+    ASSERT_TRUE(before);
+    EXPECT_LT(before->position->x(), 2) << "what was believed before can still be asked";
+  }
+  EXPECT_EQ(changed, 2U) << "one of three guesses was right";
+}
+
 TEST_F(Reasoning, OverwritesNothing) {
   EXPECT_THROW(reason(memory(), folder / "memory.loci", {}, {}, progress), Error);
 }
