@@ -199,19 +199,11 @@ std::string place_of(const perception::types::Cluster& cluster) {
   return cluster.support.is_set() ? cluster.support.get().name.get() : std::string();
 }
 
-/// Of what fewer pixels show, and so far away that the noise of the depth is larger than this, a part is lost
-/// in it: its centre and size are biased.
-constexpr size_t kWholePixels = 500;
-constexpr double kFarNoise_m = 0.005;
-
 ObservationRecord read_cluster(const perception::types::Cluster& cluster, const std::vector<cv::Rect>& heads,
                                SceneRecord& record) {
   ObservationRecord observation;
-  const auto pixels = indices_of(cluster);
-  set_pixels(pixels.span(), record, observation);
-  const bool lost =
-      pixels.size() < kWholePixels && mapping::depth_noise(observation.evidence.range) > kFarNoise_m;
-  observation.evidence.partial = cluster.at_image_border.get() || cluster.partly_hidden.get() || lost;
+  set_pixels(indices_of(cluster).span(), record, observation);
+  observation.evidence.partial = cluster.at_image_border.get() || cluster.partly_hidden.get();
   observation.evidence.place = place_of(cluster);
   observation.evidence.descriptors = descriptors_of(cluster, record.view.map_from_camera.translation());
   observation.evidence.texture = texture_of(cluster);

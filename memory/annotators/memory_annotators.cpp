@@ -5,6 +5,7 @@
 #include <map>
 
 #include "mapping/base/json.h"
+#include "mapping/sensor/depth_noise.h"
 #include "memory/annotators/cas_to_scene.h"
 #include "memory/annotators/memory_reader.h"
 #include "memory/annotators/memory_session.h"
@@ -175,6 +176,17 @@ MemorySession& session_of(const perception::Context& context, const std::string&
   return context.resources.get<MemorySession>("memory for " + annotator, "name one with -m FILE.loci");
 }
 
+/// Of what few pixels show, and so far away that the noise of the depth counts, a part is lost in that noise:
+/// its centre and size are biased. In a video other frames make up for it.
+void mark_what_noise_hides(SceneRecord& record) {
+  constexpr int kWholePixels = 500;
+  constexpr double kFarNoise_m = 0.003, kVideo_s = 1;
+  if (record.seconds_to_next && *record.seconds_to_next < kVideo_s) return;
+  for (ObservationRecord& one : record.observations)
+    if (one.evidence.points < kWholePixels && mapping::depth_noise(one.evidence.range) > kFarNoise_m)
+      one.evidence.partial = true;
+}
+
 /// The scene as the memory takes it, with the numbers of this run.
 SceneRecord record_of(const perception::types::SceneCas& scene, const perception::Context& context,
                       MemorySession& session) {
@@ -187,6 +199,7 @@ SceneRecord record_of(const perception::types::SceneCas& scene, const perception
   if (context.next)
     record.seconds_to_next =
         static_cast<double>(context.next->time_ns - record.row.time) / static_cast<double>(kSecond);
+  mark_what_noise_hides(record);
   record.annotations.push_back({kKnownPlanesType, session.planes().to_json().dump(), std::nullopt, {}});
   return record;
 }
