@@ -148,6 +148,7 @@ class Reviser {
     write_closed(std::nullopt);
     if (const std::optional<SceneRow> last = store_.last_scene())
       BeliefCheckpoint(options_).save(transaction_, last->id, state_);
+    end_review(transaction_);  // what a run left pending was looked back over, and people have the last word
   }
 
  private:
