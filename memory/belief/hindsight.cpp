@@ -55,7 +55,7 @@ class Hindsight {
       decision.object = outcome.object;
       const bool guess =
           outcome.explanation == Explanation::move && outcome.probability <= kParameters.certain_partner;
-      if (!guess || scenes_[i].observations[k].known_object) continue;  // what people said is no guess
+      if (!guess || scenes_[i].observations[k].known_object) continue;  // people know
       guessed = true;
       for (const PartnerProbability& partner : outcome.partners)
         if (partner.object != 0 && partner.probability() >= kParameters.min_alternative)

@@ -551,7 +551,7 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
     FlatSurface surface;
     std::tie(surface.normal, surface.offset) = plane_in_camera(support, pose);
     surface.inside = pixels_over(support, pose.inverse(), camera.depth) & ~taken;
-    if (!map_depth.empty())
+    if (!map_depth.empty() && !bare.empty())
       leave_out_what_the_map_shows(map_depth, bare, surface.normal, surface.offset, camera.depth,
                                    surface.inside);
     surface.empty_depth = empty_depth_;

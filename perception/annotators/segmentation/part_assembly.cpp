@@ -454,15 +454,17 @@ class Assembly {
     return behind < -0.012 ? Space::free : behind > 0.03 ? Space::hidden : Space::taken;
   }
 
-  /// Whether what is measured before a position belongs to a piece.
-  bool hidden_by(const Piece& piece, const Vector3f& position) const {
-    const Vector3d p = cloud_.camera_from_plane * position.cast<double>();
-    const Vector2d pixel = cloud_.camera.project(p);
+  /// Whether what is measured before a position, in the image, belongs to one of two pieces.
+  bool hidden_by(const Piece& a, const Piece& b, const Vector3f& position) const {
+    const Vector2d pixel = cloud_.camera.project(cloud_.camera_from_plane * position.cast<double>());
     const cv::Vec3f& measured = cloud_.image_points.at<cv::Vec3f>(static_cast<int>(std::lround(pixel.y())),
                                                                   static_cast<int>(std::lround(pixel.x())));
     const Vector3f at = (plane_from_camera_ * to_vector(measured)).cast<float>();
-    return at.z() < piece.top + static_cast<float>(options_.slack_m) &&
-           cv::pointPolygonTest(piece.footprint, {at.x(), at.y()}, true) > -options_.slack_m;
+    const auto covers = [&](const Piece& piece) {
+      return at.z() < piece.top + static_cast<float>(options_.slack_m) &&
+             cv::pointPolygonTest(piece.footprint, {at.x(), at.y()}, true) > -options_.slack_m;
+    };
+    return covers(a) || covers(b);
   }
 
   /// Whether the convex completion of two pieces is nowhere seen to be empty, and hidden in between by
@@ -494,7 +496,7 @@ class Assembly {
         for (const float part : {0.5f, 0.85f}) {
           const Vector3f position(x, y, part * std::min(a.top, b.top));
           const Space space = space_at(position);
-          if (space == Space::hidden && (hidden_by(a, position) || hidden_by(b, position))) continue;
+          if (space == Space::hidden && hidden_by(a, b, position)) continue;
           known += space == Space::unknown ? 0 : 1;
           free += space == Space::free ? 1 : 0;
           hidden += space == Space::hidden ? 1 : 0;

@@ -105,7 +105,7 @@ cv::Mat pixels_over(const types::PlanarSupport& support, const Isometry3d& camer
 /// Takes out of `inside` (CV_8U) the pixels where the map shows something else than the bare support, and
 /// what is within 1 cm of them: a front, a shelf or the side of a drawer hides it there, a sink or a hob is
 /// let into it. `normal` and `offset` as in the camera's frame, metres; `map_depth`: CV_32F, what the map
-/// alone would measure, NaN = nothing; `bare`: CV_8U, 0 = that is no surface for objects.
+/// alone would measure, NaN = nothing; `bare`: CV_8U, 0 = objects do not stand on that.
 void leave_out_what_the_map_shows(const cv::Mat& map_depth, const cv::Mat& bare, const Vector3d& normal,
                                   double offset, const mapping::PinholeCamera& camera, cv::Mat& inside);
 

@@ -505,8 +505,7 @@ TEST(KnownStructure, TheSupportStaysAndTheWallGoesWhateverTheMapsSmallErrors) {
     EXPECT_EQ(wall_left, 0) << error;
     EXPECT_EQ(boxes_lost, 0) << error;
     const int bare_wall = cv::countNonZero((labels == 4) & (known.bare != 0) & (known.region == 0));
-    EXPECT_LT(bare_wall, 0.02 * cv::countNonZero(labels == 4))
-        << error << ": a wall is no surface for objects";
+    EXPECT_LT(bare_wall, 0.02 * cv::countNonZero(labels == 4)) << error << ": objects do not stand on a wall";
     EXPECT_LT(cv::countNonZero((labels == 0) & (known.bare == 0)), 0.05 * cv::countNonZero(labels == 0))
         << error;
     // At the foot of the wall a line of the table may go with it.
