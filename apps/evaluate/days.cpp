@@ -4,6 +4,7 @@
 #include "apps/evaluate/changes/comparison.h"
 #include "apps/evaluate/changes/random_day.h"
 #include "apps/evaluate/changes/remember.h"
+#include "apps/evaluate/changes/truth.h"
 #include "apps/evaluate/commands.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
@@ -74,7 +75,10 @@ DayResult one_day(const Arguments& arguments, const Kitchen& kitchen, int run, c
   fs::remove(options.memory);
   changes::remember(recording, options, remembering, session.warnings());
   const memory::Store store = memory::Store::open_read(options.memory);
-  return {changes::compare_all(day, *recording, store), changes::score_answers(day, store)};
+  std::vector<changes::TrueObject> clutter;
+  if (!arguments.map.empty())
+    clutter = changes::clutter_of(kitchen.urdf, record_options.package_paths, session.warnings());
+  return {changes::compare_all(day, *recording, store, clutter), changes::score_answers(day, store)};
 }
 
 void run(const Arguments& arguments, Session& session) {

@@ -18,11 +18,16 @@ Eigen::AlignedBox3d turned_bounds(const ObjectModel& model, const Eigen::Matrix3
 
 }  // namespace
 
-std::optional<SupportTop> top_of_link(const Link& link, const MeshSearch& search, Warnings& warnings) {
+Eigen::AlignedBox3d bounds_of_link(const Link& link, const MeshSearch& search, Warnings& warnings) {
   Eigen::AlignedBox3d bounds;
   for (const Visual& visual : link.visuals)
     for (const auto& vertex : triangulate(visual.geometry, search, warnings).vertices)
       bounds.extend(Vector3d(visual.link_from_visual * vertex.cast<double>()));
+  return bounds;
+}
+
+std::optional<SupportTop> top_of_link(const Link& link, const MeshSearch& search, Warnings& warnings) {
+  const Eigen::AlignedBox3d bounds = bounds_of_link(link, search, warnings);
   if (bounds.isEmpty()) return std::nullopt;
   SupportTop top;
   top.centre << bounds.center().head<2>(), bounds.max().z();

@@ -26,6 +26,10 @@ struct WorldState {
   std::map<std::string, PlacedObject> objects;  ///< those that are in the world
 };
 
+/// Of a link's visual geometry, in the link's frame; empty where it has none. Warns of meshes that are
+/// missing.
+Eigen::AlignedBox3d bounds_of_link(const Link& link, const MeshSearch& search, Warnings& warnings);
+
 /// Middle of the top of a link's visual geometry, in the link's frame, and how far it reaches from there.
 struct SupportTop {
   Vector3d centre = Vector3d::Zero();

@@ -177,11 +177,10 @@ MemorySession& session_of(const perception::Context& context, const std::string&
 }
 
 /// Of what few pixels show, and so far away that the noise of the depth counts, a part is lost in that noise:
-/// its centre and size are biased. In a video other frames make up for it.
+/// its centre and size are biased.
 void mark_what_noise_hides(SceneRecord& record) {
   constexpr int kWholePixels = 500;
-  constexpr double kFarNoise_m = 0.003, kVideo_s = 1;
-  if (record.seconds_to_next && *record.seconds_to_next < kVideo_s) return;
+  constexpr double kFarNoise_m = 0.003;
   for (ObservationRecord& one : record.observations)
     if (one.evidence.points < kWholePixels && mapping::depth_noise(one.evidence.range) > kFarNoise_m)
       one.evidence.partial = true;
@@ -199,7 +198,8 @@ SceneRecord record_of(const perception::types::SceneCas& scene, const perception
   if (context.next)
     record.seconds_to_next =
         static_cast<double>(context.next->time_ns - record.row.time) / static_cast<double>(kSecond);
-  mark_what_noise_hides(record);
+  // In a video other frames make up for it.
+  if (!context.in_video(record.row.time)) mark_what_noise_hides(record);
   record.annotations.push_back({kKnownPlanesType, session.planes().to_json().dump(), std::nullopt, {}});
   return record;
 }

@@ -90,6 +90,9 @@ struct Context {
   Json configuration;                ///< of the whole pipeline, with defaults, for outputs
   bool alone = true;                 ///< no other annotator runs meanwhile
   std::optional<FrameId> next = {};  ///< the frame that is read after this one
+
+  /// Whether a frame is one of a video: the next is taken less than a second later, from about the same place.
+  bool in_video(TimeNs frame) const { return next && next->time_ns - frame < kSecond; }
 };
 
 /// An expert that reads a CAS and adds to it. Made for one run; frames come one after the other, on any

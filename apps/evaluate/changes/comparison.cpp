@@ -13,7 +13,8 @@ namespace {
 struct Frame {
   std::map<std::string, memory::Id> object;  ///< of true objects that were found; 0 = not attributed
   std::map<memory::Id, std::set<std::string>> events;
-  std::set<memory::Id> seen;  ///< objects
+  std::set<memory::Id> seen;     ///< objects
+  std::set<memory::Id> clutter;  ///< of these, what the room's clutter was taken for
   size_t attributed = 0;
 };
 
@@ -71,6 +72,8 @@ std::map<int64_t, Frame> read_frames(const Truth& truth, const Moments& moments,
     const size_t visible = true_objects.size();
     for (const TrueObject& true_object : true_objects_in(truth.barely, index))
       true_objects.push_back(true_object);
+    const size_t of_the_day = true_objects.size();
+    true_objects.insert(true_objects.end(), truth.clutter.begin(), truth.clutter.end());
     const std::map<size_t, size_t> true_object_of = find_true_objects(true_objects, moment);
     for (size_t k = 0; k < moment.sights.size(); ++k) {
       const auto object = told->second.object_of.find(moment.sights[k].observation);
@@ -78,8 +81,10 @@ std::map<int64_t, Frame> read_frames(const Truth& truth, const Moments& moments,
       const auto true_object = true_object_of.find(k);
       if (true_object != true_object_of.end() && true_object->second < visible)
         frame.object[true_objects[true_object->second].name] = attributed ? object->second : 0;
-      else if (true_object != true_object_of.end())
+      else if (true_object != true_object_of.end()) {
+        if (attributed && true_object->second >= of_the_day) frame.clutter.insert(object->second);
         continue;
+      }
       frame.attributed += attributed ? 1 : 0;
     }
   }
@@ -249,15 +254,16 @@ Comparison compare(const std::string& method, const Truth& truth, const Moments&
   Comparison comparison;
   comparison.method = method;
   const std::map<int64_t, Frame> frames = read_frames(truth, moments, story);
-  std::set<memory::Id> true_objects, all;
+  std::set<memory::Id> known, all;
   for (const auto& [index, frame] : frames) {
     comparison.visible += true_objects_in(truth.visible, index).size();
     comparison.found += frame.object.size();
     comparison.attributed += frame.attributed;
-    for (const auto& [name, object] : frame.object) true_objects.insert(object);
+    for (const auto& [name, object] : frame.object) known.insert(object);
+    known.insert(frame.clutter.begin(), frame.clutter.end());
     all.insert(frame.seen.begin(), frame.seen.end());
   }
-  for (const memory::Id object : all) comparison.phantoms += true_objects.contains(object) ? 0 : 1;
+  for (const memory::Id object : all) comparison.phantoms += known.contains(object) ? 0 : 1;
   const Judge judge(frames);
   for (const TrueTransition& transition : truth.transitions)
     if (frames.contains(transition.from_frame) && frames.contains(transition.to_frame))
@@ -318,10 +324,11 @@ double Comparison::identity_f1() const {
 }
 
 std::vector<Comparison> compare_all(const std::filesystem::path& folder, const mapping::Recording& recording,
-                                    const memory::Store& memory) {
+                                    const memory::Store& memory, const std::vector<TrueObject>& clutter) {
   std::vector<int64_t> frames;
   for (size_t i = 0; i < recording.size(); ++i) frames.push_back(recording.index_of(i));
-  const Truth truth = read_truth(folder, frames);
+  Truth truth = read_truth(folder, frames);
+  truth.clutter = clutter;
   const Moments moments = read_moments(memory);
   std::vector<Comparison> methods = {compare("loci", truth, moments, memory_story(memory, moments)),
                                      compare("greedy", truth, moments, greedy_story(moments)),

@@ -61,9 +61,10 @@ std::map<size_t, size_t> find_true_objects(const std::vector<TrueObject>& true_o
 
 Comparison compare(const std::string& method, const Truth& truth, const Moments& moments, const Story& story);
 
-/// What a memory of a recording says (first), and greedy and nearest of the same observations.
+/// What a memory of a recording says (first), and greedy and nearest of the same observations. `clutter` is
+/// what the map of the recording lacks but the room has (Truth::clutter).
 std::vector<Comparison> compare_all(const std::filesystem::path& folder, const mapping::Recording& recording,
-                                    const memory::Store& memory);
+                                    const memory::Store& memory, const std::vector<TrueObject>& clutter = {});
 
 /// The methods beside each other, the first being the one that is looked at in detail.
 std::string text(const std::vector<Comparison>& methods, bool verbose);

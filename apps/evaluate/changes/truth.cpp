@@ -10,6 +10,9 @@
 #include "mapping/base/csv.h"
 #include "mapping/base/files.h"
 #include "mapping/base/json.h"
+#include "mapping/simulation/play.h"
+#include "mapping/world/kinematics.h"
+#include "mapping/world/urdf.h"
 
 namespace loci::apps::changes {
 namespace {
@@ -184,6 +187,25 @@ Truth read_truth(const std::filesystem::path& folder, const std::vector<int64_t>
   if (std::filesystem::exists(folder / "transitions.csv")) return read_tables(folder, frames);
   throw Error("this folder has no truth to compare with", {folder.string(), 0, {}},
               "it needs objects.csv and transitions.csv, or truth.jsonl");
+}
+
+std::vector<TrueObject> clutter_of(const std::filesystem::path& urdf,
+                                   const std::vector<std::filesystem::path>& package_paths,
+                                   Warnings& warnings) {
+  constexpr const char* kFamilies[] = {"bottle", "box", "crate", "cup", "kettle", "pot", "toaster"};
+  const mapping::World world = mapping::read_urdf(urdf);
+  const std::vector<Isometry3d> map_from_link = root_from_links(world, {});
+  std::vector<TrueObject> clutter;
+  for (size_t i = 0; i < world.links.size(); ++i) {
+    const mapping::Link& link = world.links[i];
+    if (std::ranges::none_of(kFamilies, [&](const char* family) { return link.name.starts_with(family); }))
+      continue;
+    Eigen::AlignedBox3d bounds = bounds_of_link(link, {package_paths, urdf.parent_path()}, warnings);
+    if (bounds.isEmpty()) continue;
+    bounds.transform(map_from_link[i]);
+    clutter.push_back({link.name, bounds.center(), bounds.sizes(), std::nullopt});
+  }
+  return clutter;
 }
 
 }  // namespace loci::apps::changes

@@ -35,6 +35,8 @@ struct Truth {
   /// Objects that are there but hardly visible: whether they are found does not count.
   std::map<int64_t, std::vector<TrueObject>> barely;
   std::vector<TrueTransition> transitions;
+  /// What belongs to the room and stands about at all times: that it is found is neither right nor wrong.
+  std::vector<TrueObject> clutter;
   /// Frame by frame all objects of the world, seen or not, and how often each had been handled by then.
   std::map<int64_t, std::map<std::string, int>> handled;
 };
@@ -42,5 +44,11 @@ struct Truth {
 /// Reads objects.csv and transitions.csv (the layout of osd_changes), or truth.jsonl of a simulated
 /// recording. `frames` are the recording's frame indexes in order. Error when the folder has neither.
 Truth read_truth(const std::filesystem::path& folder, const std::vector<int64_t>& frames);
+
+/// What stands about in a world and does not belong to its furniture: links whose names begin with bottle,
+/// box, crate, cup, kettle, pot or toaster.
+std::vector<TrueObject> clutter_of(const std::filesystem::path& urdf,
+                                   const std::vector<std::filesystem::path>& package_paths,
+                                   Warnings& warnings);
 
 }  // namespace loci::apps::changes

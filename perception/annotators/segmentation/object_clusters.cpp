@@ -44,6 +44,7 @@ using Eigen::Vector3f;
 /// and the distortion of depth cameras in standard deviations of the depth.
 constexpr double kFlush = 0.02;
 constexpr double kDistortion = 7;
+constexpr double kMinFlush = 0.7;  ///< of a piece of the surroundings
 
 class ClusterMaker {
  public:
@@ -63,7 +64,7 @@ class ClusterMaker {
     ObjectCluster cluster;
     cluster.support = index_;
     cluster.pixels = object.pixels;
-    if (static_cast<int>(object.pixels.size()) < options_.min_points) return std::nullopt;
+    if (static_cast<int>(object.pixels.size()) < options_.min_clear_points) return std::nullopt;
     std::vector<float> axis(object.pixels.size());
     std::array<float, 3> low;
     std::array<float, 3> high;
@@ -86,7 +87,10 @@ class ClusterMaker {
     if (is_drawer_side(object, sides, cluster.top)) return std::nullopt;
     const double height = (std::min(sides.width, sides.height) > kWide ? 0.5 : 1) * options_.min_height_m;
     const double least = std::max(height, 3 * height_noise(support_, middle)) + support_.uncertainty;
-    if (cluster.top < least) return std::nullopt;
+    // What stands out of the noise clearly needs fewer pixels for the same evidence.
+    const double clear = cluster.top / least;
+    if (clear < 1 || static_cast<double>(object.pixels.size()) * clear * clear < options_.min_points)
+      return std::nullopt;
     if (std::max(extent, cluster.top) < options_.min_extent_m || extent > options_.max_extent_m)
       return std::nullopt;
     if (!over_support(object, cluster)) return std::nullopt;
@@ -166,19 +170,17 @@ class ClusterMaker {
     return free <= 0.5 * judged;
   }
 
-  /// Whether a cluster protrudes so little from a surface of the map other than the supports that it cannot
-  /// be told from it: a patch of a wall, what is stuck on it.
-  bool flush_with_map(const ObjectCluster& cluster) const {
-    if (map_depth_.empty()) return false;
-    constexpr double kMinShare = 0.7;
+  /// The share of a cluster that protrudes so little from a surface of the map other than the supports that
+  /// it cannot be told from it: all of a patch of a wall, and of what is stuck on it.
+  double flush_with_map(const ObjectCluster& cluster) const {
+    if (map_depth_.empty()) return 0;
     int flush = 0;
     for (const int pixel : cluster.pixels) {
       const Vector3d p = to_vector(points_.ptr<cv::Vec3f>()[pixel]);
       const auto behind = static_cast<double>(map_depth_.ptr<float>()[pixel]);
-      if (!(behind - p.z() < kFlush + kDistortion * depth_noise(p.z()))) continue;
-      flush += support_.in_plane(p * (behind / p.z())).z() > kFlush ? 1 : 0;
+      flush += near_map(pixel) && support_.in_plane(p * (behind / p.z())).z() > kFlush ? 1 : 0;
     }
-    return flush > kMinShare * static_cast<double>(cluster.pixels.size());
+    return flush / static_cast<double>(cluster.pixels.size());
   }
 
   /// Whether the surfaces of two clusters meet somewhere in the image.
@@ -211,7 +213,8 @@ class ClusterMaker {
   }
 
   /// Looks along the outline of a cluster: whether something nearer begins along a good part of it, and
-  /// across which share of it the same surface goes on in what is not an object.
+  /// across which share of it the same surface goes on in what is not an object. What stands off the map does
+  /// not go on in a surface that the map has: it only comes near it.
   void look_around(ObjectCluster& cluster, const cv::Mat& shows) const {
     const int cols = points_.cols;
     const auto* point = points_.ptr<cv::Vec3f>();
@@ -227,6 +230,7 @@ class ClusterMaker {
     };
     const auto own_at = [&](int pixel) { return own.ptr<unsigned char>()[in_own(pixel)] != 0; };
     for (const int pixel : cluster.pixels) own.ptr<unsigned char>()[in_own(pixel)] = 1;
+    const bool flush = flush_with_map(cluster) > kMinFlush;
     int nearer = 0;
     int measured = 0;
     int open = 0;
@@ -251,6 +255,7 @@ class ClusterMaker {
           if (far > kFar) break;
           ++measured;
           if (static_cast<Shows>(shown[other]) != Shows::surroundings) break;
+          if (!flush && near_map(other)) break;
           // Smoothing rounds the edge: the surfaces on either side of it are compared.
           int inner = pixel;
           int outer = other;
@@ -269,6 +274,13 @@ class ClusterMaker {
   }
 
  private:
+  /// Whether a surface of the map lies where a pixel is measured, or a little behind it.
+  bool near_map(int pixel) const {
+    if (map_depth_.empty()) return false;
+    const auto z = static_cast<double>(points_.ptr<cv::Vec3f>()[pixel][2]);
+    return static_cast<double>(map_depth_.ptr<float>()[pixel]) - z < kFlush + kDistortion * depth_noise(z);
+  }
+
   /// Whether two pixels near each other, on either side of an edge, show one surface: each lies on the
   /// other's tangent plane.
   bool goes_on(int from, int to) const {
@@ -368,9 +380,8 @@ std::vector<std::vector<size_t>> split_stacks(const std::vector<std::vector<size
   const StackCloud cloud{all.in_plane, all.normals_in_plane, all.pixels, lab, viewpoint,
                          camera.fx,    images.points};
   std::vector<std::vector<std::vector<size_t>>> parts(objects.size());
-  parallel_each(objects.size(), threads, [&](size_t object) {
-    parts[object] = split_stack(cloud, objects[object], options.min_points, options.stacks);
-  });
+  parallel_each(objects.size(), threads,
+                [&](size_t object) { parts[object] = split_stack(cloud, objects[object], options.stacks); });
   std::vector<std::vector<size_t>> all_parts;
   for (auto& of_object : parts)
     for (auto& part : of_object) all_parts.push_back(std::move(part));
@@ -378,21 +389,37 @@ std::vector<std::vector<size_t>> split_stacks(const std::vector<std::vector<size
 }
 
 /// Leaves out pieces of the surroundings: what goes on beyond their outline goes on in them. What is left out
-/// belongs to the surroundings of the others.
-void drop_surroundings(std::vector<ObjectCluster>& clusters, const ClusterMaker& maker, cv::Mat& shows) {
+/// belongs to the surroundings of the others, unless it is so small that it may be a piece of one of them.
+void drop_surroundings(std::vector<ObjectCluster>& clusters, const ClusterMaker& maker, int min_points,
+                       cv::Mat& shows) {
   constexpr double kMaxOpen = 0.25;
   constexpr double kSurelyOpen = 0.4;  // a mere neighbour of something dropped by mistake has to stay
   for (bool changed = true; changed;) {
     for (ObjectCluster& cluster : clusters) maker.look_around(cluster, shows);
     changed = std::erase_if(clusters, [&](const ObjectCluster& cluster) {
-                const bool flush = maker.flush_with_map(cluster);
+                const bool flush = maker.flush_with_map(cluster) > kMinFlush;
                 if (cluster.open <= kMaxOpen && !flush) return false;
                 if (cluster.open <= kSurelyOpen && !flush) return true;
+                if (static_cast<int>(cluster.pixels.size()) < min_points) return true;
                 for (const int pixel : cluster.pixels)
                   shows.ptr<uint8_t>()[pixel] = static_cast<uint8_t>(Shows::surroundings);
                 return true;
               }) > 0;
   }
+}
+
+/// Leaves out what few pixels show beside something larger: it is rather a piece of that than an object.
+void drop_fragments(std::vector<ObjectCluster>& clusters, const ClusterMaker& maker, int min_points) {
+  const auto is_small = [&](const ObjectCluster& cluster) {
+    return static_cast<int>(cluster.pixels.size()) < min_points;
+  };
+  std::vector<ObjectCluster> kept;
+  for (const ObjectCluster& cluster : clusters)
+    if (!is_small(cluster) || std::ranges::none_of(clusters, [&](const ObjectCluster& other) {
+          return !is_small(other) && maker.touch(cluster, other);
+        }))
+      kept.push_back(cluster);
+  clusters = std::move(kept);
 }
 
 /// The common part of the boxes around two footprints, as a share of the smaller one.
@@ -455,7 +482,14 @@ void ClusterOptions::declare(OptionTable& table) {
                "Minimum extent of an object in its largest dimension; smaller clusters are noise.", 0, 1);
   table.number("max_extent_m", max_extent_m, "m",
                "Maximum extent of an object; larger clusters are furniture.", 0.05, 10);
-  table.integer("min_points", min_points, "px", "Minimum number of pixels of an object.", 1, 100000);
+  table.integer("min_points", min_points, "px",
+                "Minimum number of pixels of an object of the least height; twice as high, a quarter of them "
+                "is enough.",
+                1, 100000);
+  table.integer(
+      "min_clear_points", min_clear_points, "px",
+      "Minimum number of pixels of any object. In a video it is min_points: what is far away comes nearer.",
+      1, 100000);
   table.number("resting_m", resting_m, "m", "Maximum gap between an object and the surface it stands on.", 0,
                1);
   table.number("margin_m", margin_m, "m",
@@ -502,7 +536,8 @@ std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const m
         for (const size_t i : objects[object])
           shows.ptr<uint8_t>()[all.pixels[i]] = static_cast<uint8_t>(Shows::surroundings);
     }
-    drop_surroundings(own, maker, shows);
+    drop_surroundings(own, maker, options.min_points, shows);
+    drop_fragments(own, maker, options.min_points);
     keep_what_rests(own, maker, shows, options);
     cv::Mat taken = cv::Mat::zeros(points.size(), CV_8U);
     for (const ObjectCluster& cluster : own)

@@ -20,6 +20,7 @@ struct ClusterOptions {
   double min_extent_m = 0.025;
   double max_extent_m = 0.7;
   int min_points = 150;
+  int min_clear_points = 30;
   double resting_m = 0.04;
   double margin_m = 0.02;
   bool split = true;

@@ -264,8 +264,9 @@ void PlaneClusterExtractor::process(cas::Cas& cas, Context& context) {
     images.color_camera = types::cameras(facade).color;
     images.color_from_depth = types::cameras(facade).depth_from_color.inverse();
   }
-  const std::vector<ObjectCluster> found =
-      extract_clusters(images, camera, planes, cluster_options_, context.threads);
+  ClusterOptions options = cluster_options_;
+  if (context.in_video(scene.timestamp.get())) options.min_clear_points = options.min_points;
+  const std::vector<ObjectCluster> found = extract_clusters(images, camera, planes, options, context.threads);
   std::vector<types::Cluster> clusters;
   for (const ObjectCluster& each : found) {
     clusters.push_back(make_cluster(each, facade, points, pose));

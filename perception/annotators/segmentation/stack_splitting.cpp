@@ -16,6 +16,8 @@ namespace {
 using Eigen::Vector2f;
 using Eigen::Vector3f;
 
+constexpr int kMinPart = 150;  ///< pixels of each part: outlines and colours of fewer tell little
+
 /// A value at a height, as a line says that was fitted on one side of it.
 struct Extrapolation {
   float value = 0;
@@ -390,9 +392,9 @@ std::vector<StackStep> stack_steps(const StackCloud& cloud, const std::vector<si
   return largest;
 }
 
-double stack_probability(const StackStep& step, int min_points, const StackOptions& options) {
+double stack_probability(const StackStep& step, const StackOptions& options) {
   constexpr float kMinVisible = 0.33f;
-  if (std::min(step.points_above, step.points_below) < min_points) return 0;
+  if (std::min(step.points_above, step.points_below) < kMinPart) return 0;
   if (static_cast<double>(std::min(step.above, step.below)) < options.layer_m) return 0;
   const auto [narrow, wide] = std::minmax(step.width_above, step.width_below);
   const bool both_seen = step.left_seen && step.right_seen;
@@ -417,15 +419,13 @@ double stack_probability(const StackStep& step, int min_points, const StackOptio
 }
 
 std::vector<std::vector<size_t>> split_stack(const StackCloud& cloud, std::vector<size_t> members,
-                                             int min_points, const StackOptions& options) {
+                                             const StackOptions& options) {
   constexpr double kMinShare = 0.08;  // less is rather a piece of a neighbour
   std::vector<std::vector<size_t>> parts;
-  const auto least =
-      std::max(static_cast<double>(min_points), kMinShare * static_cast<double>(members.size()));
-  if (!cloud.lab.empty() && options.stack_probability < 1 &&
-      static_cast<int>(members.size()) >= 2 * min_points)
+  const auto least = std::max(static_cast<double>(kMinPart), kMinShare * static_cast<double>(members.size()));
+  if (!cloud.lab.empty() && options.stack_probability < 1 && static_cast<int>(members.size()) >= 2 * kMinPart)
     for (const StackStep& step : stack_steps(cloud, members)) {
-      if (stack_probability(step, min_points, options) < options.stack_probability) continue;
+      if (stack_probability(step, options) < options.stack_probability) continue;
       std::vector<size_t> lower, upper;
       for (const size_t i : members) (cloud.points[i].z() < step.height ? lower : upper).push_back(i);
       if (static_cast<double>(std::min(lower.size(), upper.size())) < least) continue;

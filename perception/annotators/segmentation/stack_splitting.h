@@ -51,11 +51,11 @@ std::vector<StackStep> stack_steps(const StackCloud& cloud, const std::vector<si
 
 /// Probability that what is above a step and what is below it are two objects, by their outlines, fronts and
 /// colours. 0 for what is too small, for lids and for caps.
-double stack_probability(const StackStep& step, int min_points, const StackOptions& options);
+double stack_probability(const StackStep& step, const StackOptions& options);
 
-/// Cuts an object at the heights where it is more probably two, of at least `min_points` each: the parts,
-/// from the lowest on. Without colours nothing is cut.
+/// Cuts an object at the heights where it is more probably two: the parts, from the lowest on. Without colours
+/// nothing is cut.
 std::vector<std::vector<size_t>> split_stack(const StackCloud& cloud, std::vector<size_t> members,
-                                             int min_points, const StackOptions& options);
+                                             const StackOptions& options);
 
 }  // namespace loci::perception

@@ -141,18 +141,18 @@ StackStep clear_step() {
 
 TEST(StackProbability, NeedsTwoKindsOfEvidence) {
   const StackOptions options;
-  EXPECT_GT(stack_probability(clear_step(), 150, options), 0.95);
+  EXPECT_GT(stack_probability(clear_step(), options), 0.95);
   StackStep step = clear_step();
   step.color = 2;
   step.front_sigmas = 0;
-  EXPECT_LT(stack_probability(step, 150, options), 0.5);  // two handles
+  EXPECT_LT(stack_probability(step, options), 0.5);  // two handles
   step = clear_step();
   step.left_sigmas = step.right_sigmas = step.front_sigmas = 0;
-  EXPECT_LT(stack_probability(step, 150, options), 0.1);  // a print
+  EXPECT_LT(stack_probability(step, options), 0.1);  // a print
   step = clear_step();
   step.left_sigmas = 0;
   step.front_sigmas = 0;
-  EXPECT_LT(stack_probability(step, 150, options), 0.1);  // a print and a handle
+  EXPECT_LT(stack_probability(step, options), 0.1);  // a print and a handle
 }
 
 TEST(StackProbability, IsNoneForLidsCapsAndWhatIsHardlySeen) {
@@ -160,19 +160,19 @@ TEST(StackProbability, IsNoneForLidsCapsAndWhatIsHardlySeen) {
   StackStep lid = clear_step();
   lid.above = 0.03f;
   lid.width_above = 0.06f;
-  EXPECT_EQ(stack_probability(lid, 150, options), 0);
+  EXPECT_EQ(stack_probability(lid, options), 0);
   StackStep cap = clear_step();
   cap.above = 0.04f;
   cap.width_above = 0.045f;
   cap.width_below = 0.04f;
-  EXPECT_EQ(stack_probability(cap, 150, options), 0);
+  EXPECT_EQ(stack_probability(cap, options), 0);
   StackStep hidden = clear_step();
   hidden.points_below = 100;
-  EXPECT_EQ(stack_probability(hidden, 150, options), 0);
+  EXPECT_EQ(stack_probability(hidden, options), 0);
   StackStep sliver = clear_step();
   sliver.left_seen = false;
   sliver.width_below = 0.02f;
-  EXPECT_EQ(stack_probability(sliver, 150, options), 0);
+  EXPECT_EQ(stack_probability(sliver, options), 0);
 }
 
 }  // namespace
