@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <opencv2/core.hpp>
 
 namespace loci::perception {
@@ -9,5 +10,11 @@ namespace loci::perception {
 /// `color`: CV_8UC3, BGR; `mask`: CV_8U, of the size of `box`, 255 = region; `ground`: CV_8U, of the size of
 /// `color`.
 double color_contrast(const cv::Mat& color, const cv::Rect& box, const cv::Mat& mask, const cv::Mat& ground);
+
+/// Distance of two colours in CIE Lab (8 bits, as OpenCV has it). Lightness counts half: surfaces that face
+/// another way are brighter or darker.
+inline float lab_distance(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  return (b - a).cwiseProduct(Eigen::Vector3f(0.5f, 1, 1)).norm();
+}
 
 }  // namespace loci::perception

@@ -11,6 +11,7 @@
 
 #include "mapping/base/math.h"
 #include "mapping/base/parallel.h"
+#include "perception/annotators/segmentation/color_contrast.h"
 #include "perception/annotators/structure/supports.h"
 
 namespace loci::perception {
@@ -142,15 +143,20 @@ struct VoxelGrid {
 struct Element {
   Vector3f position = Vector3f::Zero();
   Vector3f normal = Vector3f::Zero();
+  Vector3f lab = Vector3f::Zero();
   int count = 0;
 
-  void add(const Vector3f& p, const Vector3f& n) {
+  void add(const Vector3f& p, const Vector3f& n, const Vector3f& color) {
     position += p;
     if (n.allFinite()) normal += n;
+    lab += color;
     ++count;
   }
   void finish() {
-    if (count > 0) position /= static_cast<float>(count);
+    if (count > 0) {
+      position /= static_cast<float>(count);
+      lab /= static_cast<float>(count);
+    }
     if (normal.norm() > 1e-6f) normal.normalize();
   }
 };
@@ -178,7 +184,8 @@ class Patches {
     const Cells coarse(positions, size_);
     std::vector<Element> cells(coarse.keys.size());
     for (size_t i = 0; i < voxels_.size(); ++i)
-      cells[static_cast<size_t>(coarse.cell_of[i])].add(voxels_[i].position, voxels_[i].normal);
+      cells[static_cast<size_t>(coarse.cell_of[i])].add(voxels_[i].position, voxels_[i].normal,
+                                                        voxels_[i].lab);
     for (Element& cell : cells) cell.finish();
     std::vector<std::pair<float, int>> nearest(cells.size(), {std::numeric_limits<float>::max(), -1});
     for (size_t i = 0; i < voxels_.size(); ++i) {
@@ -244,7 +251,8 @@ class Patches {
   void centre() {
     std::vector<Element> sums(patches.size());
     for (size_t v = 0; v < voxels_.size(); ++v)
-      sums[static_cast<size_t>(patch_of_voxel[v])].add(voxels_[v].position, voxels_[v].normal);
+      sums[static_cast<size_t>(patch_of_voxel[v])].add(voxels_[v].position, voxels_[v].normal,
+                                                       voxels_[v].lab);
     std::vector<float> best(patches.size(), std::numeric_limits<float>::max());
     for (size_t p = 0; p < patches.size(); ++p) {
       if (sums[p].count == 0) continue;
@@ -270,13 +278,18 @@ class Patches {
 
 /// Whether the connection of two patches is convex, flat, or only slightly concave, and not merely a touch of
 /// two surfaces in a point (the "sanity criterion" of the paper).
-bool convex(const Element& a, const Element& b, double concave_deg) {
+bool convex(const Element& a, const Element& b, const ConvexPartsOptions& options) {
   const Vector3f apart = (a.position - b.position).normalized();
   const double degrees = 180 / kPi;
   const double cosine = std::clamp(static_cast<double>(a.normal.dot(b.normal)), -1.0, 1.0);
   const double angle = std::acos(cosine) * degrees;
-  const bool turned_out = a.normal.dot(apart) - b.normal.dot(apart) >= 0;
-  if (!turned_out) return angle < concave_deg;
+  const auto turned_out = static_cast<double>(a.normal.dot(apart) - b.normal.dot(apart));
+  constexpr float kOtherColor = 30;  // Lab
+  const bool other_color = lab_distance(a.lab, b.lab) > kOtherColor;
+  if (turned_out < 0) return angle < (other_color ? options.concave_color_deg : options.concave_deg);
+  // Across an edge it is twice the sine of half the angle; where two objects touch they are apart in any
+  // direction.
+  if (other_color && turned_out < std::sin(angle / degrees / 2)) return false;
   const Vector3f edge = a.normal.cross(b.normal);
   if (edge.norm() < 1e-3f) return true;
   double skew =
@@ -292,6 +305,8 @@ void ConvexPartsOptions::declare(OptionTable& table) {
   table.number("patch_voxels", patch_voxels, "", "Size of a patch, in voxels.", 2, 20);
   table.number("concave_deg", concave_deg, "deg", "Minimum concave angle of an edge between two objects.", 0,
                90);
+  table.number("concave_color_deg", concave_color_deg, "deg",
+               "The same where the colours on either side differ clearly.", 0, 90);
 }
 
 std::vector<int> euclidean_groups(const std::vector<Vector3f>& points, float reach, int& count) {
@@ -310,13 +325,15 @@ std::vector<int> euclidean_groups(const std::vector<Vector3f>& points, float rea
 }
 
 ConvexParts split_at_concave_edges(const std::vector<Vector3f>& points, const std::vector<Vector3f>& normals,
-                                   double scale, const ConvexPartsOptions& options) {
+                                   const std::vector<cv::Vec3b>& lab, double scale,
+                                   const ConvexPartsOptions& options) {
   const auto voxel_size = static_cast<float>(options.voxel_m * scale);
   const VoxelGrid grid(points, voxel_size);
   const std::vector<int>& voxel_of_point = grid.cells.cell_of;
   std::vector<Element> voxels(grid.cells.keys.size());
   for (size_t i = 0; i < points.size(); ++i)
-    voxels[static_cast<size_t>(voxel_of_point[i])].add(points[i], normals[i]);
+    voxels[static_cast<size_t>(voxel_of_point[i])].add(
+        points[i], normals[i], lab.empty() ? Vector3f::Zero() : Vector3f(lab[i][0], lab[i][1], lab[i][2]));
   for (Element& v : voxels) v.finish();
   const Patches patches(voxels, grid, voxel_size * static_cast<float>(options.patch_voxels),
                         static_cast<float>(options.normal_weight));
@@ -333,7 +350,7 @@ ConvexParts split_at_concave_edges(const std::vector<Vector3f>& points, const st
   std::vector<std::vector<int>> joined(patches.patches.size());
   for (const auto& [pair, contact] : touching) {
     const bool yes = convex(patches.patches[static_cast<size_t>(pair[0])],
-                            patches.patches[static_cast<size_t>(pair[1])], options.concave_deg);
+                            patches.patches[static_cast<size_t>(pair[1])], options);
     is_convex[pair] = yes;
     if (!yes) continue;
     joined[static_cast<size_t>(pair[0])].push_back(pair[1]);
@@ -378,23 +395,25 @@ std::vector<std::vector<size_t>> members_of(const std::vector<int>& group_of, in
 }
 
 ConvexParts split_groups(const std::vector<Eigen::Vector3f>& points,
-                         const std::vector<Eigen::Vector3f>& normals, float reach,
-                         const ConvexPartsOptions& options, int threads) {
+                         const std::vector<Eigen::Vector3f>& normals, const std::vector<cv::Vec3b>& lab,
+                         float reach, const ConvexPartsOptions& options, int threads) {
   int groups = 0;
   const std::vector<int> group_of = euclidean_groups(points, reach, groups);
   const std::vector<std::vector<size_t>> members = members_of(group_of, groups);
   std::vector<ConvexParts> of_group(members.size());
   parallel_each(members.size(), threads, [&](size_t g) {
     std::vector<Eigen::Vector3f> own_points, own_normals;
+    std::vector<cv::Vec3b> own_lab;
     std::vector<float> depths;
     for (const size_t i : members[g]) {
       own_points.push_back(points[i]);
       own_normals.push_back(normals[i]);
+      if (!lab.empty()) own_lab.push_back(lab[i]);
       depths.push_back(points[i].z());
     }
     const auto depth = static_cast<double>(median(std::move(depths)));
     const double scale = std::max(1.0, depth_noise(depth) / depth_noise(1.0));
-    of_group[g] = split_at_concave_edges(own_points, own_normals, scale, options);
+    of_group[g] = split_at_concave_edges(own_points, own_normals, own_lab, scale, options);
   });
   ConvexParts parts;
   parts.part_of_point.assign(points.size(), -1);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <numeric>
+#include <opencv2/core.hpp>
 #include <utility>
 #include <vector>
 
@@ -38,6 +39,7 @@ struct ConvexPartsOptions {
   double voxel_m = 0.006;
   double patch_voxels = 4;
   double concave_deg = 20;
+  double concave_color_deg = 5;
   double normal_weight = 1.0;
   bool common_neighbour = false;
 
@@ -59,17 +61,20 @@ std::vector<int> euclidean_groups(const std::vector<Eigen::Vector3f>& points, fl
 
 /// Splits a cloud where its surface is concave, as touching objects are and single objects mostly are not
 /// (after Stein et al., "Object partitioning using local convexity", CVPR 2014): voxels grow into patches of
-/// one orientation, and neighbouring patches stay together when their connection is convex. `scale` widens
-/// voxels and patches for noisy (far) clouds. Deterministic.
+/// one orientation, and neighbouring patches stay together when their connection is convex, or so little
+/// concave as noise makes it; where the colour changes, too, less is tolerated. `lab`: colours of the points,
+/// CIE Lab in 8 bits; empty = unknown. `scale` widens voxels and patches for noisy (far) clouds.
+/// Deterministic.
 ConvexParts split_at_concave_edges(const std::vector<Eigen::Vector3f>& points,
-                                   const std::vector<Eigen::Vector3f>& normals, double scale,
+                                   const std::vector<Eigen::Vector3f>& normals,
+                                   const std::vector<cv::Vec3b>& lab, double scale,
                                    const ConvexPartsOptions& options);
 
 /// Connected groups of points as euclidean_groups() makes them, each split at its concave edges, at a scale
 /// that follows the depth noise at its distance. `points`: camera frame. The same on any number of threads.
 ConvexParts split_groups(const std::vector<Eigen::Vector3f>& points,
-                         const std::vector<Eigen::Vector3f>& normals, float reach,
-                         const ConvexPartsOptions& options, int threads);
+                         const std::vector<Eigen::Vector3f>& normals, const std::vector<cv::Vec3b>& lab,
+                         float reach, const ConvexPartsOptions& options, int threads);
 
 /// The numbers of the points of each group, in order.
 std::vector<std::vector<size_t>> members_of(const std::vector<int>& group_of, int count);

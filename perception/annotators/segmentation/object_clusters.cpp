@@ -340,9 +340,10 @@ class ClusterMaker {
 };
 
 /// Convex parts of everything on a support.
-ConvexParts parts_of(const Standing& all, const ClusterOptions& options, int threads) {
+ConvexParts parts_of(const Standing& all, const std::vector<cv::Vec3b>& lab, const ClusterOptions& options,
+                     int threads) {
   const auto reach = static_cast<float>(options.tolerance_m * 0.6);
-  if (options.split) return split_groups(all.points, all.normals, reach, options.parts, threads);
+  if (options.split) return split_groups(all.points, all.normals, lab, reach, options.parts, threads);
   ConvexParts groups;
   groups.part_of_point = euclidean_groups(all.points, reach, groups.count);
   return groups;
@@ -373,10 +374,10 @@ std::vector<cv::Vec3b> lab_colors(const std::vector<Vector3f>& points, const Clu
 
 /// Takes apart what stands upon each other in each of `objects` (indices into `all`).
 std::vector<std::vector<size_t>> split_stacks(const std::vector<std::vector<size_t>>& objects,
-                                              const Standing& all, const ClusterImages& images,
+                                              const Standing& all, const std::vector<cv::Vec3b>& lab,
+                                              const ClusterImages& images,
                                               const mapping::PinholeCamera& camera, const Vector2f& viewpoint,
                                               const ClusterOptions& options, int threads) {
-  const std::vector<cv::Vec3b> lab = lab_colors(all.points, images);
   const StackCloud cloud{all.in_plane, all.normals_in_plane, all.pixels, lab, viewpoint,
                          camera.fx,    images.points};
   std::vector<std::vector<std::vector<size_t>>> parts(objects.size());
@@ -513,18 +514,19 @@ std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const m
     const Standing& all = standing[s];
     const ClusterMaker maker(images, camera, grounds[s], static_cast<int>(s), options);
     const Vector2f viewpoint = supports[s].in_plane(Vector3d::Zero()).head<2>().cast<float>();
-    const ConvexParts parts = parts_of(all, options, threads);
+    const std::vector<cv::Vec3b> lab = lab_colors(all.points, images);
+    const ConvexParts parts = parts_of(all, lab, options, threads);
     int count = 0;
     const std::vector<int> object_of_part =
         assemble_parts(parts,
-                       {all.in_plane, all.normals_in_plane, all.areas, viewpoint,
+                       {all.in_plane, all.normals_in_plane, all.areas, lab, viewpoint,
                         supports[s].camera_from_plane, camera, points},
                        options.assembly, count);
     std::vector<int> object_of_point(all.pixels.size());
     for (size_t i = 0; i < object_of_point.size(); ++i)
       object_of_point[i] = object_of_part[static_cast<size_t>(parts.part_of_point[i])];
-    const std::vector<std::vector<size_t>> objects =
-        split_stacks(members_of(object_of_point, count), all, images, camera, viewpoint, options, threads);
+    const std::vector<std::vector<size_t>> objects = split_stacks(
+        members_of(object_of_point, count), all, lab, images, camera, viewpoint, options, threads);
     std::vector<std::optional<ObjectCluster>> made(objects.size());
     parallel_each(objects.size(), threads,
                   [&](size_t object) { made[object] = maker.make(subset(all, objects[object])); });

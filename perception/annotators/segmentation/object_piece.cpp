@@ -100,6 +100,12 @@ OutlineBand outline_band(const std::vector<Eigen::Vector3f>& cloud, const std::v
 void measure_area(Piece& piece, const PlaneCloud& cloud) {
   piece.area = 0;
   for (const int i : piece.points) piece.area += static_cast<double>(cloud.areas[static_cast<size_t>(i)]);
+  piece.lab.setZero();
+  if (!cloud.lab.empty())
+    for (const int i : piece.points) {
+      const cv::Vec3b& lab = cloud.lab[static_cast<size_t>(i)];
+      piece.lab += Vector3f(lab[0], lab[1], lab[2]) / static_cast<float>(piece.points.size());
+    }
   // What a pixel covers grows with the square of the distance, and so does the noise.
   const double focal_squared = cloud.camera.fx * cloud.camera.fy;
   piece.noise = std::max(1.0, piece.area / static_cast<double>(piece.points.size()) * focal_squared);

@@ -26,8 +26,9 @@ OutlineBand outline_band(const std::vector<Eigen::Vector3f>& cloud, const std::v
 /// One or several parts that are taken for one object so far.
 struct Piece {
   std::vector<int> points;
-  double area = 0;   ///< m², as seen
-  double noise = 1;  ///< of the depth relative to that at 1 m
+  double area = 0;                                ///< m², as seen
+  double noise = 1;                               ///< of the depth relative to that at 1 m
+  Eigen::Vector3f lab = Eigen::Vector3f::Zero();  ///< mean colour
   float bottom = 0;
   float top = 0;
   std::vector<cv::Point2f> footprint;  ///< convex, completed by reflection
@@ -38,7 +39,7 @@ struct Piece {
   float facing_out = 0;                ///< whether its walls face its middle (-1) or away from it (1)
 };
 
-/// Area and noise, which joining splinters goes by.
+/// Area, noise and colour, which joining splinters goes by.
 void measure_area(Piece& piece, const PlaneCloud& cloud);
 /// All but those: heights, footprint, where it is seen, where its walls face.
 void measure_shape(Piece& piece, const PlaneCloud& cloud);
@@ -49,7 +50,8 @@ struct Rod {
   float length = 0, thickness = 0, height = 0;
 
   Rod(const Piece& piece, const PlaneCloud& cloud);
-  /// Longer than thick and about as high as thick: boxes that lie beside each other are not.
+  /// Longer than thick and high, and about as high as thick: boxes that lie beside each other and cups are
+  /// not.
   bool is_rod() const;
   /// Between the nearest ends, metres.
   float gap_to(const Rod& other) const;

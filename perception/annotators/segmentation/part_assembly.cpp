@@ -4,12 +4,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <tuple>
 
 #include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
+#include "perception/annotators/segmentation/color_contrast.h"
 #include "perception/annotators/segmentation/convex_parts.h"
 #include "perception/annotators/segmentation/object_piece.h"
 #include "perception/annotators/structure/supports.h"
@@ -80,6 +83,19 @@ class Assembly {
       within += cv::pointPolygonTest(outer.footprint, {p.x(), p.y()}, true) > -slack ? 1 : 0;
     }
     return static_cast<double>(within) / count;
+  }
+
+  bool other_color(const Piece& a, const Piece& b) const {
+    constexpr float kOther = 30;  // Lab
+    return lab_distance(a.lab, b.lab) > kOther;
+  }
+
+  /// Whether a piece that touches another is no handle or label of it: it reaches down to the support, has
+  /// another colour, and is as large as the smallest objects.
+  bool stands_apart(const Piece& a, const Piece& b) const {
+    constexpr double kMinArea = 0.001;  // m², of what is seen
+    return static_cast<double>(a.bottom) <= options_.hovering_m && a.area > kMinArea * a.noise &&
+           other_color(a, b);
   }
 
   /// Makes two pieces one, of which only the area is known then.
@@ -193,7 +209,7 @@ class Assembly {
         const Piece& b = pieces_[outer];
         const auto slack = static_cast<float>(options_.slack_m);
         if (a.top > b.top + slack || a.bottom < b.bottom - 0.03f) continue;
-        if (share_within(a, b) < options_.within) continue;
+        if (share_within(a, b) < options_.within || (a.distance < b.distance && stands_apart(a, b))) continue;
         join(inner, outer);
         return true;
       }
@@ -225,6 +241,14 @@ class Assembly {
     return false;
   }
 
+  /// Whether a piece is seen from the side only: of what lies there one sees the upper side, too.
+  bool is_wall(const Piece& piece) const {
+    constexpr float kSlope = 0.2f;
+    size_t sloping = 0;
+    for (const int i : piece.points) sloping += cloud_.normals[static_cast<size_t>(i)].z() > kSlope ? 1 : 0;
+    return 4 * sloping < piece.points.size();
+  }
+
   bool one_bent_rod(const Piece& a, const Piece& b) const {
     return remembered(Check::bent, a, b, [&] { return find_bent_rod(a, b); }) != 0;
   }
@@ -233,7 +257,7 @@ class Assembly {
     if (std::abs(a.top - b.top) > slack || std::abs(a.bottom - b.bottom) > slack) return false;
     constexpr float kMinThickness = 0.45f;  // only the side towards the camera is seen
     const Rod first(a, cloud_), second(b, cloud_);
-    if (!first.is_rod() || !second.is_rod()) return false;
+    if (!first.is_rod() || !second.is_rod() || is_wall(a) || is_wall(b)) return false;
     const auto [thinner, thicker] = std::minmax(first.thickness, second.thickness);
     if (thinner < kMinThickness * thicker) return false;
     constexpr float kMinCosine = 0.5f;  // bent by 60 degrees at most
@@ -265,26 +289,35 @@ class Assembly {
                       [&] { return find_common_axis(a, b, b_faces_it); }) != 0;
   }
   bool find_common_axis(const Piece& a, const Piece& b, bool b_faces_it) const {
+    return axis_of_walls({{&a, 1.0f}, {&b, b_faces_it ? 1.0f : -1.0f}}).has_value();
+  }
+
+  /// The upright axis that the walls of pieces stand around, each facing it (1) or away from it (-1), if they
+  /// do.
+  std::optional<Vector2f> axis_of_walls(std::initializer_list<std::pair<const Piece*, float>> pieces) const {
     constexpr float kMinSlope = 0.2f;  // What lies level faces nowhere.
     constexpr float kMinSpread = 0.05f;
     std::vector<Vector2f> places;
     std::vector<Vector2f> facing;
     Eigen::Matrix2f across = Eigen::Matrix2f::Zero();
     Vector2f sum = Vector2f::Zero();
-    for (const Piece* piece : {&a, &b})
+    size_t all = 0;
+    for (const auto& [piece, towards] : pieces) {
+      all += piece->points.size();
       for (const int i : piece->points) {
         const Vector2f normal = cloud_.normals[static_cast<size_t>(i)].head<2>();
         if (!(normal.norm() > kMinSlope)) continue;
-        facing.push_back((piece == &b && !b_faces_it ? -1 : 1) * normal.normalized());
+        facing.push_back(towards * normal.normalized());
         places.push_back(cloud_.points[static_cast<size_t>(i)].head<2>());
         const Eigen::Matrix2f beside =
             Eigen::Matrix2f::Identity() - facing.back() * facing.back().transpose();
         across += beside;
         sum += beside * places.back();
       }
-    if (2 * places.size() < a.points.size() + b.points.size()) return false;
+    }
+    if (2 * places.size() < all) return std::nullopt;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2f> solver(across);
-    if (solver.eigenvalues()[0] < kMinSpread * solver.eigenvalues()[1]) return false;
+    if (solver.eigenvalues()[0] < kMinSpread * solver.eigenvalues()[1]) return std::nullopt;
     const Vector2f axis = across.ldlt().solve(sum);
     std::vector<float> past;
     std::vector<float> ahead;
@@ -294,8 +327,10 @@ class Assembly {
       past.push_back(std::abs(facing[i].x() * to.y() - facing[i].y() * to.x()));
     }
     const float radius = median(ahead);
-    return quantile(ahead, 0.1) > 0 &&
-           median(past) < std::min(0.25f * radius, static_cast<float>(options_.slack_m));
+    if (quantile(ahead, 0.1) <= 0 ||
+        median(past) >= std::min(0.25f * radius, static_cast<float>(options_.slack_m)))
+      return std::nullopt;
+    return axis;
   }
 
   /// The inside of a vessel with the wall before it.
@@ -375,7 +410,7 @@ class Assembly {
                              contact(i, host) > 0.25 * static_cast<double>(a.points.size());
       if (a.area > (alongside ? 2 : 1) * options_.appendage * b.area || on_top(a, b)) continue;
       const bool tiny = a.area < 0.12 * b.area || a.area < 0.0014 * a.noise;
-      if (!hovering && !tiny) continue;
+      if (!hovering && (!tiny || stands_apart(a, b))) continue;
       if (contact(i, host) == 0 && a.top > b.top + static_cast<float>(options_.slack_m)) continue;
       join(i, host);
       return true;
@@ -516,6 +551,12 @@ class Assembly {
     return least;
   }
 
+  /// Whether two pieces are round about an axis of their own each, as two cups are.
+  bool both_round(const Piece& a, const Piece& b) const {
+    return axis_of_walls({{&a, -1.0f}}) && axis_of_walls({{&b, -1.0f}}) &&
+           !axis_of_walls({{&a, -1.0f}, {&b, -1.0f}});
+  }
+
   bool join_hidden() {
     constexpr float kMaxStep = 0.006f;  // two objects of nearly one height are as frequent as one half hidden
     for (size_t i = 0; i < pieces_.size(); ++i) {
@@ -524,7 +565,7 @@ class Assembly {
         if (!alive(k) || pieces_[k].area < options_.splinter_m2 || contact(i, k) > 0) continue;
         if (std::abs(pieces_[i].top - pieces_[k].top) > kMaxStep) continue;
         if (gap(pieces_[i], pieces_[k], options_.hidden_gap_m) > options_.hidden_gap_m) continue;
-        if (!one_behind_something(pieces_[i], pieces_[k])) continue;
+        if (!one_behind_something(pieces_[i], pieces_[k]) || both_round(pieces_[i], pieces_[k])) continue;
         join(i, k);
         return true;
       }

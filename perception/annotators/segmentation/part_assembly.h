@@ -27,8 +27,9 @@ struct AssemblyOptions {
 struct PlaneCloud {
   const std::vector<Eigen::Vector3f>& points;
   const std::vector<Eigen::Vector3f>& normals;
-  const std::vector<float>& areas;  ///< what each point stands for, m²
-  Eigen::Vector2f viewpoint;        ///< where the camera is
+  const std::vector<float>& areas;    ///< what each point stands for, m²
+  const std::vector<cv::Vec3b>& lab;  ///< colours, CIE Lab in 8 bits; empty = unknown
+  Eigen::Vector2f viewpoint;          ///< where the camera is
   const Isometry3d& camera_from_plane;
   const mapping::PinholeCamera& camera;
   const cv::Mat& image_points;  ///< CV_32FC3, the whole image in the camera frame: what is free, what hidden

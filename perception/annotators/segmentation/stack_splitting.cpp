@@ -9,6 +9,7 @@
 
 #include "mapping/base/math.h"
 #include "mapping/sensor/depth_noise.h"
+#include "perception/annotators/segmentation/color_contrast.h"
 
 namespace loci::perception {
 namespace {
@@ -100,9 +101,7 @@ class FrontColumns {
       if (column[0].count < 2 || column[1].count < 2) continue;
       steps.push_back(column[1].distance_at(step.height, slopes[1]) -
                       column[0].distance_at(step.height, slopes[0]));
-      Vector3f apart = column[1].mean_lab() - column[0].mean_lab();
-      apart[0] *= 0.5f;  // surfaces that face another way are brighter or darker
-      colors.push_back(apart.norm());
+      colors.push_back(lab_distance(column[0].mean_lab(), column[1].mean_lab()));
     }
     if (steps.size() < kMinColumns) return false;
     step.front = median(steps);

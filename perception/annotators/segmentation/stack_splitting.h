@@ -53,8 +53,8 @@ std::vector<StackStep> stack_steps(const StackCloud& cloud, const std::vector<si
 /// colours. 0 for what is too small, for lids and for caps.
 double stack_probability(const StackStep& step, const StackOptions& options);
 
-/// Cuts an object at the heights where it is more probably two: the parts, from the lowest on. Without colours
-/// nothing is cut.
+/// Cuts an object at the heights where it is more probably two: the parts, from the lowest on. Without
+/// colours nothing is cut.
 std::vector<std::vector<size_t>> split_stack(const StackCloud& cloud, std::vector<size_t> members,
                                              const StackOptions& options);
 

@@ -231,8 +231,8 @@ std::vector<std::vector<int>> find_unsupported_objects(const cv::Mat& points, co
     near_points.push_back(to_vector3f(p));
     near_normals.push_back(to_vector3f(n));
   }
-  const ConvexParts parts = split_groups(near_points, near_normals, static_cast<float>(options.tolerance_m),
-                                         options.parts, threads);
+  const ConvexParts parts = split_groups(near_points, near_normals, {},
+                                         static_cast<float>(options.tolerance_m), options.parts, threads);
   std::vector<Pixels> candidates;
   for (const std::vector<size_t>& members : members_of(parts.part_of_point, parts.count)) {
     Pixels part;
