@@ -4,10 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <map>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 #include <tuple>
 
 #include "mapping/base/eigenvalues.h"
@@ -289,35 +287,26 @@ class Assembly {
                       [&] { return find_common_axis(a, b, b_faces_it); }) != 0;
   }
   bool find_common_axis(const Piece& a, const Piece& b, bool b_faces_it) const {
-    return axis_of_walls({{&a, 1.0f}, {&b, b_faces_it ? 1.0f : -1.0f}}).has_value();
-  }
-
-  /// The upright axis that the walls of pieces stand around, each facing it (1) or away from it (-1), if they
-  /// do.
-  std::optional<Vector2f> axis_of_walls(std::initializer_list<std::pair<const Piece*, float>> pieces) const {
     constexpr float kMinSlope = 0.2f;  // What lies level faces nowhere.
     constexpr float kMinSpread = 0.05f;
     std::vector<Vector2f> places;
     std::vector<Vector2f> facing;
     Eigen::Matrix2f across = Eigen::Matrix2f::Zero();
     Vector2f sum = Vector2f::Zero();
-    size_t all = 0;
-    for (const auto& [piece, towards] : pieces) {
-      all += piece->points.size();
+    for (const Piece* piece : {&a, &b})
       for (const int i : piece->points) {
         const Vector2f normal = cloud_.normals[static_cast<size_t>(i)].head<2>();
         if (!(normal.norm() > kMinSlope)) continue;
-        facing.push_back(towards * normal.normalized());
+        facing.push_back((piece == &b && !b_faces_it ? -1 : 1) * normal.normalized());
         places.push_back(cloud_.points[static_cast<size_t>(i)].head<2>());
         const Eigen::Matrix2f beside =
             Eigen::Matrix2f::Identity() - facing.back() * facing.back().transpose();
         across += beside;
         sum += beside * places.back();
       }
-    }
-    if (2 * places.size() < all) return std::nullopt;
+    if (2 * places.size() < a.points.size() + b.points.size()) return false;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2f> solver(across);
-    if (solver.eigenvalues()[0] < kMinSpread * solver.eigenvalues()[1]) return std::nullopt;
+    if (solver.eigenvalues()[0] < kMinSpread * solver.eigenvalues()[1]) return false;
     const Vector2f axis = across.ldlt().solve(sum);
     std::vector<float> past;
     std::vector<float> ahead;
@@ -327,10 +316,8 @@ class Assembly {
       past.push_back(std::abs(facing[i].x() * to.y() - facing[i].y() * to.x()));
     }
     const float radius = median(ahead);
-    if (quantile(ahead, 0.1) <= 0 ||
-        median(past) >= std::min(0.25f * radius, static_cast<float>(options_.slack_m)))
-      return std::nullopt;
-    return axis;
+    return quantile(ahead, 0.1) > 0 &&
+           median(past) < std::min(0.25f * radius, static_cast<float>(options_.slack_m));
   }
 
   /// The inside of a vessel with the wall before it.
@@ -551,12 +538,6 @@ class Assembly {
     return least;
   }
 
-  /// Whether two pieces are round about an axis of their own each, as two cups are.
-  bool both_round(const Piece& a, const Piece& b) const {
-    return axis_of_walls({{&a, -1.0f}}) && axis_of_walls({{&b, -1.0f}}) &&
-           !axis_of_walls({{&a, -1.0f}, {&b, -1.0f}});
-  }
-
   bool join_hidden() {
     constexpr float kMaxStep = 0.006f;  // two objects of nearly one height are as frequent as one half hidden
     for (size_t i = 0; i < pieces_.size(); ++i) {
@@ -565,7 +546,7 @@ class Assembly {
         if (!alive(k) || pieces_[k].area < options_.splinter_m2 || contact(i, k) > 0) continue;
         if (std::abs(pieces_[i].top - pieces_[k].top) > kMaxStep) continue;
         if (gap(pieces_[i], pieces_[k], options_.hidden_gap_m) > options_.hidden_gap_m) continue;
-        if (!one_behind_something(pieces_[i], pieces_[k]) || both_round(pieces_[i], pieces_[k])) continue;
+        if (!one_behind_something(pieces_[i], pieces_[k])) continue;
         join(i, k);
         return true;
       }
