@@ -29,9 +29,7 @@ BeliefUpdate SceneUpdate::run() {
   // 1. Prediction: where each object is now, whether it still is, and what observing its spot showed.
   places_ = view_places(state_, scene_, options_);
   predicted_ = predict(state_, scene_, places_, options_);
-  surfaces_ = timing_.snapshot
-                  ? sample_surfaces(scene_.view, scene_.observations.size(), kParameters.surface_points)
-                  : std::vector<Surface>(scene_.observations.size());
+  surfaces_ = sample_surfaces(scene_.view, scene_.observations.size(), kParameters.surface_points);
   // 2. Evidence of each pair of object and observation; the arbiter settles what all trackers agree on.
   update_.evidence = pair_evidence(state_, predicted_, scene_, options_);
   // 3. Association: exact posterior of all explanations, and the MAP hypothesis that is acted on.

@@ -153,9 +153,10 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
       p.seen.visibility = {.out_of_view = 1};
       std::ranges::fill(p.seen.occupied_by, 0.0);
     }
-    if (timing.snapshot && !object.surface.empty()) {
+    const double unobserved_s = double(scene.time - object.last_seen) / double(kSecond);
+    if (unobserved_s >= options.snapshot_gap_s && !object.surface.empty()) {
       const double pose_variance =
-          view_change_variance(object.surface_camera, scene.view.map_from_camera, 0, options);
+          view_noise * view_change_variance(object.surface_camera, scene.view.map_from_camera, 0, options);
       p.surface = observe_surface(scene.view, surface_in_map(object, scene.places), std::sqrt(pose_variance),
                                   options.visibility);
       p.log_surface = surface_log_ratio(displaced_share(p.surface).value_or(0));
