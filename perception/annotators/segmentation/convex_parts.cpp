@@ -286,7 +286,7 @@ bool convex(const Element& a, const Element& b, const ConvexPartsOptions& option
   const auto turned_out = static_cast<double>(a.normal.dot(apart) - b.normal.dot(apart));
   constexpr float kOtherColor = 30;  // Lab
   const bool other_color = lab_distance(a.lab, b.lab) > kOtherColor;
-  if (turned_out < 0) return angle < (other_color ? options.concave_color_deg : options.concave_deg);
+  if (turned_out < 0) return angle < options.concave_deg;
   // Across an edge it is twice the sine of half the angle; where two objects touch they are apart in any
   // direction.
   if (other_color && turned_out < std::sin(angle / degrees / 2)) return false;
@@ -305,8 +305,6 @@ void ConvexPartsOptions::declare(OptionTable& table) {
   table.number("patch_voxels", patch_voxels, "", "Size of a patch, in voxels.", 2, 20);
   table.number("concave_deg", concave_deg, "deg", "Minimum concave angle of an edge between two objects.", 0,
                90);
-  table.number("concave_color_deg", concave_color_deg, "deg",
-               "The same where the colours on either side differ clearly.", 0, 90);
 }
 
 std::vector<int> euclidean_groups(const std::vector<Vector3f>& points, float reach, int& count) {

@@ -39,7 +39,6 @@ struct ConvexPartsOptions {
   double voxel_m = 0.006;
   double patch_voxels = 4;
   double concave_deg = 20;
-  double concave_color_deg = 5;
   double normal_weight = 1.0;
   bool common_neighbour = false;
 
@@ -61,10 +60,9 @@ std::vector<int> euclidean_groups(const std::vector<Eigen::Vector3f>& points, fl
 
 /// Splits a cloud where its surface is concave, as touching objects are and single objects mostly are not
 /// (after Stein et al., "Object partitioning using local convexity", CVPR 2014): voxels grow into patches of
-/// one orientation, and neighbouring patches stay together when their connection is convex, or so little
-/// concave as noise makes it; where the colour changes, too, less is tolerated. `lab`: colours of the points,
-/// CIE Lab in 8 bits; empty = unknown. `scale` widens voxels and patches for noisy (far) clouds.
-/// Deterministic.
+/// one orientation, and neighbouring patches stay together when their connection is convex; patches of
+/// different colours only where they meet in an edge. `lab`: colours of the points, CIE Lab in 8 bits; empty
+/// = unknown. `scale` widens voxels and patches for noisy (far) clouds. Deterministic.
 ConvexParts split_at_concave_edges(const std::vector<Eigen::Vector3f>& points,
                                    const std::vector<Eigen::Vector3f>& normals,
                                    const std::vector<cv::Vec3b>& lab, double scale,

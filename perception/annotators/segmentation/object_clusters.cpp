@@ -409,17 +409,22 @@ void drop_surroundings(std::vector<ObjectCluster>& clusters, const ClusterMaker&
   }
 }
 
-/// Leaves out what few pixels show beside something larger: it is rather a piece of that than an object.
-void drop_fragments(std::vector<ObjectCluster>& clusters, const ClusterMaker& maker, int min_points) {
-  const auto is_small = [&](const ObjectCluster& cluster) {
-    return static_cast<int>(cluster.pixels.size()) < min_points;
+/// Leaves out what few pixels show beside something larger, which it is rather a piece of, and the tips of
+/// what is hidden.
+void drop_fragments(std::vector<ObjectCluster>& clusters, const ClusterMaker& maker,
+                    const ClusterOptions& options) {
+  const auto shown_by = [](const ObjectCluster& cluster) { return static_cast<int>(cluster.pixels.size()); };
+  const auto is_small = [&](const ObjectCluster& cluster) { return shown_by(cluster) < options.min_points; };
+  const auto is_fragment = [&](const ObjectCluster& cluster) {
+    if (!is_small(cluster)) return false;
+    return (cluster.partly_hidden && shown_by(cluster) < 2 * options.min_clear_points) ||
+           std::ranges::any_of(clusters, [&](const ObjectCluster& other) {
+             return !is_small(other) && maker.touch(cluster, other);
+           });
   };
   std::vector<ObjectCluster> kept;
   for (const ObjectCluster& cluster : clusters)
-    if (!is_small(cluster) || std::ranges::none_of(clusters, [&](const ObjectCluster& other) {
-          return !is_small(other) && maker.touch(cluster, other);
-        }))
-      kept.push_back(cluster);
+    if (!is_fragment(cluster)) kept.push_back(cluster);
   clusters = std::move(kept);
 }
 
@@ -539,7 +544,7 @@ std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const m
           shows.ptr<uint8_t>()[all.pixels[i]] = static_cast<uint8_t>(Shows::surroundings);
     }
     drop_surroundings(own, maker, options.min_points, shows);
-    drop_fragments(own, maker, options.min_points);
+    drop_fragments(own, maker, options);
     keep_what_rests(own, maker, shows, options);
     cv::Mat taken = cv::Mat::zeros(points.size(), CV_8U);
     for (const ObjectCluster& cluster : own)
