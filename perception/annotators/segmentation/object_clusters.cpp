@@ -44,7 +44,8 @@ using Eigen::Vector3f;
 /// and the distortion of depth cameras in standard deviations of the depth.
 constexpr double kFlush = 0.02;
 constexpr double kDistortion = 7;
-constexpr double kMinFlush = 0.7;  ///< of a piece of the surroundings
+constexpr double kMinFlush = 0.7;   ///< of a piece of the surroundings
+constexpr double kBeforeMap = 0.3;  ///< metres: what stands before a wall is not farther from it
 
 class ClusterMaker {
  public:
@@ -178,7 +179,7 @@ class ClusterMaker {
     for (const int pixel : cluster.pixels) {
       const Vector3d p = to_vector(points_.ptr<cv::Vec3f>()[pixel]);
       const auto behind = static_cast<double>(map_depth_.ptr<float>()[pixel]);
-      flush += near_map(pixel) && support_.in_plane(p * (behind / p.z())).z() > kFlush ? 1 : 0;
+      flush += near_map(pixel, 0) && support_.in_plane(p * (behind / p.z())).z() > kFlush ? 1 : 0;
     }
     return flush / static_cast<double>(cluster.pixels.size());
   }
@@ -255,7 +256,7 @@ class ClusterMaker {
           if (far > kFar) break;
           ++measured;
           if (static_cast<Shows>(shown[other]) != Shows::surroundings) break;
-          if (!flush && near_map(other)) break;
+          if (!flush && near_map(other, 0) && near_map(pixel, kBeforeMap)) break;
           // Smoothing rounds the edge: the surfaces on either side of it are compared.
           int inner = pixel;
           int outer = other;
@@ -274,11 +275,12 @@ class ClusterMaker {
   }
 
  private:
-  /// Whether a surface of the map lies where a pixel is measured, or a little behind it.
-  bool near_map(int pixel) const {
+  /// Whether the map has a surface where a pixel is measured, or up to `behind` metres behind it.
+  bool near_map(int pixel, double behind) const {
     if (map_depth_.empty()) return false;
     const auto z = static_cast<double>(points_.ptr<cv::Vec3f>()[pixel][2]);
-    return static_cast<double>(map_depth_.ptr<float>()[pixel]) - z < kFlush + kDistortion * depth_noise(z);
+    return static_cast<double>(map_depth_.ptr<float>()[pixel]) - z <
+           std::max(behind, kFlush + kDistortion * depth_noise(z));
   }
 
   /// Whether two pixels near each other, on either side of an edge, show one surface: each lies on the

@@ -10,6 +10,7 @@
 
 #include "mapping/base/eigenvalues.h"
 #include "mapping/base/math.h"
+#include "perception/annotators/scene_data.h"
 #include "perception/annotators/segmentation/color_contrast.h"
 #include "perception/annotators/segmentation/convex_parts.h"
 #include "perception/annotators/segmentation/object_piece.h"
@@ -405,8 +406,8 @@ class Assembly {
     return false;
   }
 
-  /// A neck or a cap: narrow, in the middle above what tapers towards it. What merely stands on something
-  /// stands on a top that is as wide as the rest.
+  /// A neck or a cap: narrow, in the middle above what tapers towards it, or slender. What merely stands on
+  /// something stands on a top that is as wide as the rest.
   bool join_neck() {
     for (const auto& [pair, count] : contacts_) {
       auto upper = static_cast<size_t>(pair[0]);
@@ -433,7 +434,9 @@ class Assembly {
     const OutlineBand b = band(body, body.bottom - 0.05f);
     const OutlineBand shoulder = band(body, body.top - static_cast<float>(options_.slack_m));
     if (a.width > static_cast<float>(options_.neck_m) || shoulder.points < 5) return false;
-    if (shoulder.width > 0.8f * b.width || shoulder.width > 1.75f * a.width) return false;
+    const bool tapers = shoulder.width < 0.8f * b.width && shoulder.width < 1.75f * a.width;
+    constexpr float kSlender = 1.5f;  // what is so slender does not stand by itself
+    if (!tapers && neck.top - neck.bottom < kSlender * a.width) return false;
     const Vector2f apart = a.middle - b.middle;
     const auto slack = static_cast<float>(options_.slack_m);
     if (std::abs(b.across.dot(apart)) > 0.8f * slack) return false;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <opencv2/imgproc.hpp>
 
 #include "mapping/base/math.h"
 #include "perception/annotators/scene_data.h"
