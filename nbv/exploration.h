@@ -26,7 +26,7 @@ struct ExplorationOptions {
   mapping::OccupancyOptions occupancy;
   mapping::RegistrationOptions registration;
   mapping::LaserModel laser;
-  std::string height = "";  ///< scanner_heights()
+  std::string height = {};  ///< scanner_heights()
   uint64_t seed = 1;
   int threads = 0;  ///< of all stages; 0 = all cores; not declared: the result is the same on any number
 

@@ -31,7 +31,7 @@ struct PlannerOptions {
   double ray_step_deg = 1;
   double travel_cost_per_m = 0;
   double min_gain = 0.2;
-  std::string within = "";  ///< mapping::FloorRegion that is explored and driven in
+  std::string within = {};  ///< mapping::FloorRegion that is explored and driven in
   /// Positions that the robot failed to reach: nothing within its radius of them is chosen.
   std::vector<Vector2d> avoid = {};
   int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number

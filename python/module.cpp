@@ -3,6 +3,7 @@
 #include <regex>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "mapping/base/error.h"
 #include "python/bindings.h"
@@ -182,7 +183,7 @@ PYBIND11_MODULE(_loci, module) {
   error.doc() = "What happened, where, and what to do about it, in one line.";
   py::register_exception_translator([](std::exception_ptr exception) {
     try {
-      if (exception) std::rethrow_exception(exception);
+      if (exception) std::rethrow_exception(std::move(exception));
     } catch (const loci::Error& failure) {
       error(in_python(failure.what()).c_str());
     }

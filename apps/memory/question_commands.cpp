@@ -54,7 +54,7 @@ void QuestionArguments::declare(const memory::Question& question, ArgumentTable&
   for (const memory::Parameter& parameter : parameters) {
     if (parameter.positional) {
       std::string spec = question.read_words == nullptr ? upper_case(parameter.name) : "WORD";
-      spec = parameter.required ? spec + "..." : "[" + spec + "...]";
+      spec = parameter.required ? fmt::format("{}...", spec) : fmt::format("[{}...]", spec);
       if (!positional)
         table.positional(spec, &words, question.words_help.empty() ? parameter.help : question.words_help,
                          {.default_text = parameter.default_text});

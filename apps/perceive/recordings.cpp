@@ -356,12 +356,12 @@ std::optional<perception::GoalPlan> plan_for(const RunArguments& arguments,
 perception::Pipeline read_pipeline(const RunArguments& arguments,
                                    const perception::AnnotatorRegistry& registry,
                                    const std::optional<perception::GoalPlan>& plan) {
-  Config config = plan ? Config::parse(plan->pipeline.dump(), "the pipeline made by --goal")
-                  : arguments.pipeline.empty()
-                      ? Config::parse(perception::default_pipeline(), "the default pipeline")
-                      : Config::read(arguments.pipeline);
-  if (arguments.every > 0) config = perception::with_every(config, arguments.every);
-  return perception::Pipeline::parse(config, registry);
+  const Config pipeline = plan ? Config::parse(plan->pipeline.dump(), "the pipeline made by --goal")
+                          : arguments.pipeline.empty()
+                              ? Config::parse(perception::default_pipeline(), "the default pipeline")
+                              : Config::read(arguments.pipeline);
+  return perception::Pipeline::parse(
+      arguments.every > 0 ? perception::with_every(pipeline, arguments.every) : pipeline, registry);
 }
 
 /// What annotators share. Rooms that bring annotators with resources of their own put them here.

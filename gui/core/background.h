@@ -16,8 +16,9 @@ void note_background_work();
 /// Runs `work` in another thread and then, in the thread of the windows, `done` with its result or `failed`
 /// with the reason; neither when `owner` is gone by then.
 template <class Result>
-void in_background(QObject* owner, std::function<Result()> work, std::function<void(Result&)> done,
-                   std::function<void(const std::exception_ptr&)> failed) {
+void in_background(QObject* owner, const std::function<Result()>& work,
+                   const std::function<void(Result&)>& done,
+                   const std::function<void(const std::exception_ptr&)>& failed) {
   const QPointer<QObject> alive(owner);
   note_background_work();
   QThreadPool::globalInstance()->start([=] {

@@ -23,7 +23,7 @@ QString time_text(TimeNs time, const TimeZone& zone) {
 }
 
 QString zone_text(TimeNs time, const TimeZone& zone) {
-  const QString name = QString::fromStdString(zone.name());
+  QString name = QString::fromStdString(zone.name());
   const int minutes = zone.minutes_at(time);
   if (name == "UTC") return name;
   const QString offset = QString("UTC%1%2:%3")

@@ -42,7 +42,7 @@ QColor mixed(const QColor& a, const QColor& b, double part_of_b) {
 
 Theme Theme::of(const QPalette& palette) {
   Theme theme;
-  const QColor window = palette.color(QPalette::Window);
+  const QColor& window = palette.color(QPalette::Window);
   theme.text = palette.color(QPalette::WindowText);
   theme.dark = window.lightness() < theme.text.lightness();
   theme.muted = mixed(theme.text, window, 0.42);

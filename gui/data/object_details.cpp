@@ -1,5 +1,7 @@
 #include "gui/data/object_details.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <map>
@@ -54,7 +56,7 @@ void read_structure(const memory::FeatureStructureRow& row, ObjectDetails& detai
     for (const auto& [name, value] : features.items()) {
       if (!value.is_array() || value.size() < kMinBins || value.size() > kMaxBins || !value[0].is_number())
         continue;
-      Histogram histogram{type + ": " + name, {}};
+      Histogram histogram{fmt::format("{}: {}", type, name), {}};
       for (const Json& bin : value) histogram.bins.push_back(bin.is_number() ? bin.get<double>() : 0);
       details.histograms.push_back(std::move(histogram));
     }

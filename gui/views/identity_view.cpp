@@ -302,7 +302,7 @@ QString DecisionMatrix::text_at(const QPoint& point) const {
                      ", " + percent_text(value(cell->panel, row, column));
   if (cell->column < 0) return row < rows_.size() ? rows_[row].name : QString();
   const DecidedObservation& observation = decisions_.observations[column];
-  const QString what =
+  QString what =
       QString("Observation %1, taken for %2 (%3, %4)")
           .arg(observation.number)
           .arg(QString::fromStdString(observation.name), QString::fromStdString(observation.explanation),

@@ -214,7 +214,7 @@ FittedPlane closed_face(const std::vector<Vector3d>& before, const Front& front)
   std::vector<Vector3d> on_face;
   for (const Vector3d& p : before)
     if (std::abs((p - front.centre).dot(front.normal)) < 0.04 && on_panel(p, front)) on_face.push_back(p);
-  const FittedPlane assumed{front.normal, front.normal.dot(front.centre), kFaceMotion.normal_sd, 0};
+  FittedPlane assumed{front.normal, front.normal.dot(front.centre), kFaceMotion.normal_sd, 0};
   if (on_face.size() < kFaceMotion.min_points) return assumed;
   FittedPlane face = refined_plane(assumed, on_face, 0.03);
   const Vector3d middle = front.centre - face.normal * face.distance(front.centre);

@@ -222,7 +222,7 @@ std::array<Vector3d, 2> normals_of(const Vector3d& axis) {
 }
 
 Vector3d Path::across(const Vector3d& position) const {
-  const Vector3d off = position - centre;
+  Vector3d off = position - centre;
   if (kind == Kind::point) return off;
   const double along_axis = off.dot(axis);
   if (kind == Kind::circle) return {(off - along_axis * axis).norm() - radius, along_axis, 0};

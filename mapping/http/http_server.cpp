@@ -378,7 +378,7 @@ HttpAddress read_http_address(const std::string& text) {
 std::string read_token(const std::filesystem::path& file) {
   constexpr size_t kMinToken = 16;
   const std::string text = read_file(file);
-  const std::string token = trimmed(text.substr(0, text.find('\n')));
+  std::string token = trimmed(text.substr(0, text.find('\n')));
   const bool printable = std::ranges::all_of(token, [](char c) { return c > ' ' && c <= '~'; });
   if (token.size() < kMinToken || !printable)
     throw Error("the first line is not a token", {file.string(), 1, {}},

@@ -223,7 +223,7 @@ std::optional<Vector3d> find_up(const Recording& recording) {
   const size_t size = recording.size(), parts = std::min(kUp.frames, size);
   if (recording.info().frames_with_pose == 0) {
     for (size_t i = 0; i < parts; ++i)
-      if (const auto up = up_of({recording.frame(i)})) return up;
+      if (auto up = up_of({recording.frame(i)})) return up;
     return std::nullopt;
   }
   std::vector<RgbdFrame> frames;

@@ -221,7 +221,7 @@ class PairAligner {
   /// better.
   IcpResult refine(const Isometry3d& pose) const {
     const size_t above = std::min<size_t>(1, target_.levels.size() - 1);
-    const IcpResult fine = refined(pose, 0);
+    IcpResult fine = refined(pose, 0);
     if (score_of(fine.target_from_source, above) > score_of(pose, above) - kPairs.max_loss) return fine;
     return refined(pose, above);
   }

@@ -1,5 +1,7 @@
 #include "mapping/sensor/pose_text.h"
 
+#include <fmt/format.h>
+
 #include <sstream>
 
 #include "mapping/base/error.h"
@@ -25,7 +27,7 @@ std::vector<PlanarPose> planar_poses_from(const std::string& text, const std::st
     double yaw_deg = 0;
     if (values.size() != 3 || !read_number(values[0], pose.x) || !read_number(values[1], pose.y) ||
         !read_number(values[2], yaw_deg))
-      throw Error(what + ": '" + part + "' is no pose", {},
+      throw Error(fmt::format("{}: '{}' is no pose", what, part), {},
                   "a pose is x,y,yaw_deg; poses are separated by ;");
     pose.yaw = yaw_deg * kPi / 180;
     poses.push_back(pose);

@@ -22,7 +22,7 @@ void check_frames(double frames, const FileLocation& location) {
 
 Vector3d point(const Config& config, const std::string& key) {
   const auto values = config.require<std::array<double, 3>>(key);
-  const Vector3d result(values[0], values[1], values[2]);
+  Vector3d result(values[0], values[1], values[2]);
   if (!result.allFinite()) throw Error("a point is three finite numbers, in metres", config.location(key));
   return result;
 }

@@ -335,7 +335,7 @@ class EpochComparison {
 
   /// The motion of a piece that moved; unset for one that is better explained at its old place or nowhere.
   std::optional<PieceMotion> motion_of(size_t k, const PieceSearch& search, const PieceFit& still) const {
-    const auto motion = search.find(now_.prepared_part(target_of(k)), boxes_of_components());
+    auto motion = search.find(now_.prepared_part(target_of(k)), boxes_of_components());
     if (!motion || !accepted(*motion, still) || !is_motion(pieces_[k], motion->now_from_before))
       return std::nullopt;
     return motion;

@@ -1,5 +1,6 @@
 #include "mapping/world/urdf_check.h"
 
+#include <fmt/format.h>
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -81,7 +82,7 @@ class Checker {
       if (required) fail(element, what + " is missing");
       return {};
     }
-    const std::vector<double> values = numbers(text);
+    std::vector<double> values = numbers(text);
     if (values.size() != count)
       fail(element, what + " is \"" + text + "\", not " +
                         (count == 1 ? "a number" : std::to_string(count) + " numbers"));
@@ -247,7 +248,7 @@ class Checker {
         if (!joints_.contains(next)) {
           std::vector<std::string> names;
           for (const auto& entry : joints_) names.push_back(entry.first);
-          fail(*joints_.at(at).element, "joint '" + at + "' mimics '" + next + "', which does not exist",
+          fail(*joints_.at(at).element, fmt::format("joint '{}' mimics '{}', which does not exist", at, next),
                did_you_mean(next, names));
         }
         at = next;

@@ -238,8 +238,7 @@ BlobRecord cloud_of(const perception::types::Cluster& cluster, const cv::Mat& de
   std::vector<int32_t> pixels = reference.indices.get().indices.to_vector();
   // Ascending and unique, as in the mask.
   std::ranges::sort(pixels);
-  const auto repeated = std::ranges::unique(pixels);
-  pixels.erase(repeated.begin(), repeated.end());
+  pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
   std::vector<float> values;
   values.reserve(pixels.size());
   for (const int32_t pixel : pixels)

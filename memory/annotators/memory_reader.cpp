@@ -9,6 +9,7 @@
 
 #include "mapping/image/image_io.h"
 #include "memory/annotators/cas_to_scene.h"
+#include "memory/annotators/memory_session.h"
 #include "memory/store/feature_structures.h"
 #include "memory/store/scene_images.h"
 #include "perception/conversions/opencv.h"

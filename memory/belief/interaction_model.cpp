@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 namespace loci::memory::belief {
 namespace {
@@ -110,8 +109,7 @@ std::vector<double> InteractionModel::destinations(const std::string& from,
                                                    const PlaceHistories& places) const {
   const double beside = put_down_beside(from);
   std::vector<double> shares;
-  for (const std::string& place : std::views::keys(places))
-    shares.push_back(destination_share(from, place, beside));
+  for (const auto& [place, history] : places) shares.push_back(destination_share(from, place, beside));
   return shares;
 }
 

@@ -162,7 +162,7 @@ class Dataset {
   std::string add_blob(const std::string& stem, const std::optional<Id>& id) {
     if (!id) return {};
     const BlobRow blob = store_.blob(*id);
-    const std::string name = stem + (blob.media == "image/png" ? ".png" : ".jpg");
+    std::string name = stem + (blob.media == "image/png" ? ".png" : ".jpg");
     writer_->add_file(name, blob.bytes);
     return name;
   }

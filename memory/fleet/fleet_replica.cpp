@@ -111,7 +111,7 @@ fs::path FleetReplica::update(Progress& progress, double max_age_s) {
   const Lock lock(folder_);
   const Json state = read_state(folder_);
   std::error_code none;
-  const fs::path file = state.is_object() ? folder_ / state.value("file", "none") : fs::path();
+  fs::path file = state.is_object() ? folder_ / state.value("file", "none") : fs::path();
   const bool exists = !file.empty() && fs::exists(file, none);
   if (exists && url_.names_server && lock.age_s() < max_age_s) return file;
   try {

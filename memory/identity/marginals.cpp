@@ -22,7 +22,7 @@ using ConstPart = Eigen::Map<const Eigen::Array<double, size, 1>>;
 /// out[s + bit] += w · in[s] for all s of a block that lack the bit.
 template <int bit>
 void add_forward(double* out, const double* in, double w, size_t block) {
-  for (size_t base = 0; base < block; base += 2 * bit)
+  for (size_t base = 0; base < block; base += size_t{2} * bit)
     Part<bit>(out + base + bit) += w * ConstPart<bit>(in + base);
 }
 
@@ -30,7 +30,7 @@ void add_forward(double* out, const double* in, double w, size_t block) {
 template <int bit>
 double add_backward(double* out, const double* in, const double* f, double w, size_t block) {
   double sum = 0;
-  for (size_t base = 0; base < block; base += 2 * bit) {
+  for (size_t base = 0; base < block; base += size_t{2} * bit) {
     const ConstPart<bit> with(in + base + bit);
     Part<bit>(out + base) += w * with;
     sum += (ConstPart<bit>(f + base) * with).sum();

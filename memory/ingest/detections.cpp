@@ -84,7 +84,7 @@ DetectedScene::Camera read_camera(const Parsed& json) {
 }
 
 Vector3d read_color(const Parsed& json, const std::string& where) {
-  const Vector3d color = vector(json, where);
+  Vector3d color = vector(json, where);
   if (color[0] < 0 || color[0] > 360 || color.tail<2>().minCoeff() < 0 || color.tail<2>().maxCoeff() > 1)
     refuse(where, "must be [hue 0 to 360, saturation 0 to 1, value 0 to 1]");
   return color;

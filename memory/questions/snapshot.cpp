@@ -51,9 +51,9 @@ std::shared_ptr<Snapshot::Reads> Snapshot::reads_of(const Store& store, const As
   thread_local std::vector<std::weak_ptr<Reads>> living;
   std::erase_if(living, [](const std::weak_ptr<Reads>& reads) { return reads.expired(); });
   for (const std::weak_ptr<Reads>& one : living)
-    if (const std::shared_ptr<Reads> reads = one.lock(); !store.writable() && &reads->store == &store &&
-                                                         reads->as_of.at == as_of.at &&
-                                                         reads->as_of.known_at == as_of.known_at)
+    if (std::shared_ptr<Reads> reads = one.lock(); !store.writable() && &reads->store == &store &&
+                                                   reads->as_of.at == as_of.at &&
+                                                   reads->as_of.known_at == as_of.known_at)
       return reads;
   auto reads = std::make_shared<Reads>(store, as_of);
   living.push_back(reads);

@@ -342,7 +342,7 @@ std::string Snapshot::hint_for(const std::vector<std::string>& words, size_t unk
   for (const Id object : objects) meant.push_back(object_name(object));
   if (!meant.empty()) return fmt::format("{}: {}", fmt::join(known_words, " "), some_of(meant));
   const std::vector<std::string> names = known_names();
-  if (const std::string hint = did_you_mean(words[unknown], names); !hint.empty()) return hint;
+  if (std::string hint = did_you_mean(words[unknown], names); !hint.empty()) return hint;
   if (names.empty()) return "this memory knows no objects";
   std::vector<std::string> descriptive;  // preferred to ids
   std::ranges::copy_if(names, std::back_inserter(descriptive),
@@ -356,7 +356,7 @@ std::optional<Id> Snapshot::find_superlative(const std::vector<std::string>& wor
     if (superlative == superlatives().end()) continue;
     std::vector<std::string> rest = words;
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
-    const auto most = most_of(find_objects(phrase(rest, 0)), superlative->second, *this);
+    auto most = most_of(find_objects(phrase(rest, 0)), superlative->second, *this);
     if (!most) throw UnknownName(UnknownName::Kind::object, "no size is known of any of them", file(), "");
     return most;
   }

@@ -129,15 +129,15 @@ std::vector<std::string> intent_features(const Tokens& tokens) {
   for (size_t i = 0; i < tokens.lemmas.size(); ++i) {
     const std::string& lemma = tokens.lemmas[i];
     features.push_back(lemma);
-    features.push_back(before + " " + lemma);
-    features.push_back(question + " ~ " + lemma);
+    features.push_back(fmt::format("{} {}", before, lemma));
+    features.push_back(fmt::format("{} ~ {}", question, lemma));
     if (tokens.words[i] != lemma) features.push_back("'" + tokens.words[i]);
     for (std::string& meaning : meanings_of(lemma)) features.push_back(std::move(meaning));
     before = lemma;
   }
   features.push_back(before + " $");
   std::ranges::sort(features);
-  features.erase(std::ranges::unique(features).begin(), features.end());
+  features.erase(std::unique(features.begin(), features.end()), features.end());
   return features;
 }
 

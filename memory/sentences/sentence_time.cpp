@@ -39,9 +39,9 @@ class PeriodReader {
       : words_(words), first_(first), last_(last), times_(times) {}
 
   std::optional<SentencePeriod> read() const {
-    if (const auto period = read_last()) return period;
-    if (const auto period = read_whole()) return period;
-    if (const auto period = read_throughout()) return period;
+    if (auto period = read_last()) return period;
+    if (auto period = read_whole()) return period;
+    if (auto period = read_throughout()) return period;
     const std::string& head = words_[first_];
     if (head == "between" || head == "from") return read_between(head == "between" ? "and" : "to");
     static const WordSet begins = {"since", "after"}, ends = {"until", "till", "before", "by", "to"};
@@ -293,7 +293,7 @@ std::optional<SentencePeriod> cut_longest(Words& words, TimesOfSentence& times) 
     for (size_t first = words.size() - length + 1; first-- > 0;) {
       if (first > 0 && is_digit(words[first][0]) && is_furniture(words[first - 1]))
         continue;  // "drawer 1 in the morning"
-      if (const auto period = PeriodReader(words, first, first + length, times).read()) {
+      if (auto period = PeriodReader(words, first, first + length, times).read()) {
         replace_words(words, first, length, {});
         return period;
       }
@@ -322,7 +322,7 @@ std::optional<SentencePeriod> cut_time(Words& words, const TimeReader& times) {
   normalize_times(words);
   drop_activities(words, times);
   TimesOfSentence texts(times);
-  const auto first = cut_longest(words, texts);
+  auto first = cut_longest(words, texts);
   if (!first) return std::nullopt;
   Words rest = words;
   const auto second = cut_longest(rest, texts);

@@ -38,7 +38,7 @@ const std::vector<std::string_view>& vocabulary_words() {
     add(vocabulary::kHouseholdWords);
     add(vocabulary::kOtherWords);
     std::ranges::sort(words);
-    words.erase(std::ranges::unique(words).begin(), words.end());
+    words.erase(std::unique(words.begin(), words.end()), words.end());
     return words;
   }();
   return all;
@@ -81,7 +81,7 @@ int rank_of(const std::string& typed, const std::string& meant) {
   std::ranges::sort(b);
   if (a == b) return 0;
   const auto without_doubles = [](std::string word) {
-    word.erase(std::ranges::unique(word).begin(), word.end());
+    word.erase(std::unique(word.begin(), word.end()), word.end());
     return word;
   };
   if (without_doubles(typed) == without_doubles(meant)) return 1;

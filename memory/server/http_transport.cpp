@@ -98,7 +98,7 @@ HttpReply HttpTransport::end_session(const std::string& name) {
 }
 
 std::string HttpTransport::begin_session(const std::string& version) {
-  const std::string name = unguessable_hex(kNameWords);
+  std::string name = unguessable_hex(kNameWords);
   const std::lock_guard lock(mutex_);
   if (sessions_.size() >= kMaxSessions)
     sessions_.erase(

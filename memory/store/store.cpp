@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cstring>
-#include <ranges>
 
 #include "mapping/base/hash.h"
 #include "memory/store/format.h"
@@ -129,7 +128,7 @@ fs::path backup_beside(const fs::path& path, int version) {
 fs::path migrate(SQLite::Database& database, const fs::path& path, int version, bool keep,
                  const MemoryFormat& format) {
   if (version >= format.version) return {};
-  const fs::path kept = keep ? backup_beside(path, version) : fs::path();
+  fs::path kept = keep ? backup_beside(path, version) : fs::path();
   SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
   for (const Migration& migration : format.migrations)
     if (migration.version > version) database.exec(migration.sql);
@@ -368,8 +367,8 @@ std::optional<MapRow> Store::map_at(const AsOf& as_of) const {
   const std::optional<SceneRow> latest = all.size() < 2 ? std::nullopt : latest_scene(as_of);
   const auto perceived = latest ? std::ranges::find(all, latest->map, &MapRow::id) : all.end();
   if (perceived == all.end()) return all.empty() ? std::nullopt : std::optional(all.back());
-  for (const MapRow& row : std::views::reverse(all))
-    if (corrected_map(blob(row.urdf).bytes) == perceived->hash) return row;
+  for (auto row = all.rbegin(); row != all.rend(); ++row)
+    if (corrected_map(blob(row->urdf).bytes) == perceived->hash) return *row;
   return *perceived;
 }
 

@@ -53,7 +53,7 @@ std::string child_text(const XMLElement& element, const char* name) {
 }
 
 std::string required_text(const XMLElement& element, const char* name, const std::string& file) {
-  const std::string text = child_text(element, name);
+  std::string text = child_text(element, name);
   if (text.empty())
     throw Error(std::string("<") + element.Name() + "> without <" + name + ">", place_of(element, file),
                 "add it");

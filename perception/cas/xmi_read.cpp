@@ -60,7 +60,7 @@ std::string type_name(const std::string& name, const std::map<std::string, std::
                       const FileLocation& place) {
   const size_t colon = name.find(':');
   const std::string prefix = colon == std::string::npos ? "" : name.substr(0, colon);
-  const std::string local = colon == std::string::npos ? name : name.substr(colon + 1);
+  std::string local = colon == std::string::npos ? name : name.substr(colon + 1);
   const auto space = spaces.find(prefix);
   if (space == spaces.end()) {
     if (prefix.empty()) return local;

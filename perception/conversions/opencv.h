@@ -25,7 +25,7 @@ struct Conversion<cv::Mat_<T>> {
   using Proxy = Mat;
   static Mat to(cas::Cas& cas, const cv::Mat_<T>& image) { return Conversion<cv::Mat>::to(cas, image); }
   static cv::Mat_<T> from(const Mat& proxy) {
-    const cv::Mat image = Conversion<cv::Mat>::from(proxy);
+    cv::Mat image = Conversion<cv::Mat>::from(proxy);
     if (image.type() != cv::traits::Type<T>::value)
       throw Error("an image of type " + cv::typeToString(image.type()) + " is not of type " +
                   cv::typeToString(cv::traits::Type<T>::value));

@@ -239,7 +239,7 @@ std::string without_leading_zero(const std::string& code) {
 std::vector<Barcode> read_barcodes(const cv::Mat& image, bool thorough) {
   cv::Mat grey = image;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  const std::vector<Barcode> plain = scan(grey);
+  std::vector<Barcode> plain = scan(grey);
   if (!plain.empty() || !thorough) return plain;
   std::map<std::string, int> seen;
   for (const Frame& frame : frames()) {

@@ -260,7 +260,7 @@ fs::path image_of(const Page& page, const fs::path& file) {
   for (const char* key : {"og:image", "twitter:image"})
     if (page.meta.contains(key)) named.push_back(page.meta.at(key));
   for (const std::string& url : named)
-    if (const fs::path saved = saved_image(url, file); !saved.empty()) return saved;
+    if (fs::path saved = saved_image(url, file); !saved.empty()) return saved;
   fs::path largest;
   int most = 0;
   for (const std::string& url : page.images) {

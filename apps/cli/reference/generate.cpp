@@ -134,7 +134,7 @@ std::string program_page(const Json& program) {
   for (const Json& command : program.at("commands")) {
     const std::string own = text_of(command, "name");
     text += fmt::format(".TP\n.B {}\n{}\n", troff(own), troff(text_of(command, "description")));
-    references.push_back(name + "-" + own);
+    references.push_back(fmt::format("{}-{}", name, own));
   }
   return text + page_tail(references);
 }
@@ -237,7 +237,8 @@ std::string bash_completion(const Json& program) {
       for (const std::string& spelling : spellings(argument)) {
         names.push_back(spelling);
         if (!text_of(argument, "value_name").empty() && (!choices.empty() || !may_be_file(argument)))
-          values += fmt::format("  [{}]={}\n", shell_word(key + " " + spelling), shell_word(choices));
+          values += fmt::format("  [{}]={}\n", shell_word(fmt::format("{} {}", key, spelling)),
+                                shell_word(choices));
       }
     }
     options +=

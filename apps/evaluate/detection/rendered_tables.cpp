@@ -27,7 +27,7 @@ const std::vector<std::string>& rendered_classes() {
     for (const std::string& name : mapping::household_classes())
       names.push_back(perception::household_group(name));
     std::ranges::sort(names);
-    names.erase(std::ranges::unique(names).begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
     return names;
   }();
   return classes;

@@ -85,7 +85,7 @@ std::filesystem::path recorded_walk(const Run& run, Progress& progress, Warnings
   options.seed = static_cast<int>(run.seed);
   options.threads = run.threads;
   options.package_paths = run.package_paths;
-  const std::filesystem::path folder = run.folder / "recording";
+  std::filesystem::path folder = run.folder / "recording";
   make_folder(run.folder);
   Random random(run.seed);
   record_views(run.world, run.track ? mapping::stroll(places, random) : mapping::views_from(places),

@@ -7,6 +7,9 @@
 namespace loci::apps::memory_experiment {
 
 struct PlainTables::Implementation {
+  explicit Implementation(const std::filesystem::path& file)
+      : database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE) {}
+
   SQLite::Database database;
   double rate = 0;
 
@@ -18,8 +21,7 @@ struct PlainTables::Implementation {
 };
 
 PlainTables::PlainTables(const std::filesystem::path& file, const std::filesystem::path& memory)
-    : implementation_(std::make_unique<Implementation>(
-          SQLite::Database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE))) {
+    : implementation_(std::make_unique<Implementation>(file)) {
   SQLite::Database& database = implementation_->database;
   database.exec(
       "PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;"

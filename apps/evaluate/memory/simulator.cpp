@@ -17,7 +17,8 @@ const std::vector<std::string> kWords = {"fresh", "dark",  "whole",  "sweet",
 const std::vector<std::string> kGoods = {"milk", "coffee", "rice", "tea", "honey", "butter", "beans", "soap"};
 
 Vector3d centre_of(int place) {
-  return {3.0 * (place % 5), 4.0 * (place / 5), kTableHeight_m};
+  const int column = place % 5, row = place / 5;
+  return {3.0 * column, 4.0 * row, kTableHeight_m};
 }
 
 /// Stands before the table and looks down at its middle.

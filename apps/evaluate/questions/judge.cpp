@@ -42,9 +42,9 @@ double minutes_of(const std::string& clock) {
 }
 
 double minutes_of(TimeNs time, const memory::Store& store) {
-  constexpr int64_t kDay_min = 24 * 60;
+  constexpr double kDay_min = 24 * 60;
   const double minutes = static_cast<double>(store.time_zone().local(time)) / (60.0 * kSecond);
-  return minutes - static_cast<double>(kDay_min) * std::floor(minutes / static_cast<double>(kDay_min));
+  return minutes - kDay_min * std::floor(minutes / kDay_min);
 }
 
 /// Objects by the first that looks like them.

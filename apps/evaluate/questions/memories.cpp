@@ -98,7 +98,7 @@ Twins twins_of(const fs::path& scenario) {
 /// A random day in one of the sample kitchens as a scenario beside its recording.
 fs::path write_random_day(const std::string& name, const fs::path& folder, const fs::path& samples) {
   const std::string world = name == "kitchen" ? "kitchen" : "kitchen_l";
-  const fs::path scenario = folder / (name + ".yaml");
+  fs::path scenario = folder / (name + ".yaml");
   write_file_atomically(
       scenario,
       changes::random_day(changes::sample_day_world(world), fs::absolute(samples / (world + ".urdf")),

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
@@ -55,7 +56,7 @@ class FlatWorkspace {
 
   struct Colors {
     mapping::Rgba left_table, right_table;
-    mapping::Rgba pieces[3];
+    std::array<mapping::Rgba, 3> pieces;
   };
   double surface(double x, double y) const;
   mapping::TriangleMesh tables() const;
@@ -131,7 +132,7 @@ cv::Mat lit(const cv::Mat& colors, Random& draw) {
   return image;
 }
 
-FlatWorkspace::FlatWorkspace(double distance, Random random) : random_(std::move(random)) {
+FlatWorkspace::FlatWorkspace(double distance, Random random) : random_(random) {
   camera_ = mapping::kinect_camera();
   camera_.color = {1280, 960, 1056, 1056, 640.5, 480.5};
   Random draw = random_.fork(0);

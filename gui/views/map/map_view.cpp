@@ -375,7 +375,7 @@ void MapView::redraw() {
 
 QImage MapView::image() {
   scene_->set_moving(false);
-  const QImage image = canvas_->image();
+  QImage image = canvas_->image();
   if (image.isNull() || is_blank(image))
     throw Error("the 3D view stayed blank: OpenGL did not draw", {}, "check the graphics driver");
   return image;

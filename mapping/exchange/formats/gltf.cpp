@@ -1,7 +1,6 @@
 #include "mapping/exchange/formats/gltf.h"
 
 #include <cmath>
-#include <cstring>
 #include <sstream>
 
 #include "mapping/base/error.h"
@@ -24,8 +23,8 @@ int add_array(tinygltf::Model& model, const std::vector<T>& values, size_t count
   view.byteOffset = bytes.size();
   view.byteLength = values.size() * sizeof(T);
   view.target = target;
-  bytes.resize(bytes.size() + view.byteLength);
-  std::memcpy(bytes.data() + view.byteOffset, values.data(), view.byteLength);
+  const auto* first = reinterpret_cast<const unsigned char*>(values.data());
+  bytes.insert(bytes.end(), first, first + view.byteLength);
   tinygltf::Accessor accessor;
   accessor.bufferView = static_cast<int>(model.bufferViews.size());
   accessor.componentType = component;

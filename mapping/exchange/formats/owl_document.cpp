@@ -97,7 +97,7 @@ void OwlDocument::add_matrix(const std::string& name, const Isometry3d& pose) {
 }
 
 std::string OwlDocument::timepoint(int64_t time_ns) {
-  const std::string name = "timepoint_" + std::to_string(time_ns / 1'000'000'000);
+  std::string name = "timepoint_" + std::to_string(time_ns / 1'000'000'000);
   if (times_.insert(name).second) individual(name, "TimePoint");
   return name;
 }

@@ -277,7 +277,7 @@ class FixtureFinder {
       for (size_t i = 0; i < points.size(); ++i) shape.inliers[i] = i;
       measure(points, shape);
     }
-    const std::string why = bar ? why_no_bar(shape, points.size()) : why_no_knob(shape);
+    std::string why = bar ? why_no_bar(shape, points.size()) : why_no_knob(shape);
     if (!why.empty()) return why;
     shapeless = false;
     return add(points, shape, bar);

@@ -144,7 +144,7 @@ std::vector<int> outline_of(const SeamMap& seams, const FaceRect& strip, bool up
 std::optional<double> outline_step(const SeamMap& seams, const FaceRect& rect, bool upright) {
   constexpr int kWindow = kLayout.outline_cells;
   const auto positions = static_cast<size_t>((rect.high(upright) - rect.low(upright)) / kFaces.cell_m);
-  if (positions < 2 * kWindow) return std::nullopt;
+  if (positions < size_t{2} * kWindow) return std::nullopt;
   std::vector<int> steps(positions, 0), both(positions, 0);
   const double strip_m = kSeams.chunk_cells * kFaces.cell_m;
   for (double from = rect.low(!upright); from + strip_m <= rect.high(!upright); from += strip_m) {

@@ -276,7 +276,7 @@ std::string free_name(const std::string& name, const std::set<std::string>& used
   const size_t digits = name.find_last_not_of("0123456789");
   const std::string stem = digits + 1 < name.size() ? name.substr(0, digits + 1) : name + "_";
   for (int number = 1;; ++number) {
-    const std::string candidate = stem + std::to_string(number);
+    std::string candidate = stem + std::to_string(number);
     if (!used.contains(candidate)) return candidate;
   }
 }

@@ -91,21 +91,19 @@ void choose_class(Support& support, double floor_height, bool free_space) {
   const bool counter_height = height >= kClasses.table_top_m && height <= kClasses.max_counter_m;
   const bool low_counter = height < kClasses.table_top_m && height >= kClasses.min_counter_m && free_space &&
                            at_wall && !open_below;
-  support.reason = fmt::format("{}; {}; {}{}", tall, below, beside, basis);
-  if (depth < kClasses.shelf_depth_m && at_wall) {
-    support.class_name = "shelf";
-    support.reason = fmt::format("only {:.2f} m deep; {}; {}", depth, tall, beside);
-  } else if (stands_on_legs) {
-    support.class_name = "table";
-  } else if (counter_height && free_all_round(support)) {
-    support.class_name = "island";
-  } else if (counter_height || low_counter) {
-    support.class_name = "counter";
-  } else if (height < kClasses.table_top_m && depth >= kClasses.shelf_depth_m && (open_below || !at_wall)) {
-    support.class_name = "table";
-  } else {
-    support.class_name = "shelf";
-  }
+  const bool shallow = depth < kClasses.shelf_depth_m && at_wall;
+  const auto class_name = [&] {
+    if (shallow) return "shelf";
+    if (stands_on_legs) return "table";
+    if (counter_height && free_all_round(support)) return "island";
+    if (counter_height || low_counter) return "counter";
+    if (height < kClasses.table_top_m && depth >= kClasses.shelf_depth_m && (open_below || !at_wall))
+      return "table";
+    return "shelf";
+  };
+  support.class_name = class_name();
+  support.reason = shallow ? fmt::format("only {:.2f} m deep; {}; {}", depth, tall, beside)
+                           : fmt::format("{}; {}; {}{}", tall, below, beside, basis);
 }
 
 }  // namespace

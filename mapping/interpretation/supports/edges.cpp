@@ -8,6 +8,7 @@
 #include "mapping/base/math.h"
 #include "mapping/interpretation/supports/parameters.h"
 #include "mapping/interpretation/supports/refinement.h"
+#include "mapping/interpretation/surfaces/levelling.h"
 
 namespace loci::mapping {
 namespace {

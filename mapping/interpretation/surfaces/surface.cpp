@@ -53,7 +53,7 @@ class MomentGrid {
         }
     if (all.count < kNormals.min_neighbours) return Eigen::Vector3f::Zero();
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(all.covariance());
-    const Vector3d values = solver.eigenvalues();
+    const Vector3d& values = solver.eigenvalues();
     if (values[0] > 0.25 * values[1] || values[1] < 0.05 * values[2]) return Eigen::Vector3f::Zero();
     return solver.eigenvectors().col(0).cast<float>();
   }

@@ -34,8 +34,8 @@ void LineVotes::vote(const Vector2d& position, const Vector2d& normal, int amoun
 LineVotes::Peak LineVotes::strongest() const {
   const auto best = std::max_element(votes_.begin(), votes_.end());
   const int at = static_cast<int>(best - votes_.begin());
-  return {direction(at / offsets_), (at % offsets_ - offsets_ / 2) * bins_.offset_m, *best,
-          static_cast<size_t>(at)};
+  const int offset = at % offsets_ - offsets_ / 2;
+  return {direction(at / offsets_), offset * bins_.offset_m, *best, static_cast<size_t>(at)};
 }
 
 namespace {

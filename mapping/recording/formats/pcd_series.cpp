@@ -150,8 +150,9 @@ void PcdSeries::fit_camera() {
   for (size_t i = 0; i < cloud.size(); ++i) {
     const double depth = cloud.number(i, *z);
     if (!std::isfinite(depth) || depth == 0) continue;
-    across.emplace_back(cloud.number(i, *x) / std::abs(depth), static_cast<double>(i % cloud.width));
-    down.emplace_back(cloud.number(i, *y) / std::abs(depth), static_cast<double>(i / cloud.width));
+    const size_t column = i % cloud.width, row = i / cloud.width;
+    across.emplace_back(cloud.number(i, *x) / std::abs(depth), static_cast<double>(column));
+    down.emplace_back(cloud.number(i, *y) / std::abs(depth), static_cast<double>(row));
     backwards_ = depth < 0;
   }
   const FileLocation location{path.string(), 0, {}};

@@ -1,5 +1,7 @@
 #include "mapping/recording/ros/message_writers.h"
 
+#include <fmt/format.h>
+
 #include <map>
 
 #include "mapping/image/image_io.h"
@@ -60,7 +62,7 @@ void add_parts(const std::string& fields, std::string& definition) {
                       fields.find("\n" + name + " ") != std::string::npos ||
                       fields.find("\n" + name + "[] ") != std::string::npos;
     if (!used || definition.find("MSG: " + name + "\n") != std::string::npos) continue;
-    definition += std::string(80, '=') + "\nMSG: " + name + "\n" + part;
+    definition += fmt::format("{:=<80}\nMSG: {}\n{}", "", name, part);
     add_parts(part, definition);
   }
 }

@@ -161,10 +161,10 @@ cv::Mat metres_from(const cv::Mat& raw, double unit_m, const FileLocation& locat
     for (int u = 0; u < raw.cols; ++u) {
       float metres = kNan;
       if (raw.type() == CV_32FC1) {
-        std::memcpy(&metres, raw.ptr(v) + 4 * u, 4);
+        std::memcpy(&metres, raw.ptr(v, u), 4);
       } else {
         uint16_t millimetres = 0;
-        std::memcpy(&millimetres, raw.ptr(v) + 2 * u, 2);
+        std::memcpy(&millimetres, raw.ptr(v, u), 2);
         if (millimetres != 0 && millimetres != 65535)
           metres = static_cast<float>(unit_m * static_cast<double>(millimetres));
       }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 
 #include "memory/belief/parameters.h"
 
@@ -56,7 +55,7 @@ void predict_locations(const ProtoObject& object, const BeliefState& state,
   std::vector<double> shares(views, 0.0);
   double put_down = 0, unseen = 0;
   size_t i = 0;
-  for (const PlaceHistory& place : std::views::values(state.places)) {
+  for (const auto& [name, place] : state.places) {
     const double share = destinations[i];
     const std::optional<size_t> view = view_of[i++];
     const double still_unseen = share * place.unseen_share(since, until);
@@ -117,7 +116,7 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
   const double view_noise = state.view_noise.variance_factor(options.noise_spread);
   std::map<std::string, std::vector<double>> destinations_from;
   std::vector<std::optional<size_t>> view_of;  // of the places of the state
-  for (const std::string& name : std::views::keys(state.places)) {
+  for (const auto& [name, place] : state.places) {
     const size_t view = index_of(places, name);
     view_of.push_back(view < places.size() ? std::optional(view) : std::nullopt);
   }

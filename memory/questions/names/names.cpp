@@ -34,7 +34,7 @@ std::vector<Id> namesakes(const Snapshot& snapshot, const std::string& name, Id 
 std::string Names::of(const ObjectRef& object) const {
   if (!object.label && !object.color) return object.name;
   const std::string word = object.label ? *object.label : *object.color;
-  const std::string name = object.label ? *object.label : *object.color + " object";
+  std::string name = object.label ? *object.label : *object.color + " object";
   const std::vector<Id> others = namesakes(snapshot_, word, object.id);
   const auto none_is = [&](auto same) {
     return std::ranges::none_of(others, [&](Id other) { return same(*snapshot_.belief(other)); });

@@ -91,13 +91,12 @@ std::string none_text(const Query& query) {
   const std::string kind = query.argument("kind"), place = name_in_words(query.argument("place"));
   if (const std::string times = query.argument("times"); !times.empty())
     return fmt::format("nothing of the kind was seen {} times", times);
-  const std::string what = kind == "opened"    ? place + " was not opened"
-                           : kind == "closed"  ? place + " was not closed"
-                           : kind == "handled" ? "no move was seen"
-                           : kind == "left"    ? "nothing was seen to leave"
-                           : kind == "came"    ? "nothing was seen to come"
-                                               : "no change was seen";
-  return what;
+  return kind == "opened"    ? place + " was not opened"
+         : kind == "closed"  ? place + " was not closed"
+         : kind == "handled" ? "no move was seen"
+         : kind == "left"    ? "nothing was seen to leave"
+         : kind == "came"    ? "nothing was seen to come"
+                             : "no change was seen";
 }
 
 void no_changes(const ChangesAnswer& answer, const Snapshot& snapshot, const ReplyContext& context,

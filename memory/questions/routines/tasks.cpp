@@ -214,7 +214,7 @@ class TaskPlanner {
 };
 
 std::string item_text(const TaskItem& item, const TimeWriter& times) {
-  const std::string text = belief_text(item.object, times);
+  std::string text = belief_text(item.object, times);
   if (!item.target) return text;
   return text + (item.done
                      ? fmt::format(" It is where it is to be ({}).", item.target->reason)

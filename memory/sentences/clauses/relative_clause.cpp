@@ -27,7 +27,7 @@ std::optional<SentencePeriod> time_at(const Words& words, size_t& last, const Ti
   for (size_t count = std::min(kMaxWords, words.size() - last); count > 0; --count) {
     Words time(words.begin() + static_cast<std::ptrdiff_t>(last),
                words.begin() + static_cast<std::ptrdiff_t>(last + count));
-    const auto period = cut_time(time, times);
+    auto period = cut_time(time, times);
     if (!period || !time.empty()) continue;
     last += count;
     return period;

@@ -175,7 +175,7 @@ ForgetResult Store::honour_tombstones(const Store& younger) {
     }
     if (!run) run = begin_run("loci-memory merge", "{}");
     const ForgetResult erased = erasing(db, [&] {
-      const ForgetResult one = Eraser(*this, db, targets, *run).erase({});
+      ForgetResult one = Eraser(*this, db, targets, *run).erase({});
       // The belief has it too; it begins anew from the rows.
       run_statements(*db.database,
                      "DELETE FROM checkpoint WHERE name LIKE 'belief%' OR name LIKE 'before/%';");

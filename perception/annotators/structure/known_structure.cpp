@@ -372,7 +372,7 @@ std::vector<SupportSurface> KnownStructureFilter::standing_surfaces() const {
 Isometry3d KnownStructureFilter::refined_pose(const types::SceneCas& facade, const cv::Mat& points,
                                               const mapping::PinholeCamera& camera, Context& context) {
   const types::Scene scene = facade.scene();
-  const Isometry3d given = map_from_camera(scene);
+  Isometry3d given = map_from_camera(scene);
   if (!refinement_.refine_pose || !has_measured_pose(scene)) return given;
   const PoseRefinement refinement =
       refine_pose(points, cloud_normals(facade), camera, given, map_->scene, refinement_, context.threads);

@@ -76,6 +76,22 @@ TEST_F(Belief, ShiftOfABoxThatIsHalfHiddenIsAMove) {
   EXPECT_THAT(events(observe(120)), ElementsAre("moved 1"));
 }
 
+TEST_F(Belief, SurfacesTellAShiftWhateverTheCameraLookedAtASecondBefore) {
+  const auto evidence_after = [&](double shift) {
+    state = {};
+    kitchen.objects = {{"box", at(0, 0), {0.3, 0.2, 0.1}, kRed},
+                       {"before", SyntheticKitchen::on_table(0, -0.2, 0.15), {0.12, 0.05, 0.15}, kBlue}};
+    const Isometry3d there = kitchen.map_from_camera;
+    observe(0);
+    kitchen.map_from_camera = SyntheticKitchen::look_from({0, -1, 1.4}, {9, -1, 0.72});
+    observe(119, 1);
+    kitchen.map_from_camera = there;
+    kitchen.object("box").centre = at(shift, 0);
+    return observe(120).evidence.log_proximity(0, 0);
+  };
+  EXPECT_LT(evidence_after(0.05), evidence_after(0) - 6);
+}
+
 TEST_F(Belief, MoreThatHidesABoxIsNoMove) {
   kitchen.objects = {{"box", at(0, 0), {0.3, 0.2, 0.1}, kRed}};
   observe(0);

@@ -10,6 +10,7 @@
 #include "perception/annotators/segmentation/object_clusters.h"
 #include "perception/annotators/structure/known_structure.h"
 #include "perception/annotators/structure/normals.h"
+#include "perception/types/geometry.h"
 #include "tests/perception/annotators/synthetic_table.h"
 
 namespace loci::perception {
@@ -383,6 +384,65 @@ TEST(Clusters, WhatIsFlushWithTheMapIsNoObject) {
   found.clusters = extract_clusters(images, table.camera, found.supports, ClusterOptions());
   ASSERT_EQ(found.clusters.size(), 1U);
   EXPECT_GT(overlap(found, found.clusters[0], 2), 0.8);
+}
+
+/// The far side of a bowl comes so near to the wall behind it that the map explains it, and the near side
+/// goes on in it.
+TEST(Clusters, WhatStandsBeforeAWallOfTheMapIsNoPieceOfIt) {
+  SyntheticTable table;
+  table.map_from_camera = mapping::looking_at({0, -0.7, 1.0}, {0, 0.1, 0.05});
+  table.boxes = {{{0, 0.35, 0.5}, {2, 0.02, 1}}};
+  SyntheticTable map = table;
+  table.bowls = {{{0, 0.25, 0}, 0.06, 0.03, 0.078}};
+  Found found;
+  const cv::Mat depth =
+      smooth_depth(table.render(0.05, found.labels), table.camera, NormalOptions::for_objects());
+  cv::Mat ignored;
+  const cv::Mat map_depth = map.render(0, ignored);
+  cv::Mat region;
+  cv::Mat((map_depth - depth > 0.05) | (ignored == 0)).convertTo(region, CV_16U, 1 / 255.0);
+  const ClusterImages images{points_from_depth(depth, table.camera),
+                             normals_from_depth(depth, table.camera, NormalOptions::for_objects()), region,
+                             map_depth};
+  found.supports = find_supports(images.points, images.normals, table.up(), SupportOptions());
+  ASSERT_FALSE(found.supports.empty());
+  for (SupportPlane& support : found.supports) support.region = 1;
+  found.clusters = extract_clusters(images, table.camera, found.supports, ClusterOptions());
+  EXPECT_GT(best_overlap(found, 2), 0.5);
+}
+
+TEST(Clusters, WhatStandsOutClearlyNeedsFewPixels) {
+  SyntheticTable table;
+  table.boxes = {{{0.1, 0.2, 0.02}, {0.03, 0.03, 0.04}}};
+  const Found found = find(table, 0.05, table.up());
+  ASSERT_EQ(found.clusters.size(), 1U);
+  ClusterOptions options;
+  EXPECT_LT(found.clusters[0].pixels.size(), static_cast<size_t>(options.min_points));
+  options.min_clear_points = options.min_points;  // as in a video
+  EXPECT_TRUE(find(table, 0.05, table.up(), options).clusters.empty());
+}
+
+/// An apple that lies before a pot is no part of it, nor is the tip of a banana of the jar that it touches.
+TEST(Clusters, WhatHasAnotherColourIsNoPartOfWhatItTouches) {
+  SyntheticTable table;
+  table.camera = {640, 480, 585, 585, 320, 240};
+  table.boxes = {{{-0.125, 0.02, 0.085}, {0.06, 0.03, 0.02}}};
+  table.bowls = {{{0, 0.05, 0}, 0.11, 0.1, 0.1}};
+  table.rounds = {{{{0.06, -0.075, 0}, 0.035, 0.02, 0.036}, {{0.06, -0.075, 0.035}, 0.035, 0.036, 0.015}}};
+  Found found;
+  const cv::Mat depth =
+      smooth_depth(table.render(0.1, found.labels), table.camera, NormalOptions::for_objects());
+  ClusterImages images{points_from_depth(depth, table.camera),
+                       normals_from_depth(depth, table.camera, NormalOptions::for_objects()),
+                       {},
+                       {}};
+  images.color = cv::Mat(depth.size(), CV_8UC3, cv::Scalar(70, 120, 170));
+  images.color.setTo(cv::Scalar(30, 30, 30), found.labels == 2);
+  images.color_camera = table.camera;
+  found.supports = find_supports(images.points, images.normals, table.up(), SupportOptions());
+  found.clusters = extract_clusters(images, table.camera, found.supports, ClusterOptions());
+  EXPECT_EQ(found.clusters.size(), 2U);
+  EXPECT_GT(best_overlap(found, 2), 0.8);
 }
 
 /// Maps have the box of a drawer by assumption: its boards are seen beside where they are in the map. What
