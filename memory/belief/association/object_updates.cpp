@@ -90,8 +90,7 @@ void SceneUpdate::update_box_and_views(size_t o, size_t k, const Observation& ob
   if (!observation.place.empty()) set_place(object, observation.place, scene_);
   // Views that follow each other at once repeat each other's errors: what was kept first stays.
   const bool rested = double(scene_.time - object.last_seen) / double(kSecond) >= options_.snapshot_gap_s;
-  if (rested || elsewhere)
-    store_surface(object, surfaces_[k], predicted_[o].surface, scene_, elsewhere);
+  if (rested || elsewhere) store_surface(object, surfaces_[k], predicted_[o].surface, scene_, elsewhere);
   // An object that moved was recognised by its appearance alone: a dissimilar view may be another object's.
   if (!piece) {
     store_view(object, observation, scene_, options_, state_.calibration.corrections(), !moved);
