@@ -91,7 +91,8 @@ struct Context {
   bool alone = true;                 ///< no other annotator runs meanwhile
   std::optional<FrameId> next = {};  ///< the frame that is read after this one
 
-  /// Whether a frame is one of a video: the next is taken less than a second later, from about the same place.
+  /// Whether a frame is one of a video: the next is taken less than a second later, from about the same
+  /// place.
   bool in_video(TimeNs frame) const { return next && next->time_ns - frame < kSecond; }
 };
 
