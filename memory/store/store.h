@@ -14,13 +14,14 @@
 #include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
 #include "mapping/base/time_zone.h"
-#include "memory/store/format.h"
 #include "memory/store/rows/rows.h"
 
 namespace loci::memory {
 
 struct RetentionRules;
 struct RetentionResult;
+struct MemoryFormat;
+extern const MemoryFormat kMemoryFormat;
 
 /// Valid time and transaction time that a read refers to. Unset = up to the end.
 struct AsOf {
