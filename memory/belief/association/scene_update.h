@@ -101,7 +101,7 @@ class SceneUpdate {
   const SceneTiming timing_;
   std::vector<PlaceView> places_;  ///< that the scene shows
   std::vector<Prediction> predicted_;
-  std::vector<Surface> surfaces_;  ///< of the observations, in a snapshot; else empty ones
+  std::vector<Surface> surfaces_;  ///< of the observations
   IdentityWeights weights_;
   IdentitySolution solution_;
   std::vector<std::optional<size_t>> partner_of_object_, partner_of_observation_;

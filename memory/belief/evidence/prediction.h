@@ -30,8 +30,9 @@ struct Prediction {
       0;               ///< probability of another appearance at the same spot: another side, or handled
   double here = 1;     ///< probability of still being there
   BoxVisibility seen;  ///< what observing its spot showed
-  std::vector<PointState> surface;  ///< what became of the points of its surface, between snapshots
-  double log_surface = 0;           ///< surface_log_ratio() of it
+  std::vector<PointState>
+      surface;             ///< what became of the points of its surface, if it was not seen shortly before
+  double log_surface = 0;  ///< surface_log_ratio() of it
   /// Probability of having been put down, unseen since, on each place of the scene (`PlaceView`).
   std::vector<double> moved_to;
   double carried_off = 0;   ///< probability

@@ -17,4 +17,14 @@ inline float lab_distance(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   return (b - a).cwiseProduct(Eigen::Vector3f(0.5f, 1, 1)).norm();
 }
 
+/// Whether two mean colours are those of two objects rather than of one in light and shadow.
+inline bool is_other_color(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  constexpr float kOther = 30;
+  return lab_distance(a, b) > kOther;
+}
+
+inline Eigen::Vector3f lab_vector(const cv::Vec3b& lab) {
+  return {static_cast<float>(lab[0]), static_cast<float>(lab[1]), static_cast<float>(lab[2])};
+}
+
 }  // namespace loci::perception

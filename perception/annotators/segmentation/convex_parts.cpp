@@ -284,12 +284,10 @@ bool convex(const Element& a, const Element& b, const ConvexPartsOptions& option
   const double cosine = std::clamp(static_cast<double>(a.normal.dot(b.normal)), -1.0, 1.0);
   const double angle = std::acos(cosine) * degrees;
   const auto turned_out = static_cast<double>(a.normal.dot(apart) - b.normal.dot(apart));
-  constexpr float kOtherColor = 30;  // Lab
-  const bool other_color = lab_distance(a.lab, b.lab) > kOtherColor;
   if (turned_out < 0) return angle < options.concave_deg;
   // Across an edge it is twice the sine of half the angle; where two objects touch they are apart in any
   // direction.
-  if (other_color && turned_out < std::sin(angle / degrees / 2)) return false;
+  if (is_other_color(a.lab, b.lab) && turned_out < std::sin(angle / degrees / 2)) return false;
   const Vector3f edge = a.normal.cross(b.normal);
   if (edge.norm() < 1e-3f) return true;
   double skew =
@@ -330,8 +328,8 @@ ConvexParts split_at_concave_edges(const std::vector<Vector3f>& points, const st
   const std::vector<int>& voxel_of_point = grid.cells.cell_of;
   std::vector<Element> voxels(grid.cells.keys.size());
   for (size_t i = 0; i < points.size(); ++i)
-    voxels[static_cast<size_t>(voxel_of_point[i])].add(
-        points[i], normals[i], lab.empty() ? Vector3f::Zero() : Vector3f(lab[i][0], lab[i][1], lab[i][2]));
+    voxels[static_cast<size_t>(voxel_of_point[i])].add(points[i], normals[i],
+                                                       lab.empty() ? Vector3f::Zero() : lab_vector(lab[i]));
   for (Element& v : voxels) v.finish();
   const Patches patches(voxels, grid, voxel_size * static_cast<float>(options.patch_voxels),
                         static_cast<float>(options.normal_weight));

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "mapping/base/math.h"
+#include "perception/annotators/segmentation/color_contrast.h"
 #include "perception/conversions/opencv.h"
 
 namespace loci::perception {
@@ -102,10 +103,8 @@ void measure_area(Piece& piece, const PlaneCloud& cloud) {
   for (const int i : piece.points) piece.area += static_cast<double>(cloud.areas[static_cast<size_t>(i)]);
   piece.lab.setZero();
   if (!cloud.lab.empty())
-    for (const int i : piece.points) {
-      const cv::Vec3b& lab = cloud.lab[static_cast<size_t>(i)];
-      piece.lab += Vector3f(lab[0], lab[1], lab[2]) / static_cast<float>(piece.points.size());
-    }
+    for (const int i : piece.points)
+      piece.lab += lab_vector(cloud.lab[static_cast<size_t>(i)]) / static_cast<float>(piece.points.size());
   // What a pixel covers grows with the square of the distance, and so does the noise.
   const double focal_squared = cloud.camera.fx * cloud.camera.fy;
   piece.noise = std::max(1.0, piece.area / static_cast<double>(piece.points.size()) * focal_squared);

@@ -84,17 +84,12 @@ class Assembly {
     return static_cast<double>(within) / count;
   }
 
-  bool other_color(const Piece& a, const Piece& b) const {
-    constexpr float kOther = 30;  // Lab
-    return lab_distance(a.lab, b.lab) > kOther;
-  }
-
-  /// Whether a piece that touches another is no handle or label of it: it reaches down to the support, has
-  /// another colour, and is as large as the smallest objects.
+  /// Whether a piece that touches another is an object rather than its handle or label: it reaches down to
+  /// the support, has another colour, and is as large as the smallest objects.
   bool stands_apart(const Piece& a, const Piece& b) const {
     constexpr double kMinArea = 0.001;  // m², of what is seen
     return static_cast<double>(a.bottom) <= options_.hovering_m && a.area > kMinArea * a.noise &&
-           other_color(a, b);
+           is_other_color(a.lab, b.lab);
   }
 
   /// Makes two pieces one, of which only the area is known then.

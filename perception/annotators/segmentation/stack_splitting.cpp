@@ -137,7 +137,7 @@ class FrontColumns {
         ++half.count;
         half.height += s.height;
         half.distance += s.distance;
-        if (!lab.empty()) half.lab += Vector3f(lab[s.point][0], lab[s.point][1], lab[s.point][2]);
+        if (!lab.empty()) half.lab += lab_vector(lab[s.point]);
       }
     }
   }

@@ -422,7 +422,7 @@ TEST(Clusters, WhatStandsOutClearlyNeedsFewPixels) {
   EXPECT_TRUE(find(table, 0.05, table.up(), options).clusters.empty());
 }
 
-/// An apple that lies before a pot is no part of it, nor is the tip of a banana of the jar that it touches.
+/// An apple that lies before a pot stays apart from it.
 TEST(Clusters, WhatHasAnotherColourIsNoPartOfWhatItTouches) {
   SyntheticTable table;
   table.camera = {640, 480, 585, 585, 320, 240};
