@@ -9,10 +9,10 @@
 #include <optional>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::nbv {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/occupancy/occupancy.h"
 #include "mapping/registration/registration.h"
 #include "mapping/sensor/robot.h"

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <map>
 
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
 #include "nbv/ray_casting.h"
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 
 namespace loci::nbv {

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::nbv {
 namespace {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "mapping/base/math/random.h"
 #include "mapping/base/options.h"
-#include "mapping/base/random.h"
+#include "mapping/base/text/json.h"
 #include "mapping/occupancy/floor_grid.h"
 #include "mapping/occupancy/occupancy.h"
 #include "mapping/sensor/laser.h"

@@ -6,10 +6,10 @@
 #include <array>
 
 #include "mapping/base/files.h"
-#include "mapping/base/html.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/html.h"
+#include "mapping/base/text/json.h"
 #include "mapping/exchange/map_report.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/world/urdf.h"
@@ -135,7 +135,7 @@ SurveyResult survey(mapping::Robot& robot, const mapping::PlanarPose& start,
   const Stopwatch watch;
   SurveyOptions checked = options;
   table_of(checked).validate({"", 0, "explore"});
-  mapping::FloorRegion(checked.exploration.planner.within);  // Error for what is none.
+  static_cast<void>(mapping::FloorRegion(checked.exploration.planner.within));  // Error for what is none.
   checked.exploration.forward_threads();
   checked.interpretation.threads = checked.exploration.threads;
   make_folder(folder);

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "mapping/base/config.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/base/options.h"
-#include "mapping/base/pose.h"
 #include "mapping/base/progress.h"
 #include "mapping/base/time.h"
 

@@ -1,7 +1,7 @@
 // Maps and recordings.
 
-#include "mapping/base/json.h"
 #include "mapping/base/output_file.h"
+#include "mapping/base/text/json.h"
 #include "mapping/recording/recording.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/semantic_map.h"

@@ -4,7 +4,7 @@
 #include <mutex>
 #include <tuple>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_actions.h"

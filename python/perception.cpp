@@ -3,8 +3,8 @@
 #include <sstream>
 #include <variant>
 
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/recording/recording.h"
 #include "mapping/tracking/known_poses.h"
 #include "memory/annotators/memory_annotators.h"

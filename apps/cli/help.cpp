@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

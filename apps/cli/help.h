@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "apps/cli/program.h"
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::apps {
 

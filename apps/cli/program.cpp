@@ -15,8 +15,8 @@
 
 #include "apps/cli/help.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
 #include "mapping/base/terminal.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

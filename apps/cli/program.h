@@ -8,9 +8,9 @@
 
 #include "apps/cli/arguments.h"
 #include "mapping/base/error.h"
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/output_file.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::apps {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "apps/cli/program.h"
-#include "mapping/base/json.h"
 #include "mapping/base/terminal.h"
+#include "mapping/base/text/json.h"
 #include "mapping/base/time_zone.h"
 
 namespace loci::apps {

@@ -1,8 +1,8 @@
 #include "apps/evaluate/changes/comparison.h"
 #include "apps/evaluate/changes/remember.h"
 #include "apps/evaluate/commands.h"
-#include "mapping/base/json.h"
 #include "mapping/base/temporary_folder.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

@@ -7,8 +7,8 @@
 #include "apps/evaluate/changes/truth.h"
 #include "apps/evaluate/commands.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
 #include "mapping/base/temporary_folder.h"
+#include "mapping/base/text/json.h"
 #include "mapping/simulation/record.h"
 
 namespace loci::apps {

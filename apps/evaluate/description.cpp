@@ -8,7 +8,7 @@
 #include "apps/evaluate/description/service.h"
 #include "apps/evaluate/description/shapes.h"
 #include "apps/evaluate/description/templates.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

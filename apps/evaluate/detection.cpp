@@ -2,7 +2,7 @@
 
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/detection/detector_figures.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

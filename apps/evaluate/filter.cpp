@@ -4,7 +4,7 @@
 #include "apps/evaluate/filter/removal.h"
 #include "apps/evaluate/filter/speed.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

@@ -1,7 +1,7 @@
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/mesh/comparison.h"
-#include "mapping/base/json.h"
 #include "mapping/base/temporary_folder.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

@@ -1,7 +1,7 @@
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/nbv/exploration.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

@@ -1,8 +1,8 @@
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/questions/judge.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
 #include "mapping/base/temporary_folder.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

@@ -1,6 +1,6 @@
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/registration/comparison.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

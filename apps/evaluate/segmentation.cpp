@@ -1,7 +1,7 @@
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/segmentation/comparison.h"
 #include "apps/evaluate/segmentation/flat_comparison.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

@@ -1,8 +1,8 @@
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/update/experiment.h"
 #include "apps/evaluate/update/perceived.h"
-#include "mapping/base/json.h"
 #include "mapping/base/temporary_folder.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "apps/cli/program.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

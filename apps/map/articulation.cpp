@@ -2,7 +2,7 @@
 
 #include "apps/map/commands.h"
 #include "mapping/articulation/articulation.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"

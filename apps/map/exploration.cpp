@@ -5,9 +5,9 @@
 
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "mapping/exchange/formats/occupancy_grid.h"
 #include "mapping/interpretation/surfaces/levelling.h"
 #include "mapping/sensor/pose_text.h"

@@ -5,7 +5,7 @@
 
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/exchange/comparison/compare.h"
 #include "mapping/exchange/formats/mjcf.h"
 #include "mapping/exchange/formats/occupancy_grid.h"

@@ -7,10 +7,10 @@
 
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/exchange/formats/gltf.h"
 #include "mapping/exchange/formats/ply.h"
 #include "mapping/exchange/map_report.h"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/map/commands.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/tracking/tracking.h"
 
 namespace loci::apps {

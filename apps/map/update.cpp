@@ -3,7 +3,7 @@
 #include "mapping/update/update.h"
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/exchange/map_report.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/recording/posed_recording.h"

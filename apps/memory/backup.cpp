@@ -4,8 +4,8 @@
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/store/memory_file.h"
 
 namespace loci::apps {

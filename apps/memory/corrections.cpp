@@ -5,8 +5,8 @@
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_actions.h"
 #include "memory/questions/facts.h"

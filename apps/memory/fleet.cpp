@@ -9,8 +9,8 @@
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
-#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "memory/fleet/fleet_roles.h"
 #include "memory/fleet/push.h"
 #include "memory/fleet/unify.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "apps/cli/program.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/question.h"
 
 namespace loci::apps {

@@ -9,9 +9,9 @@
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
-#include "mapping/base/json.h"
 #include "mapping/base/output_file.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/routines/digest.h"
 #include "memory/questions/snapshot.h"
 #include "memory/reasoning/why.h"

@@ -10,7 +10,7 @@
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/http/http_server.h"
 #include "memory/fleet/fleet_database.h"
 #include "memory/server/http_transport.h"

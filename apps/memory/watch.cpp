@@ -8,8 +8,8 @@
 
 #include "apps/memory/commands.h"
 #include "apps/memory/memory_arguments.h"
-#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/routines/standing_question.h"

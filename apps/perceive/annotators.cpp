@@ -6,8 +6,8 @@
 
 #include "apps/perceive/annotators.h"
 #include "apps/perceive/commands.h"
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_reader.h"
 #include "perception/annotators/annotators.h"

@@ -5,7 +5,7 @@
 
 #include "apps/perceive/commands.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/recording/ros/bag.h"
 #include "perception/cas/cas.h"
 #include "perception/cas/json.h"

@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "apps/perceive/commands.h"
-#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/barcode_reader.h"
 #include "perception/recognition/product_index.h"

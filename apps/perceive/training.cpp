@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/perceive/commands.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/io/labelled_recording.h"
 #include "perception/annotators/segmentation/flat_surface.h"

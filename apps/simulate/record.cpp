@@ -1,7 +1,7 @@
 #include "mapping/simulation/record.h"
 
 #include "apps/simulate/commands.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 

@@ -4,8 +4,8 @@
 
 #include "apps/simulate/commands.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "mapping/sensor/pose_text.h"
 #include "mapping/simulation/simulated_robot.h"
 

@@ -6,13 +6,7 @@
 #include <cstdlib>
 
 namespace loci::gui {
-namespace {
-
-constexpr TimeNs kMinute = 60 * kSecond;
-constexpr TimeNs kHour = 60 * kMinute;
-constexpr TimeNs kDay = 24 * kHour;
-
-}  // namespace
+namespace {}  // namespace
 
 QString time_text(TimeNs time, const TimeZone& zone) {
   // ISO 8601 with the zone at its end: "2026-05-01T09:10:00.5+02:00".

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "mapping/base/csv.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 #include "mapping/exchange/formats/ply.h"
 
 namespace loci::gui {

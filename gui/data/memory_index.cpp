@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/events.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/snapshot.h"

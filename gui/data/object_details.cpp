@@ -8,8 +8,8 @@
 
 #include "gui/data/memory_index.h"
 #include "gui/data/scene_content.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "memory/reasoning/why.h"
 
 namespace loci::gui {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "memory/store/scene_images.h"
 #include "memory/store/store.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gui/core/colored_cloud.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/sensor/camera.h"
 #include "mapping/sensor/pixel_kind.h"
 #include "memory/store/rows/rows.h"

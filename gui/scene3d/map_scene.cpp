@@ -19,7 +19,7 @@
 #include "gui/scene3d/object_actors.h"
 #include "gui/scene3d/overlay_actors.h"
 #include "gui/scene3d/world_actors.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::gui {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "gui/scene3d/label_layer.h"
 #include "gui/scene3d/scene_colors.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::gui {
 

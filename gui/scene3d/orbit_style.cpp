@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::gui {
 namespace {

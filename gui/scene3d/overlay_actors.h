@@ -9,7 +9,7 @@
 
 #include "gui/core/colored_cloud.h"
 #include "gui/scene3d/scene_colors.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/sensor/camera.h"
 #include "mapping/sensor/colored_mesh.h"
 

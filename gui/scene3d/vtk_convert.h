@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gui/scene3d/scene_colors.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/world/mesh.h"
 
 class vtkProperty;

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/sensor/scan.h"
 #include "mapping/world/furniture.h"
 

@@ -7,8 +7,8 @@
 #include "mapping/articulation/joint_fit.h"
 #include "mapping/articulation/moved_face.h"
 #include "mapping/articulation/parameters.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "mapping/sensor/scan.h"
 
 namespace loci::mapping {

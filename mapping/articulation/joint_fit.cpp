@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "mapping/articulation/parameters.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::mapping {
 namespace {

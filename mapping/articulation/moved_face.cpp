@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "mapping/articulation/parameters.h"
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 
 namespace loci::mapping {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::mapping {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::mapping {
 

@@ -4,7 +4,7 @@
 
 #include "mapping/articulation/articulation.h"
 #include "mapping/articulation/parameters.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::mapping {
 namespace {

@@ -6,9 +6,9 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/articulation/parameters.h"
 #include "mapping/articulation/path.h"
-#include "mapping/base/csv.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::mapping {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "mapping/base/config.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci {
 

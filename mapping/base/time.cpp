@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "mapping/base/error.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 
 namespace loci {
 namespace {

@@ -10,6 +10,9 @@ namespace loci {
 using TimeNs = int64_t;
 
 inline constexpr TimeNs kSecond = 1'000'000'000;
+inline constexpr TimeNs kMinute = 60 * kSecond;
+inline constexpr TimeNs kHour = 60 * kMinute;
+inline constexpr TimeNs kDay = 24 * kHour;
 
 /// ISO 8601 with zone ("2026-05-01T07:10:00Z", "…T09:10:00.5+02:00"; a date alone is its midnight UTC).
 /// Throws Error naming the text when it is not one.

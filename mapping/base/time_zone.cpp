@@ -12,7 +12,6 @@
 namespace loci {
 namespace {
 
-constexpr TimeNs kMinute = 60 * kSecond;
 // Zones are at most 15 hours away; their times stay in what 64 bits hold.
 constexpr TimeNs kMargin = 24 * (60 * kMinute);
 constexpr TimeNs kFirst = std::numeric_limits<TimeNs>::min() + kMargin;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 
 namespace loci::mapping {

@@ -3,7 +3,7 @@
 #include <map>
 #include <numbers>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/exchange/furniture_structure.h"
 #include "mapping/world/kinematics.h"
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/html.h"
+#include "mapping/base/text/html.h"
 
 namespace loci::mapping {
 namespace {

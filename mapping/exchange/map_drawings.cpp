@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/html.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/html.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/world/furniture_classes.h"
 

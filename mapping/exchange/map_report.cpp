@@ -6,10 +6,10 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "mapping/base/base64.h"
-#include "mapping/base/html.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/base64.h"
+#include "mapping/base/text/html.h"
+#include "mapping/base/text/json.h"
 #include "mapping/exchange/map_drawings.h"
 #include "mapping/image/image_io.h"
 #include "mapping/interpretation/furniture/furniture_links.h"

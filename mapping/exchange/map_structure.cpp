@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/exchange/furniture_structure.h"
 #include "mapping/world/furniture_classes.h"
 #include "mapping/world/urdf.h"

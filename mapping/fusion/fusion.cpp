@@ -7,11 +7,11 @@
 #include <mutex>
 #include <opencv2/core.hpp>
 
-#include "mapping/base/cell_index.h"
-#include "mapping/base/json.h"
+#include "mapping/base/math/cell_index.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::mapping {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "mapping/base/math/tally.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
-#include "mapping/base/tally.h"
 #include "mapping/recording/recording.h"
 #include "mapping/sensor/scan.h"
 

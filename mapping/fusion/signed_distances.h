@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "mapping/base/cell_index.h"
+#include "mapping/base/math/cell_index.h"
 #include "mapping/sensor/colored_mesh.h"
 #include "mapping/sensor/frame.h"
 

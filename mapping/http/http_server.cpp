@@ -20,7 +20,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::mapping {
 namespace {

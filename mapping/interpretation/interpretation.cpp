@@ -6,10 +6,10 @@
 #include <cmath>
 #include <map>
 
-#include "mapping/base/cell_index.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/cell_index.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/fronts/fronts.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/interpretation/surfaces/levelling.h"

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "mapping/base/math/pose.h"
 #include "mapping/base/options.h"
-#include "mapping/base/pose.h"
 #include "mapping/sensor/scan.h"
 
 namespace octomap {

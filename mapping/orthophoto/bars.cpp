@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "mapping/orthophoto/parameters.h"
 #include "mapping/orthophoto/patch.h"
 

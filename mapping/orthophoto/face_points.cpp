@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
 #include "mapping/orthophoto/parameters.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "mapping/orthophoto/parameters.h"
 #include "mapping/orthophoto/patch.h"
 

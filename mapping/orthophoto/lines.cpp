@@ -5,7 +5,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/orthophoto/parameters.h"
 
 namespace loci::mapping {

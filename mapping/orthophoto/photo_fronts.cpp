@@ -9,8 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/articulation/articulation.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "mapping/orthophoto/bars.h"
 #include "mapping/orthophoto/knobs.h"
 #include "mapping/orthophoto/lines.h"

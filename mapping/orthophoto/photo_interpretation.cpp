@@ -7,11 +7,11 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/tally.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/base/tally.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/interpretation/fronts/fixtures.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/orthophoto/face_points.h"

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "mapping/base/math/tally.h"
 #include "mapping/base/progress.h"
-#include "mapping/base/tally.h"
 #include "mapping/recording/markers.h"
 #include "mapping/recording/recording.h"
 

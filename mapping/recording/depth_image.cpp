@@ -8,7 +8,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/load_symbol.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/depth/codecs.h"
 

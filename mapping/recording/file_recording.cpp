@@ -10,7 +10,7 @@
 
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/base/time_limits.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/depth_image.h"

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/math.h"
-#include "mapping/base/text.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::mapping {
 namespace {

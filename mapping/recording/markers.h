@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/sensor/frame.h"
 
 namespace loci::mapping {

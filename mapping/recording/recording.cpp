@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "mapping/base/json.h"
-#include "mapping/base/pose.h"
-#include "mapping/base/text.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/recording/formats/layouts.h"
 #include "mapping/recording/formats/scannet.h"
 #include "mapping/recording/gravity.h"

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/sensor/frame.h"
 
 namespace loci::mapping {

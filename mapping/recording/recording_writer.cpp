@@ -7,7 +7,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/output_file.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/file_recording.h"
 

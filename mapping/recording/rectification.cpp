@@ -8,7 +8,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::mapping {
 namespace {

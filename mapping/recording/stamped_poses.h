@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/base/time.h"
 
 namespace loci::mapping {

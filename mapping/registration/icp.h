@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/registration/surfels.h"
 
 namespace loci::mapping::registration {

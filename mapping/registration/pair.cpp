@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/cell_index.h"
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/cell_index.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
 #include "mapping/registration/icp.h"
 #include "mapping/registration/parameters.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::mapping::registration {
 

@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "mapping/base/math/pose.h"
 #include "mapping/base/parallel.h"
-#include "mapping/base/pose.h"
 #include "mapping/registration/icp.h"
 #include "mapping/registration/parameters.h"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/registration/parameters.h"
 
 namespace loci::mapping::registration {

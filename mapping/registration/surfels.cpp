@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/eigenvalues.h"
+#include "mapping/base/math/eigenvalues.h"
 #include "mapping/registration/parameters.h"
 
 namespace loci::mapping::registration {

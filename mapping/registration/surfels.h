@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "mapping/base/moments.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/moments.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::mapping::registration {
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/render/scene_parts.h"
 #include "mapping/render/triangles.h"
 

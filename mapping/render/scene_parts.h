@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/mesh.h"
 

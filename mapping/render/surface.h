@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/world/mesh.h"
 
 namespace loci::mapping::render_detail {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/base/time.h"
 #include "mapping/sensor/camera.h"
 

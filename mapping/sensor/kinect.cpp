@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
 
 namespace loci::mapping {

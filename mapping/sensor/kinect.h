@@ -2,8 +2,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "mapping/base/math/random.h"
 #include "mapping/base/options.h"
-#include "mapping/base/random.h"
 #include "mapping/sensor/camera.h"
 
 namespace loci::mapping {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::mapping {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "mapping/base/math/pose.h"
+#include "mapping/base/math/random.h"
 #include "mapping/base/options.h"
-#include "mapping/base/pose.h"
-#include "mapping/base/random.h"
 #include "mapping/sensor/scan.h"
 
 namespace loci::mapping {

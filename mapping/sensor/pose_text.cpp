@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "mapping/base/error.h"
-#include "mapping/base/math.h"
-#include "mapping/base/text.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::mapping {
 namespace {

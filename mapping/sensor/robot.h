@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/sensor/laser.h"
 
 namespace loci::mapping {

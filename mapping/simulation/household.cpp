@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/image/hsv.h"
 #include "mapping/simulation/household_shapes.h"
 

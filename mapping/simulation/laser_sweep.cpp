@@ -5,7 +5,7 @@
 #include <iterator>
 #include <optional>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
 
 namespace loci::mapping {

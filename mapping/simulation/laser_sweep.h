@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "mapping/render/ray_scene.h"
 #include "mapping/sensor/laser.h"
 

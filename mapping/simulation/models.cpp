@@ -5,7 +5,7 @@
 #include <functional>
 #include <map>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/image/image_io.h"
 #include "mapping/simulation/shapes.h"
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <set>
 
-#include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/recording/recording.h"
 #include "mapping/render/render.h"
 #include "mapping/simulation/play.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "mapping/base/config.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/time_zone.h"
 
 namespace loci::mapping {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/base/time.h"
 #include "mapping/sensor/kinect.h"
 #include "mapping/simulation/models.h"

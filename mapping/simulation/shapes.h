@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/world/mesh.h"
 
 namespace loci::mapping {

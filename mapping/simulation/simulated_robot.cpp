@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/text/json.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/render/ray_scene.h"
 #include "mapping/simulation/scenario.h"
 #include "mapping/world/urdf.h"

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/pose.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/math/random.h"
 #include "mapping/base/time.h"
 #include "mapping/simulation/record.h"
 #include "mapping/world/mesh.h"

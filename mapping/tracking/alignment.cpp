@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/eigenvalues.h"
+#include "mapping/base/math/eigenvalues.h"
 
 namespace loci::mapping::tracking {
 namespace {

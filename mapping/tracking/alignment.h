@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/tracking/keyframe.h"
 
 namespace loci::mapping::tracking {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "mapping/tracking/frame_images.h"
 
 namespace loci::mapping::tracking {

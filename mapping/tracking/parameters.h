@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::mapping::tracking {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::mapping::tracking {
 

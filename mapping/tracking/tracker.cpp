@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "mapping/base/eigenvalues.h"
+#include "mapping/base/math/eigenvalues.h"
 
 namespace loci::mapping::tracking {
 namespace {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <map>
 
-#include "mapping/base/json.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/base/parallel.h"
-#include "mapping/base/pose.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/recording/gravity.h"
 #include "mapping/recording/posed_recording.h"
 #include "mapping/tracking/depth_calibration.h"

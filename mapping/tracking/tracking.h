@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/recording/recording.h"
 
 namespace loci::mapping {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/world/free_standing.h"
 
 namespace loci::mapping {

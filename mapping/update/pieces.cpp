@@ -10,8 +10,8 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
-#include "mapping/base/cell_index.h"
-#include "mapping/base/json.h"
+#include "mapping/base/math/cell_index.h"
+#include "mapping/base/text/json.h"
 #include "mapping/update/parameters.h"
 #include "mapping/world/furniture_classes.h"
 

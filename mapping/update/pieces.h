@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/registration/surfels.h"
 #include "mapping/world/free_standing.h"
 #include "mapping/world/semantic_map.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/recording/posed_recording.h"
 #include "mapping/registration/pair.h"

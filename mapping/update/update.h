@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/sensor/scan.h"
 #include "mapping/world/free_standing.h"

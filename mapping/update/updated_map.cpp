@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "mapping/base/cell_index.h"
+#include "mapping/base/math/cell_index.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/interpretation/furniture/names.h"
 #include "mapping/update/parameters.h"

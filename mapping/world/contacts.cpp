@@ -7,7 +7,7 @@
 #include <set>
 
 #include "mapping/base/error.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/world/kinematics.h"
 
 namespace loci::mapping {

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "mapping/base/math.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::mapping {
 

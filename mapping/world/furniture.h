@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::mapping {
 

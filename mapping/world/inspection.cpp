@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/world/kinematics.h"
 
 namespace loci::mapping {

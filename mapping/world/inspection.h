@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/world/contacts.h"
 #include "mapping/world/mesh.h"
 #include "mapping/world/semantic_map.h"

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/world/mesh.h"
 
 namespace loci::mapping {

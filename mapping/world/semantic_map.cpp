@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::mapping {
 namespace {

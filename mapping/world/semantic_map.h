@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/world/world.h"
 
 namespace loci::mapping {

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::mapping {
 

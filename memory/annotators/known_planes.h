@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::memory {
 

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <map>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/sensor/depth_noise.h"
 #include "memory/annotators/cas_to_scene.h"
 #include "memory/annotators/memory_reader.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/reasoning/revise.h"
 #include "memory/recorder/map_entry.h"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/recording/recording.h"
 #include "mapping/world/world.h"
 #include "memory/annotators/cas_to_scene.h"

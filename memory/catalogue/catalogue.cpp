@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "mapping/base/files.h"
-#include "mapping/base/hash.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/hash.h"
+#include "mapping/base/text/json.h"
 #include "memory/recorder/checkpoint.h"
 
 namespace loci::memory {

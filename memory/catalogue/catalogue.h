@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/belief/interaction_model.h"
 #include "memory/belief/scene.h"
 #include "memory/catalogue/object_description.h"

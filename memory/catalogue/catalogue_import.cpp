@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/belief/evidence/similarity.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/identity/solution.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {

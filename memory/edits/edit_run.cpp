@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/reasoning/reason.h"
 #include "memory/store/run_configuration.h"

@@ -2,7 +2,7 @@
 
 // Private to this module: what all edits have in common.
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/edits/edits.h"
 #include "memory/store/scene_transaction.h"
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/world/urdf.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_run.h"

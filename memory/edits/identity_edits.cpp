@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_run.h"
 #include "memory/recorder/checkpoint.h"

@@ -2,8 +2,8 @@
 
 #include <functional>
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {

@@ -7,9 +7,9 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/csv.h"
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 #include "memory/edits/edits.h"

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/sensor/frame.h"
 #include "memory/catalogue/object_description.h"
 #include "memory/store/store.h"

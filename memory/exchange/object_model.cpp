@@ -7,10 +7,10 @@
 #include <set>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/options.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/registration/registration.h"
 #include "memory/exchange/observation_image.h"
 

@@ -7,8 +7,9 @@
 #include <cstring>
 
 #include "mapping/base/load_symbol.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/store/format.h"
+#include "memory/store/store.h"
 
 namespace loci::memory {
 namespace {

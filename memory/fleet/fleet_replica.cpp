@@ -11,9 +11,9 @@
 #include <cstring>
 
 #include "mapping/base/files.h"
-#include "mapping/base/hash.h"
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/hash.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/store/memory_file.h"
 
 namespace loci::memory {

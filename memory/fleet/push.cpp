@@ -5,8 +5,8 @@
 #include <bit>
 #include <numeric>
 
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::memory {
 namespace {

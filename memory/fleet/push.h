@@ -1,7 +1,7 @@
 #pragma once
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/fleet/fleet_database.h"
 
 namespace loci::memory {

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "mapping/base/json.h"
 #include "mapping/base/temporary_folder.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/edits/edits.h"
 #include "memory/fleet/fleet_replica.h"
 #include "memory/fleet/push.h"

@@ -7,7 +7,7 @@
 #include <array>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::memory {
 namespace {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::memory {
 

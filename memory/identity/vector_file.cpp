@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::memory {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/identity/solution.h"
 
 namespace loci::memory {

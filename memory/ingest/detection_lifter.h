@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "mapping/base/tally.h"
+#include "mapping/base/math/tally.h"
 #include "mapping/recording/recording.h"
 #include "mapping/render/render.h"
 #include "mapping/world/world.h"

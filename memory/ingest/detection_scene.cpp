@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/hsv.h"
 #include "mapping/world/semantic_map.h"
 #include "memory/recorder/observation_pixels.h"

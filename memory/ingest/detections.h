@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/base/time.h"
 #include "mapping/sensor/frame.h"
 #include "perception/detection/lift.h"

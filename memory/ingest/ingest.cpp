@@ -8,9 +8,9 @@
 #include <set>
 
 #include "mapping/base/files.h"
-#include "mapping/base/hash.h"
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/hash.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/recording/posed_recording.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"

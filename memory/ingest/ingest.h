@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <optional>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/math/tally.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
-#include "mapping/base/tally.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/recording/recording.h"
 #include "memory/belief/options.h"
 #include "memory/store/store.h"

@@ -9,8 +9,8 @@
 #include <mutex>
 #include <set>
 
-#include "mapping/base/math.h"
-#include "mapping/base/text.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/text.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"

@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/world/world.h"
 #include "memory/questions/replies/answer_parts.h"
 #include "memory/questions/time_parser.h"

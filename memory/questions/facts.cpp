@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"

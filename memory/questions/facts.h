@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/questions/replies/answer_parts.h"
 
 namespace loci::memory {

@@ -10,8 +10,8 @@
 #include <sstream>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/comparison.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/environment.h"
@@ -184,7 +184,7 @@ std::string Query::text() const {
     options.erase("from");
     options.erase("to");
   }
-  for (const auto& [name, value] : options) text += " --" + name + value;
+  for (const auto& [name, value] : options) text.append(" --").append(name).append(value);
   return text;
 }
 

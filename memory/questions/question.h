@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/questions/time_parser.h"
 
 namespace loci::memory {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/image/image_io.h"
 #include "memory/questions/names/embeddings.h"
 #include "memory/questions/question.h"
@@ -58,7 +58,7 @@ PlaceViews views_of(const Snapshot& snapshot, const PlaceRow& place, TimeNs sinc
 
 class SearchPlanner {
  public:
-  SearchPlanner(const Snapshot& snapshot, std::optional<Vector2d> start)
+  SearchPlanner(const Snapshot& snapshot, const std::optional<Vector2d>& start)
       : snapshot_(snapshot), start_(start) {}
 
   ObjectSearch plan(Id object) const {

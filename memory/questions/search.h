@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/questions/replies/answer_parts.h"
 #include "memory/questions/time_parser.h"
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/questions/snapshot.h"
@@ -427,7 +427,9 @@ std::optional<std::string> Snapshot::head_of(const std::string& subject) const {
     if ((describes(modifier) && !size) || describes(noun) || (!package && !size && !is_purpose(modifier)))
       continue;
     const std::vector<Id> modified = find_by_word(modifier), called = find_by_word(noun);
-    if (!intersection(modified, called).empty() || !find_by_word(modifier + " " + noun).empty()) continue;
+    if (!intersection(modified, called).empty() ||
+        !find_by_word(fmt::format("{} {}", modifier, noun)).empty())
+      continue;
     const bool content = package && !modified.empty();
     if (!content && called.empty()) continue;
     words.erase(words.begin() + static_cast<std::ptrdiff_t>(content ? i + 1 : i));

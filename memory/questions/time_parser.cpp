@@ -9,15 +9,12 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/base/time_limits.h"
 
 namespace loci::memory {
 namespace {
 
-constexpr TimeNs kMinute = 60 * kSecond;
-constexpr TimeNs kHour = 60 * kMinute;
-constexpr TimeNs kDay = 24 * kHour;
 // Times that memories have, with room for zones and days on both sides.
 constexpr TimeNs kLatest = kMaxTime - 50 * kDay;
 constexpr TimeNs kEarliest = -kLatest;
@@ -352,8 +349,9 @@ std::string duration_text(TimeNs duration) {
   const int64_t minutes = duration / kMinute;
   if (minutes < 1) return {};
   if (minutes < 60) return fmt::format("{} min", minutes);
-  if (minutes < 24 * 60) return fmt::format("{} h {} min", minutes / 60, minutes % 60);
-  return fmt::format("{} d {} h", minutes / (24 * 60), minutes / 60 % 24);
+  const int64_t hours = duration / kHour;
+  if (hours < 24) return fmt::format("{} h {} min", hours, minutes % 60);
+  return fmt::format("{} d {} h", hours / 24, hours % 24);
 }
 
 TimeWriter::TimeWriter(const Store& store) : zone_(store.time_zone()), with_seconds_(false) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/belief/evidence/similarity.h"
 #include "memory/recorder/scene_reasoning.h"
 

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/reasoning/stored_scene.h"
 #include "memory/recorder/recorder.h"
 #include "memory/store/memory_file.h"

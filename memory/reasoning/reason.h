@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <map>
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/belief/options.h"
 #include "memory/reasoning/revise.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <span>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/belief/hindsight.h"
 #include "memory/reasoning/stored_scene.h"
 #include "memory/recorder/belief_rows.h"

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/belief/state.h"
 #include "memory/store/scene_transaction.h"
 

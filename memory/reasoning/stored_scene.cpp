@@ -23,7 +23,7 @@ void read_view(const Store& store, const SceneRow& row, belief::SceneView& view)
                  row.camera->fy,    row.camera->cx,     row.camera->cy};
   if (!row.depth) return;
   const int step = step_of(row);
-  const double first = step / 2;  // the pixel that stands for the first block
+  const int first = step / 2;  // the pixel that stands for the first block
   view.camera = {row.depth_width,
                  row.depth_height,
                  row.camera->fx / step,

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/belief/association/decisions.h"
 #include "memory/reasoning/pair_matrices.h"
 #include "memory/recorder/scene_reasoning.h"

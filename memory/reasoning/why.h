@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {

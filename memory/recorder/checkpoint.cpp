@@ -5,7 +5,7 @@
 #include <set>
 
 #include "mapping/base/config.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/belief/serialization.h"
 
 namespace loci::memory {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 #include "memory/recorder/checkpoint.h"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/image/image_io.h"
 
 namespace loci::memory {

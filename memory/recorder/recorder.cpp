@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/hash.h"
+#include "mapping/base/text/hash.h"
 #include "memory/recorder/scene_reasoning.h"
 
 namespace loci::memory {

@@ -4,7 +4,7 @@
 #include <set>
 #include <vector>
 
-#include "mapping/base/html.h"
+#include "mapping/base/text/html.h"
 #include "memory/questions/replies/answer_format.h"
 
 namespace loci::memory {

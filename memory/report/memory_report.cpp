@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/base/html.h"
+#include "mapping/base/text/html.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/presence.h"

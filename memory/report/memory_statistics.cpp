@@ -8,8 +8,8 @@
 #include <map>
 #include <set>
 
-#include "mapping/base/csv.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/time_parser.h"
 #include "memory/store/store.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/html.h"
+#include "mapping/base/text/html.h"
 #include "mapping/world/kinematics.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/html.h"
+#include "mapping/base/text/html.h"
 #include "memory/questions/events.h"
 #include "memory/questions/objects.h"
 #include "memory/report/memory_statistics.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/sentences/spelling.h"
 #include "memory/sentences/vocabulary.h"
 #include "memory/sentences/word_forms.h"

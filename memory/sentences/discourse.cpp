@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/sentences/courtesy.h"
 #include "memory/sentences/sentence_time.h"

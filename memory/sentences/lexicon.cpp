@@ -6,7 +6,7 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/time_parser.h"
 #include "memory/sentences/vocabulary.h"
 #include "memory/sentences/word_forms.h"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <set>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/sentences/vocabulary.h"
 
 namespace loci::memory {

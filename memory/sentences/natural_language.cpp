@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <set>
 
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
 #include "memory/questions/names/map_names.h"
@@ -19,11 +19,11 @@
 #include "memory/sentences/clauses/coordination.h"
 #include "memory/sentences/clauses/event_clause.h"
 #include "memory/sentences/discourse.h"
-#include "memory/sentences/intent_reader.h"
+#include "memory/sentences/intents/intent_reader.h"
+#include "memory/sentences/intents/rephrasing.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/mentions.h"
 #include "memory/sentences/references.h"
-#include "memory/sentences/rephrasing.h"
 #include "memory/sentences/sentence_parser.h"
 #include "memory/sentences/spelling.h"
 #include "memory/wordnet/wordnet.h"
@@ -511,7 +511,7 @@ std::string to_text(const NaturalLanguageAnswer& answer, const TimeWriter& times
   if (answer.reply) text += answer.reply->text + "\n";
   if (answer.why_not && !answer.reply) text += answer.why_not->text + "\n";
   std::vector<std::string> lines = answer.notes;
-  for (std::string& note : lines) note = "(" + note + ")";
+  for (std::string& note : lines) note = fmt::format("({})", note);
   if (answer.why_not && !answer.why_not->hint.empty()) lines.push_back(answer.why_not->hint);
   if (answer.reply && !details)
     lines.insert(lines.end(), answer.reply->evidence.begin(), answer.reply->evidence.end());

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "mapping/base/error.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/sentences/clauses/clause.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/spelling.h"

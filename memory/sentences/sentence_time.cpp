@@ -5,13 +5,13 @@
 #include <map>
 #include <set>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
 namespace {
 
-constexpr TimeNs kLongSpan = 3600 * kSecond;  ///< from which on it is not a moment
+constexpr TimeNs kLongSpan = kHour;  ///< from which on it is not a moment
 constexpr size_t kMaxWordsOfTime = 12;
 
 using WordSet = std::set<std::string>;

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <string_view>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/question.h"
-#include "memory/sentences/intent_model.h"
+#include "memory/sentences/intents/intent_model.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/vocabulary.h"
 #include "memory/wordnet/wordnet.h"

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "mapping/base/hash.h"
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/hash.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::memory {
 namespace {

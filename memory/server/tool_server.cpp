@@ -6,9 +6,9 @@
 #include <charconv>
 #include <map>
 
-#include "mapping/base/base64.h"
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/base64.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/base/time.h"
 #include "memory/edits/edit_actions.h"
 #include "memory/questions/names/map_names.h"
@@ -299,7 +299,7 @@ const std::map<std::string, Method>& methods() {
 }  // namespace
 
 ToolServer::ToolServer(std::filesystem::path memory, std::string version, bool allow_edits)
-    : ToolServer([memory] { return memory; }, std::move(version), allow_edits) {}
+    : ToolServer([memory = std::move(memory)] { return memory; }, std::move(version), allow_edits) {}
 
 ToolServer::ToolServer(std::function<std::filesystem::path()> memory, std::string version, bool allow_edits)
     : memory_(std::move(memory)), version_(std::move(version)), allow_edits_(allow_edits) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::memory {
 

@@ -4,7 +4,7 @@
 #include <unistd.h>
 #include <zstd.h>
 
-#include "mapping/base/hash.h"
+#include "mapping/base/text/hash.h"
 #include "memory/store/rows/digest.h"
 #include "memory/store/rows/row_columns.h"
 #include "memory/store/rows/schema_check.h"

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "mapping/base/hash.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/hash.h"
+#include "mapping/base/text/json.h"
 #include "perception/cas/json.h"
 
 namespace loci::memory {

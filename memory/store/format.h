@@ -29,7 +29,4 @@ struct MemoryFormat {
   constexpr int minor() const { return version % 1000; }
 };
 
-/// That of this program: memory/store/schema.sql.
-extern const MemoryFormat kMemoryFormat;
-
 }  // namespace loci::memory

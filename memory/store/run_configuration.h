@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/store/rows/rows.h"
 
 namespace loci::memory {

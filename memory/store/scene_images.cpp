@@ -43,9 +43,9 @@ const char* to_text(SpotStatus status) {
   return kNames.at(static_cast<size_t>(status));
 }
 
-DepthThumbnail::DepthThumbnail(SceneCamera camera, Isometry3d map_from_camera, int width, int height,
-                               std::vector<float> depth)
-    : camera_(std::move(camera)),
+DepthThumbnail::DepthThumbnail(const SceneCamera& camera, const Isometry3d& map_from_camera, int width,
+                               int height, std::vector<float> depth)
+    : camera_(camera),
       camera_from_map_(map_from_camera.inverse()),
       width_(width),
       height_(height),

@@ -32,7 +32,7 @@ class DepthThumbnail {
   static std::optional<DepthThumbnail> of(const Store& store, const SceneRow& scene);
 
   /// z-depth per pixel of the thumbnail, metres, 0 = none.
-  DepthThumbnail(SceneCamera camera, Isometry3d map_from_camera, int width, int height,
+  DepthThumbnail(const SceneCamera& camera, const Isometry3d& map_from_camera, int width, int height,
                  std::vector<float> depth);
 
   /// Of a point of the map frame; a measurement within `tolerance_m` of it counts as seen there.

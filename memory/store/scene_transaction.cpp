@@ -1,6 +1,6 @@
 #include "memory/store/scene_transaction.h"
 
-#include "mapping/base/hash.h"
+#include "mapping/base/text/hash.h"
 #include "memory/store/rows/derived_rows.h"
 #include "memory/store/rows/row_columns.h"
 

@@ -11,7 +11,7 @@
 #include <charconv>
 #include <cstring>
 
-#include "mapping/base/hash.h"
+#include "mapping/base/text/hash.h"
 #include "memory/store/format.h"
 #include "memory/store/memory_file.h"
 #include "memory/store/rows/derived_rows.h"

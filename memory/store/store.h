@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/base/time_zone.h"
 #include "memory/store/rows/rows.h"
 
@@ -21,7 +21,7 @@ namespace loci::memory {
 struct RetentionRules;
 struct RetentionResult;
 struct MemoryFormat;
-extern const MemoryFormat kMemoryFormat;
+extern const MemoryFormat kMemoryFormat;  ///< of this program: memory/store/schema.sql
 
 /// Valid time and transaction time that a read refers to. Unset = up to the end.
 struct AsOf {

@@ -1,7 +1,7 @@
 // Checks of a whole memory.
 
-#include "mapping/base/hash.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/hash.h"
+#include "mapping/base/text/json.h"
 #include "memory/store/rows/derived_rows.h"
 #include "memory/store/rows/digest.h"
 #include "memory/store/rows/row_columns.h"

@@ -6,7 +6,7 @@
 #include "mapping/sensor/pixel_kind.h"
 #include "perception/annotators/io/labelled_recording.h"
 #include "perception/annotators/scene_data.h"
-#include "perception/annotators/segmentation/plane_cluster_extractor.h"
+#include "perception/annotators/segmentation/clustering/plane_cluster_extractor.h"
 #include "perception/annotators/structure/known_structure.h"
 #include "perception/annotators/structure/supports.h"
 #include "perception/conversions/opencv.h"

@@ -3,8 +3,8 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "mapping/base/pose.h"
-#include "mapping/base/tally.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/math/tally.h"
 #include "perception/types/scene_cas.h"
 
 namespace loci::perception {

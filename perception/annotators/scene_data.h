@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/sensor/camera.h"
 #include "perception/types/geometry.h"
 #include "perception/types/scene_cas.h"

@@ -9,8 +9,8 @@
 #include <map>
 #include <unordered_map>
 
-#include "mapping/base/base64.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/base64.h"
+#include "mapping/base/text/json.h"
 #include "perception/cas/graph.h"
 
 namespace loci::perception::cas {

@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-#include "mapping/base/base64.h"
+#include "mapping/base/text/base64.h"
 #include "perception/cas/xmi.h"
 #include "perception/cas/xmi_text.h"
 

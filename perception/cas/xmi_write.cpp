@@ -7,7 +7,7 @@
 #include <set>
 #include <unordered_map>
 
-#include "mapping/base/base64.h"
+#include "mapping/base/text/base64.h"
 #include "perception/cas/graph.h"
 #include "perception/cas/xmi.h"
 #include "perception/cas/xmi_text.h"

@@ -6,8 +6,8 @@
 #include <limits>
 #include <numeric>
 
-#include "mapping/base/base64.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/base64.h"
+#include "mapping/base/text/json.h"
 #include "perception/classification/classifier_kinds.h"
 
 namespace loci::perception {

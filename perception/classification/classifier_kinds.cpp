@@ -5,7 +5,7 @@
 #include <numeric>
 #include <opencv2/ml.hpp>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::perception::classifier_kinds {
 namespace {

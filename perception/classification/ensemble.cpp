@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
+#include "mapping/base/text/json.h"
 #include "perception/classification/household_features.h"
 
 namespace loci::perception {

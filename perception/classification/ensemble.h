@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 #include "perception/classification/classifier.h"
 #include "perception/classification/local_features.h"
 #include "perception/classification/shape_features.h"

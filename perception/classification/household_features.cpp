@@ -7,9 +7,9 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 
 namespace loci::perception {
 namespace {

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::perception {
 

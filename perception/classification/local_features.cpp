@@ -8,7 +8,8 @@
 #include <opencv2/objdetect.hpp>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
+#include "mapping/image/root_sift.h"
 #include "perception/classification/features/delegates.h"
 
 namespace loci::perception {
@@ -37,12 +38,8 @@ LocalFeatures of_image(cv::Feature2D& detector, const ObjectView& view) {
     features.places.emplace_back(point.pt.x * back, point.pt.y * back, point.size * back);
   features.length = static_cast<size_t>(values.cols);
   if (values.type() == CV_32F) {
-    for (int row = 0; row < values.rows; ++row) {  // RootSIFT (Arandjelovic and Zisserman, CVPR 2012).
-      const double sum = std::max(1.0, cv::norm(values.row(row), cv::NORM_L1));
-      for (int i = 0; i < values.cols; ++i)
-        features.values.push_back(
-            static_cast<float>(std::sqrt(static_cast<double>(values.at<float>(row, i)) / sum)));
-    }
+    const cv::Mat rooted = mapping::root_sift(values);
+    features.values.assign(rooted.begin<float>(), rooted.end<float>());
     return features;
   }
   features.length *= 8;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
+#include "mapping/base/text/json_fwd.h"
 #include "perception/classification/classifier.h"
 #include "perception/classification/shape_features.h"
 

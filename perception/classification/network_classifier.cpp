@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "perception/classification/classifier_kinds.h"
 
 namespace loci::perception::classifier_kinds {

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/math.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::perception {
 namespace {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/cell_index.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/cell_index.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::perception::types {
 namespace {

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "mapping/base/files.h"
-#include "mapping/base/html.h"
+#include "mapping/base/text/html.h"
 
 namespace loci::perception {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "perception/detection/detection_values.h"
 
 namespace loci::perception {

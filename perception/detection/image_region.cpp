@@ -9,7 +9,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/image/image_io.h"
 
 namespace loci::perception {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::perception {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/pose.h"
-#include "mapping/base/tally.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/math/tally.h"
 #include "mapping/sensor/camera.h"
 #include "perception/detection/detection_set.h"
 

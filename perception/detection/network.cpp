@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <regex>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "perception/detection/onnx_model.h"
 
 namespace loci::perception {

@@ -10,7 +10,7 @@
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::perception {
 namespace {

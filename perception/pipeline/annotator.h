@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
 #include "mapping/base/options.h"
+#include "mapping/base/text/json.h"
 #include "mapping/base/time.h"
 #include "perception/cas/cas.h"
 

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <variant>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::perception {
 

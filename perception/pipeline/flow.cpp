@@ -4,7 +4,7 @@
 #include <fmt/ranges.h>
 #include <algorithm>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::perception {
 namespace {

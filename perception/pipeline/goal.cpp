@@ -8,7 +8,7 @@
 #include <set>
 #include <sstream>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "perception/pipeline/flow.h"
 
 namespace loci::perception {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "perception/pipeline/registry.h"
 #include "perception/pipeline/statistics.h"
 

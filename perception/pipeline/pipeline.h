@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "mapping/base/config.h"
-#include "mapping/base/json.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json.h"
 #include "perception/pipeline/flow.h"
 #include "perception/pipeline/registry.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "perception/pipeline/plugin.h"
 #include "perception/types/scene_cas.h"
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::perception {
 

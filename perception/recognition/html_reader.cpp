@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::perception {
 namespace {

@@ -9,7 +9,8 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/image/root_sift.h"
 
 namespace loci::perception {
 namespace {
@@ -18,12 +19,10 @@ namespace {
 constexpr double kContrast = 0.02;
 constexpr double kEdge = 12;
 
-Descriptor root_sift(const float* values) {
-  float sum = 0;
-  for (int i = 0; i < 128; ++i) sum += values[i];
+Descriptor in_bytes(const float* rooted) {
   Descriptor descriptor;
-  for (size_t i = 0; i < 128; ++i)
-    descriptor[i] = cv::saturate_cast<uint8_t>(512 * std::sqrt(values[i] / std::max(sum, 1.0f)));
+  std::transform(rooted, rooted + descriptor.size(), descriptor.begin(),
+                 [](float value) { return cv::saturate_cast<uint8_t>(512 * value); });
   return descriptor;
 }
 
@@ -131,6 +130,7 @@ ImageFeatures image_features(const cv::Mat& image, int side, int most) {
   std::vector<cv::KeyPoint> found;
   cv::Mat values;
   cv::SIFT::create(most, 3, kContrast, kEdge)->detectAndCompute(grey, cv::noArray(), found, values);
+  values = mapping::root_sift(values);
   ImageFeatures features;
   features.width = image.cols;
   features.height = image.rows;
@@ -139,7 +139,7 @@ ImageFeatures image_features(const cv::Mat& image, int side, int most) {
     features.keypoints.push_back({found[i].pt.x * to_given, found[i].pt.y * to_given,
                                   found[i].size * to_given,
                                   found[i].angle * std::numbers::pi_v<float> / 180});
-    features.descriptors.push_back(root_sift(values.ptr<float>(static_cast<int>(i))));
+    features.descriptors.push_back(in_bytes(values.ptr<float>(static_cast<int>(i))));
   }
   return features;
 }

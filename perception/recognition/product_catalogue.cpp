@@ -5,10 +5,10 @@
 #include <map>
 #include <regex>
 
-#include "mapping/base/csv.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "perception/recognition/product_pages.h"
 
 namespace loci::perception {

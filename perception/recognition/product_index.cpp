@@ -8,9 +8,9 @@
 #include <type_traits>
 
 #include "mapping/base/files.h"
-#include "mapping/base/hash.h"
-#include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
+#include "mapping/base/text/hash.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/image_features.h"
 

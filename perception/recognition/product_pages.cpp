@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/html_reader.h"
 

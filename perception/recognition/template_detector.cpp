@@ -8,8 +8,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::perception {
 namespace {

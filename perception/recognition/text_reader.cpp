@@ -11,7 +11,7 @@
 #include <set>
 
 #include "mapping/base/error.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::perception {
 namespace {

@@ -7,8 +7,8 @@
 #include <queue>
 
 #include "mapping/base/error.h"
+#include "mapping/base/math/random.h"
 #include "mapping/base/parallel.h"
-#include "mapping/base/random.h"
 
 namespace loci::perception {
 namespace {

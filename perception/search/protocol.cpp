@@ -7,8 +7,8 @@
 #include <array>
 #include <vector>
 
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "perception/search/goggles.pb.h"
 
 namespace loci::perception {

@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "mapping/base/files.h"
-#include "mapping/base/hash.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/hash.h"
 #include "mapping/http/http_server.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/image_features.h"

@@ -7,7 +7,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/barcode_reader.h"
 #include "perception/search/protocol.h"

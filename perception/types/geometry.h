@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/base/time.h"
 #include "perception/types/scene_cas.h"
 

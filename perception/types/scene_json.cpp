@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/base/time.h"
 #include "perception/types/geometry.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "perception/types/scene_cas.h"
 
 namespace loci::perception::types {

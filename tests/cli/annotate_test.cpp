@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "tests/cli/command.h"
 
 namespace loci::apps::test {

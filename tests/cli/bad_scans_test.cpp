@@ -8,7 +8,7 @@
 #include <string>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/sensor/scan.h"
 #include "tests/cli/command.h"
 

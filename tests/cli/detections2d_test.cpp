@@ -3,7 +3,7 @@
 #include <set>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "tests/cli/command.h"
 #include "tests/support/box_table.h"
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "tests/cli/command.h"
 #include "tests/support/postgres_server.h"
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "tests/cli/command.h"
 #include "tests/support/postgres_server.h"
 

@@ -11,10 +11,10 @@
 #include <sstream>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
-#include "mapping/base/pose.h"
-#include "mapping/base/text.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/base/time.h"
 #include "mapping/recording/recording.h"
 #include "memory/store/store.h"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "tests/cli/command.h"
 
 namespace loci::apps::test {

@@ -5,9 +5,9 @@
 
 #include <filesystem>
 
-#include "mapping/base/csv.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 #include "tests/cli/command.h"
 
 namespace loci::apps::test {

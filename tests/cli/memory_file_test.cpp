@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "tests/cli/command.h"
 #include "tests/memory/questions/synthetic_day.h"
 

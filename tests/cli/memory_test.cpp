@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
 #include "mapping/base/output_file.h"
+#include "mapping/base/text/json.h"
 #include "tests/cli/command.h"
 #include "tests/memory/questions/synthetic_day.h"
 

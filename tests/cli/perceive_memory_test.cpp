@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "tests/cli/command.h"
 #include "tests/memory/recorder/memory_dump.h"
 

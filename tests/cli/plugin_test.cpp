@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "tests/cli/command.h"
 
 namespace loci::apps::test {

@@ -7,8 +7,8 @@
 #include <opencv2/core.hpp>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "mapping/recording/recording.h"
 #include "tests/cli/command.h"
 

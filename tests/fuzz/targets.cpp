@@ -11,9 +11,9 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
 #include "mapping/base/progress.h"
 #include "mapping/base/terminal.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/depth_image.h"
 #include "mapping/recording/recording.h"

@@ -23,7 +23,7 @@
 #include "gui/window/menus.h"
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/objects.h"
 #include "tests/gui/window_fixture.h"
 

@@ -9,9 +9,9 @@
 #include "gui/models/table_models.h"
 #include "gui/views/log_view.h"
 #include "gui/views/statistics_view.h"
-#include "mapping/base/csv.h"
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 #include "tests/gui/window_fixture.h"
 
 namespace loci::gui {

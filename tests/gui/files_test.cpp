@@ -9,7 +9,7 @@
 #include "gui/core/background.h"
 #include "gui/data/memory_log.h"
 #include "gui/views/timeline/time_bar.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/gui/window_fixture.h"
 

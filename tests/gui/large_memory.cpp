@@ -4,8 +4,8 @@
 #include <opencv2/core.hpp>
 
 #include "mapping/base/files.h"
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 #include "mapping/image/image_io.h"
 #include "mapping/render/render.h"
 #include "mapping/simulation/scenario.h"

@@ -10,7 +10,7 @@
 #include "gui/models/objects_model.h"
 #include "gui/views/compare_view.h"
 #include "gui/views/scene_view.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/report/memory_statistics.h"
 #include "tests/gui/window_fixture.h"
 

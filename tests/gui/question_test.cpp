@@ -12,7 +12,7 @@
 #include "gui/core/background.h"
 #include "gui/models/question_text.h"
 #include "gui/views/question_bar.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "tests/gui/window_fixture.h"
 
 namespace loci::gui {

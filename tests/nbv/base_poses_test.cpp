@@ -1,5 +1,5 @@
 #include "nbv/base_poses.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <gtest/gtest.h>
 

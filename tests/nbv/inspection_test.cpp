@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "mapping/base/error.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "nbv/exploration.h"
 #include "tests/mapping/occupancy/box_room.h"
 

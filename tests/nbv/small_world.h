@@ -6,7 +6,7 @@
 #include <string>
 
 #include "mapping/base/files.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::nbv::test {
 

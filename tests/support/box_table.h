@@ -7,7 +7,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/recording/recording.h"
 
 namespace loci::test {

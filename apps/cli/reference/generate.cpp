@@ -15,7 +15,7 @@
 
 #include "apps/cli/program.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps {
 namespace {

@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 
-#include "mapping/base/csv.h"
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/json.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/random.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::articulation {
 namespace {

@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/location.h"
 #include "memory/questions/presence.h"

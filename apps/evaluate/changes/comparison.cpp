@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/identity/matchings.h"
 #include "memory/recorder/scene_reasoning.h"
 

@@ -6,7 +6,7 @@
 
 #include "apps/evaluate/changes/story.h"
 #include "apps/evaluate/changes/truth.h"
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/recording/recording.h"
 #include "memory/belief/association/decisions.h"
 

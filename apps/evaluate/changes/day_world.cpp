@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "apps/evaluate/changes/line_of_sight.h"
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 #include "mapping/simulation/play.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::apps::changes {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/render/ray_scene.h"
 #include "mapping/world/mesh.h"
 #include "mapping/world/world.h"

@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "mapping/base/pose.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/math/random.h"
 
 namespace loci::apps::changes {
 namespace {

@@ -1,7 +1,7 @@
 #include "apps/evaluate/changes/remember.h"
 
 #include "mapping/base/config.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
 #include "perception/annotators/annotators.h"

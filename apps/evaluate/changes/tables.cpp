@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "apps/evaluate/changes/comparison.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::changes {
 namespace {

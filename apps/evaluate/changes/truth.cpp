@@ -7,9 +7,9 @@
 #include <set>
 #include <sstream>
 
-#include "mapping/base/csv.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 #include "mapping/simulation/play.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::apps::changes {
 

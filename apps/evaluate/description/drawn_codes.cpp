@@ -7,11 +7,11 @@
 #include <functional>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/temporary_folder.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/barcode_reader.h"
 

@@ -4,8 +4,8 @@
 #include <set>
 #include <string>
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::apps::description_evaluation {
 

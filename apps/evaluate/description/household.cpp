@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/csv.h"
-#include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 #include "mapping/simulation/household.h"
 #include "mapping/simulation/household_scenes.h"
 #include "perception/annotators/io/labelled_recording.h"

@@ -7,9 +7,9 @@
 #include <map>
 #include <set>
 
-#include "mapping/base/csv.h"
-#include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "perception/classification/ensemble.h"
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::apps::description_evaluation {
 

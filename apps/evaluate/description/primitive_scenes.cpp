@@ -8,7 +8,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/render/render.h"
 #include "mapping/sensor/kinect.h"
 #include "mapping/simulation/household_scenes.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "perception/annotators/io/labelled_recording.h"
 
 namespace loci::apps::description_evaluation {

@@ -7,8 +7,8 @@
 #include <ctime>
 
 #include "apps/evaluate/description/primitive_scenes.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::description_evaluation {
 namespace {

@@ -10,11 +10,11 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "mapping/base/csv.h"
-#include "mapping/base/json.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/temporary_folder.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/product_catalogue.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "perception/recognition/product_index.h"
 
 namespace loci::apps::description_evaluation {

@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "apps/evaluate/description/words.h"
-#include "mapping/base/csv.h"
-#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/barcode_reader.h"
 #include "perception/recognition/text_reader.h"

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "apps/evaluate/description/words.h"
-#include "mapping/base/csv.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "perception/search/search_client.h"
 #include "perception/search/search_server.h"

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "apps/evaluate/description/primitive_scenes.h"
-#include "mapping/base/json.h"
 #include "mapping/base/parallel.h"
+#include "mapping/base/text/json.h"
 #include "perception/classification/ensemble.h"
 
 namespace loci::apps::description_evaluation {

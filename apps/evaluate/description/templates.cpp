@@ -5,8 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
-#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "perception/annotators/io/labelled_recording.h"
 #include "perception/recognition/template_detector.h"
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::detection_evaluation {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/evaluate/detection/rendered_tables.h"
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "perception/detection/network_detector.h"
 
 namespace loci::apps::detection_evaluation {

@@ -7,7 +7,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/parallel.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/image/image_io.h"
 #include "mapping/simulation/household.h"
 #include "mapping/simulation/household_scenes.h"

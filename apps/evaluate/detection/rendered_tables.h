@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "mapping/base/math/random.h"
 #include "mapping/base/progress.h"
-#include "mapping/base/random.h"
 
 namespace loci::apps::detection_evaluation {
 

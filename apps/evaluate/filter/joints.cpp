@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/structure/articulated_fronts.h"
 #include "perception/annotators/structure/normals.h"

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
+#include "mapping/base/text/json.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/scene_data.h"

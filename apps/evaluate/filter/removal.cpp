@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/structure/normals.h"
 

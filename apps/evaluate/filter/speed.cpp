@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "mapping/base/files.h"
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/temporary_folder.h"
 #include "mapping/render/render.h"

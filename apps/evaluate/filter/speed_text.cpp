@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "apps/evaluate/filter/speed.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::filter_evaluation {
 namespace {

@@ -11,10 +11,10 @@
 #include <thread>
 
 #include "apps/evaluate/memory/simulator.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/fleet/fleet_replica.h"
 #include "memory/fleet/push.h"
 #include "memory/ingest/detection_scene.h"
@@ -134,10 +134,10 @@ void ask_one(const memory::Store& store, Random& random) {
       ask(store, memory::ContentsQuestion{.place = place});
       break;
     case 2:
-      ask(store, memory::ChangesQuestion{.from = from, .to = from + 3600 * kSecond});
+      ask(store, memory::ChangesQuestion{.from = from, .to = from + kHour});
       break;
     default:
-      ask(store, memory::WasQuestion{object(), place, from, from + 3600 * kSecond, {}});
+      ask(store, memory::WasQuestion{object(), place, from, from + kHour, {}});
   }
 }
 

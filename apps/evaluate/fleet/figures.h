@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::apps::fleet_experiment {
 

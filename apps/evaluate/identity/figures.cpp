@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "mapping/base/files.h"
-#include "mapping/base/html.h"
+#include "mapping/base/text/html.h"
 
 namespace loci::apps::identity_experiment {
 namespace {

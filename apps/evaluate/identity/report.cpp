@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::identity_experiment {
 namespace {

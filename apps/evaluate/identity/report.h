@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "apps/evaluate/identity/experiment.h"
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::apps::identity_experiment {
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
+#include "mapping/base/math/random.h"
 #include "mapping/base/options.h"
-#include "mapping/base/random.h"
 #include "memory/identity/solution.h"
 
 namespace loci::apps::identity_experiment {

@@ -2,7 +2,7 @@
 #include <ctime>
 
 #include "apps/evaluate/identity/experiment.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 
 namespace loci::apps::identity_experiment {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::mapping_claim {
 namespace {

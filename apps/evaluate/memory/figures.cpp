@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "apps/evaluate/memory/plain.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "memory/ingest/detection_scene.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/events.h"
@@ -219,7 +219,6 @@ class Asker {
   std::vector<QuestionFigures> run() {
     const auto object = [&] { return static_cast<memory::Id>(1 + random_.index(objects_)); };
     const auto place = [&] { return Home::place_name(static_cast<int>(random_.index(places()))); };
-    const auto hour = 3600 * kSecond;
     time("where is object N", [&] {
       return ask(store_, memory::WhereQuestion{memory::object_name(object()), {}}).objects.size();
     });
@@ -257,11 +256,11 @@ class Asker {
     compare([&] { return plain_.near(point(), 0.5, some_time()); });
     time("what changed in an hour", [&] {
       const TimeNs from = some_time();
-      return ask(store_, memory::ChangesQuestion{.from = from, .to = from + hour}).changes.size();
+      return ask(store_, memory::ChangesQuestion{.from = from, .to = from + kHour}).changes.size();
     });
     time("was object N on PLACE in an hour", [&] {
       const TimeNs from = some_time();
-      return ask(store_, memory::WasQuestion{memory::object_name(object()), place(), from, from + hour, {}})
+      return ask(store_, memory::WasQuestion{memory::object_name(object()), place(), from, from + kHour, {}})
           .objects.size();
     });
     time("what bears the word milk", [&] { return store_.objects_with_text("milk").size(); });

@@ -3,9 +3,9 @@
 #include <filesystem>
 
 #include "apps/evaluate/memory/simulator.h"
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::apps::memory_experiment {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::apps::memory_experiment {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/evaluate/memory/identity_judge.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "memory/ingest/detections.h"
 
 namespace loci::apps::memory_experiment {

@@ -10,10 +10,10 @@
 
 #include "apps/evaluate/mesh/mesher.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "mapping/fusion/room_mesh.h"
 #include "mapping/render/ray_scene.h"
 #include "mapping/simulation/walk.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::apps::mesh_claim {
 

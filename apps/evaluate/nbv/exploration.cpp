@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::apps::nbv_evaluation {
 namespace {

@@ -4,7 +4,7 @@
 #include <ctime>
 #include <mutex>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
 

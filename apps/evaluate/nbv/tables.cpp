@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "apps/evaluate/nbv/exploration.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::nbv_evaluation {
 namespace {

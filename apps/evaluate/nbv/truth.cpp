@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "mapping/base/error.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
 
 namespace loci::apps::nbv_evaluation {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "mapping/base/cell_index.h"
+#include "mapping/base/math/cell_index.h"
 #include "mapping/occupancy/occupancy.h"
 #include "mapping/render/ray_scene.h"
 #include "mapping/sensor/laser.h"

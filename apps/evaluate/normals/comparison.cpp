@@ -7,7 +7,7 @@
 
 #include "apps/evaluate/normals/peers.h"
 #include "apps/evaluate/normals/surfaces.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/recording/recording.h"
 
 namespace loci::apps::normals_evaluation {

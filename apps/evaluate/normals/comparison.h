@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "apps/evaluate/normals/errors.h"
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 #include "perception/annotators/structure/normals.h"
 
 namespace loci::apps::normals_evaluation {

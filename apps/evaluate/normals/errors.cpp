@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::apps::normals_evaluation {
 namespace {

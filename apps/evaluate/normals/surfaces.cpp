@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::apps::normals_evaluation {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "mapping/sensor/camera.h"
 
 namespace loci::apps::normals_evaluation {

@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::occupancy_claim {
 namespace {

@@ -8,8 +8,8 @@
 #include <map>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "mapping/recording/posed_recording.h"
 #include "mapping/render/render.h"
 #include "mapping/sensor/kinect.h"

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <set>
 
-#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::apps::questions {
 namespace {

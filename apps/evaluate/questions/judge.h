@@ -5,7 +5,7 @@
 
 #include "apps/evaluate/questions/memories.h"
 #include "apps/evaluate/questions/table.h"
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/sentences/natural_language.h"
 
 namespace loci::apps::questions {

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
+#include "mapping/base/text/json.h"
 #include "mapping/sensor/scan.h"
 
 namespace loci::apps::registration_evaluation {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "apps/evaluate/registration/pairs.h"
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/registration/registration.h"
 
 namespace loci::apps::registration_evaluation {

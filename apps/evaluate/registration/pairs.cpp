@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
-#include "mapping/base/cell_index.h"
-#include "mapping/base/csv.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/cell_index.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/csv.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/recording/recording.h"
 #include "mapping/simulation/laser_sweep.h"

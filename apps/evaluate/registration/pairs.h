@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "mapping/sensor/scan.h"
 
 namespace loci::apps::registration_evaluation {

@@ -7,15 +7,15 @@
 
 #include "apps/evaluate/segmentation/strips.h"
 #include "mapping/base/config.h"
-#include "mapping/base/csv.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/io/labelled_recording.h"
-#include "perception/annotators/segmentation/object_clusters.h"
+#include "perception/annotators/segmentation/clustering/object_clusters.h"
 #include "perception/pipeline/pipeline.h"
 
 namespace loci::apps::segmentation_evaluation {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::segmentation_evaluation {
 

@@ -2,7 +2,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::apps::segmentation_evaluation {
 

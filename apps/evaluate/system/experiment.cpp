@@ -8,11 +8,11 @@
 #include <string>
 
 #include "apps/evaluate/system/household.h"
-#include "mapping/base/base64.h"
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
-#include "mapping/base/html.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/base64.h"
+#include "mapping/base/text/html.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "mapping/simulation/record.h"
 #include "memory/annotators/memory_annotators.h"

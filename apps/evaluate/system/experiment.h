@@ -7,9 +7,9 @@
 
 #include "apps/evaluate/system/scene_counts.h"
 #include "apps/evaluate/system/throughput.h"
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::apps::system_evaluation {
 

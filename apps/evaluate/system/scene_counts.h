@@ -3,7 +3,7 @@
 #include <map>
 #include <vector>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 
 namespace loci::apps::system_evaluation {
 

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "apps/evaluate/system/experiment.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::system_evaluation {
 namespace {

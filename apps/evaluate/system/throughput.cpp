@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <fstream>
 
-#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "perception/annotators/annotators.h"
 #include "perception/types/scene_cas.h"
 

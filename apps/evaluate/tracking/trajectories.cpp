@@ -7,9 +7,9 @@
 #include <filesystem>
 
 #include "apps/evaluate/tracking/frame_odometry.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "mapping/tracking/tracking.h"
 
 namespace loci::apps::tracking_evaluation {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 #include "mapping/recording/recording.h"
 
 namespace loci::apps::tracking_evaluation {

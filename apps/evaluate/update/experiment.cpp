@@ -7,8 +7,8 @@
 
 #include "apps/evaluate/update/moves.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/recording/recording.h"
 #include "mapping/registration/registration.h"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json_fwd.h"
 #include "mapping/base/progress.h"
+#include "mapping/base/text/json_fwd.h"
 
 namespace loci::apps::update_claim {
 

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/world/kinematics.h"
 
 namespace loci::apps::update_claim {

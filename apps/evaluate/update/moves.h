@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "apps/evaluate/changes/line_of_sight.h"
-#include "mapping/base/convex.h"
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/convex.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 #include "mapping/world/mesh.h"
 #include "mapping/world/world.h"
 

@@ -16,7 +16,7 @@
 
 #include "gui/core/theme.h"
 #include "gui/views/map/map_view.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::gui {
 namespace {

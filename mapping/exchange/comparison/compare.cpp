@@ -7,7 +7,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/exchange/comparison/compare_furniture.h"
 
 namespace loci::mapping {

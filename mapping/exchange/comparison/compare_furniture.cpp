@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/convex.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/convex.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::mapping {
 namespace {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <numeric>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/exchange/comparison/compare.h"
 
 namespace loci::mapping {

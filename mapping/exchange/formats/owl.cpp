@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/exchange/formats/owl_document.h"
 #include "mapping/exchange/map_structure.h"
 #include "mapping/world/kinematics.h"

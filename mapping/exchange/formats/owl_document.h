@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::mapping {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "mapping/base/cell_index.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/cell_index.h"
+#include "mapping/base/math/math.h"
 #include "mapping/interpretation/fronts/parameters.h"
 #include "mapping/interpretation/surfaces/vertical_planes.h"
 

@@ -11,9 +11,9 @@
 #include <set>
 #include <vector>
 
-#include "mapping/base/math.h"
-#include "mapping/base/pose.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/math/random.h"
 #include "mapping/interpretation/fronts/face.h"
 #include "mapping/interpretation/fronts/parameters.h"
 

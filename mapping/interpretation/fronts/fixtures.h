@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "mapping/interpretation/fronts/face.h"
 #include "mapping/world/furniture.h"
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/fronts/face.h"
 #include "mapping/interpretation/fronts/front_layout.h"
 #include "mapping/interpretation/fronts/parameters.h"

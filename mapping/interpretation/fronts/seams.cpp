@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/interpretation/fronts/parameters.h"
 
 namespace loci::mapping {

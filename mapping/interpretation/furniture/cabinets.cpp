@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/front_fit.h"
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/parameters.h"

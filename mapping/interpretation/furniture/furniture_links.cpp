@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/front_fit.h"
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/parameters.h"

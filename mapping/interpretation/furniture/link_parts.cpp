@@ -3,8 +3,8 @@
 #include <array>
 #include <utility>
 
-#include "mapping/base/math.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::mapping {
 namespace {

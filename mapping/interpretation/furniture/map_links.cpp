@@ -8,8 +8,8 @@
 #include <numeric>
 
 #include "mapping/articulation/articulation.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/cabinets.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/interpretation/furniture/link_parts.h"

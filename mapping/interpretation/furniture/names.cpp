@@ -11,8 +11,8 @@
 #include <set>
 #include <tuple>
 
-#include "mapping/base/convex.h"
-#include "mapping/base/json.h"
+#include "mapping/base/math/convex.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/parameters.h"
 #include "mapping/world/furniture_classes.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <map>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/interpretation/supports/parameters.h"
 #include "mapping/interpretation/supports/refinement.h"
 #include "mapping/interpretation/surfaces/levelling.h"

@@ -4,7 +4,7 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/interpretation/supports/parameters.h"
 #include "mapping/interpretation/supports/refinement.h"
 #include "mapping/interpretation/supports/supports.h"

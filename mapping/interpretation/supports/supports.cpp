@@ -11,8 +11,8 @@
 #include <set>
 #include <vector>
 
-#include "mapping/base/cell_index.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/cell_index.h"
+#include "mapping/base/math/math.h"
 #include "mapping/interpretation/supports/parameters.h"
 #include "mapping/interpretation/supports/plane_raster.h"
 #include "mapping/interpretation/supports/refinement.h"

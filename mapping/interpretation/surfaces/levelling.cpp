@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/cell_index.h"
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/math.h"
-#include "mapping/base/moments.h"
-#include "mapping/base/pose.h"
+#include "mapping/base/math/cell_index.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/moments.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/interpretation/surfaces/parameters.h"
 
 namespace loci::mapping {

@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 
-#include "mapping/base/cell_index.h"
-#include "mapping/base/eigenvalues.h"
 #include "mapping/base/error.h"
-#include "mapping/base/moments.h"
+#include "mapping/base/math/cell_index.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/moments.h"
 #include "mapping/base/parallel.h"
 #include "mapping/interpretation/surfaces/parameters.h"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <set>
 
-#include "mapping/base/cell_index.h"
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/cell_index.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
 #include "mapping/interpretation/surfaces/parameters.h"
 
 namespace loci::mapping {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/moments.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/moments.h"
 #include "mapping/base/parallel.h"
 #include "mapping/interpretation/surfaces/parameters.h"
 #include "mapping/interpretation/surfaces/surface.h"

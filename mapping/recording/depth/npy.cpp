@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/recording/depth/codecs.h"
 
 namespace loci::mapping {

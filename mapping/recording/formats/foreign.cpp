@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/recording/formats/layouts.h"
 
 namespace loci::mapping {

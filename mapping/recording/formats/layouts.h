@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mapping/base/config.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/recording/file_recording.h"
 #include "mapping/recording/stamped_poses.h"
 

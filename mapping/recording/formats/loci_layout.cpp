@@ -7,7 +7,7 @@
 #include <set>
 
 #include "mapping/base/config.h"
-#include "mapping/base/csv.h"
+#include "mapping/base/text/csv.h"
 #include "mapping/base/time_zone.h"
 
 namespace loci::mapping {

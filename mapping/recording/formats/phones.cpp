@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
-#include "mapping/base/csv.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
-#include "mapping/base/text.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/recording/depth_image.h"
 #include "mapping/recording/formats/layouts.h"
 #include "mapping/recording/video.h"

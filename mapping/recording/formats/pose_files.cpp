@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "mapping/base/files.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/recording/formats/layouts.h"
 #include "mapping/recording/posed_recording.h"
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/depth_image.h"
 #include "mapping/recording/formats/layouts.h"

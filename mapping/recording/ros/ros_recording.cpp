@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/base/time_limits.h"
 #include "mapping/sensor/kinect.h"
 

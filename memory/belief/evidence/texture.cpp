@@ -8,7 +8,7 @@
 #include <numeric>
 #include <set>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/sensor/depth_noise.h"
 #include "memory/belief/parameters.h"
 

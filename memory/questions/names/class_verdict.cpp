@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::memory {
 namespace {

@@ -9,8 +9,8 @@
 #include <numeric>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::memory {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::memory {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {

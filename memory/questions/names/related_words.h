@@ -4,7 +4,7 @@
 #include <set>
 #include <string>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 
 namespace loci::memory {
 

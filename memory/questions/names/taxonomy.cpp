@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "mapping/base/config.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::memory {
 namespace {

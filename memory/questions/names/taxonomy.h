@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {

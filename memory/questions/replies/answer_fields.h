@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/base/time.h"
 #include "memory/questions/replies/answer_parts.h"
 #include "memory/store/scene_images.h"

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/replies/answer_parts.h"
 #include "memory/questions/time_parser.h"
 

@@ -171,7 +171,7 @@ void most_often(const ChangesAnswer& answer, const Names& names, Reply& reply) {
 
 /// What the first or the last changes are of: several where they were seen within a minute.
 void at_one_end(const ChangesAnswer& answer, const Names& names, const ReplyContext& context, Reply& reply) {
-  constexpr TimeNs kTogether = 60 * kSecond;
+  constexpr TimeNs kTogether = kMinute;
   const bool first = context.query.asks == Asks::earliest;
   const TimeNs time = first ? answer.changes.front().time : answer.changes.back().time;
   std::vector<std::string> list;

@@ -304,9 +304,9 @@ void is_as_usual(const UsualObject& object, const std::string& name, Reply& repl
 void write_reply(const UsualAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
-  const UsualObject* best = nullptr;
-  for (const UsualObject& object : answer.objects)
-    if (best == nullptr || best->places.empty()) best = &object;
+  const auto best = std::ranges::find_if(answer.objects, [&](const UsualObject& object) {
+    return !object.places.empty() || &object == &answer.objects.back();
+  });
   const std::string name = bare_subject(best->now.object, names);
   reply.objects = {best->now.object.id};
   if (best->places.empty()) {
@@ -352,6 +352,7 @@ void seen_there_last(const ContentsHistoryAnswer& answer, const Names& names, co
         last = &object;
         at = &place;
       }
+  if (last == nullptr) return;
   reply.objects = {last->now.object.id};
   reply.time = at_once(last->last.time);
   reply.text = fmt::format("{} was seen {} last, at {}.", bare_subject(last->now.object, names),

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <map>
 
-#include "mapping/base/json.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/wordnet/wordnet.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/events.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
@@ -18,10 +18,10 @@ using namespace format;
 
 namespace {
 
-constexpr TimeNs kMissingFor = 7 * 24 * 3600 * kSecond;  ///< what is gone for longer is not reported
-constexpr size_t kMinUsualSightings = 3;                 ///< fewer are not a habit
-constexpr double kMinUsualShare = 0.5;                   ///< of its sightings
-constexpr double kMinPresent = 0.5;  ///< probability that it is where it is believed to be
+constexpr TimeNs kMissingFor = 7 * 24 * kHour;  ///< what is gone for longer is not reported
+constexpr size_t kMinUsualSightings = 3;        ///< fewer are not a habit
+constexpr double kMinUsualShare = 0.5;          ///< of its sightings
+constexpr double kMinPresent = 0.5;             ///< probability that it is where it is believed to be
 
 std::vector<MisplacedObject> misplaced_objects(const Store& store, const AsOf& as_of) {
   std::vector<MisplacedObject> misplaced;

@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "memory/questions/events.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
@@ -36,7 +36,7 @@ class RecurringTime {
     const size_t to = rest.find(" to ");
     const TimeSpan first = times.read(rest.substr(0, to));
     const TimeSpan last = to == std::string::npos ? first : times.read(rest.substr(to + 4));
-    if (first.last - first.first >= 23 * 3600 * kSecond)
+    if (first.last - first.first >= 23 * kHour)
       days_.insert(local_weekday(first.first, zone_));  // "today"
     else
       hours_ = {local_hour(first.first, zone_), local_hour(last.last, zone_)};
@@ -217,7 +217,7 @@ class TransitionCounts {
       if (i + 1 == stays.size()) break;
       ++steps_[stays[i].place][stays[i + 1].place];
       hours_[stays[i].place].push_back(static_cast<double>(stays[i + 1].from - stays[i].from) /
-                                       static_cast<double>(3600 * kSecond));
+                                       static_cast<double>(kHour));
     }
   }
 

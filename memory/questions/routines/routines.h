@@ -4,7 +4,7 @@
 #include <map>
 #include <string_view>
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/questions/replies/answer_parts.h"
 #include "memory/questions/time_parser.h"
 

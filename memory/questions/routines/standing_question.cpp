@@ -6,7 +6,7 @@
 #include <array>
 #include <utility>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {

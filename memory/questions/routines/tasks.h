@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/questions/replies/answer_parts.h"
 #include "memory/questions/time_parser.h"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/sentences/courtesy.h"
 #include "memory/sentences/discourse.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/names/related_words.h"
 
 namespace loci::memory {

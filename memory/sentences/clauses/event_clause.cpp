@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/mentions.h"
 
@@ -25,10 +25,6 @@ bool is_clause(const Words& words) {
   const Tokens tokens = tokens_of(words);
   const WordClass first = class_of(tokens.lemmas[0]);
   return first != WordClass::auxiliary && first != WordClass::question && first != WordClass::relation;
-}
-
-std::string text_of(const Words& words) {
-  return join_words(words, 0, words.size());
 }
 
 /// The first name in a clause; "" = none.
@@ -77,7 +73,7 @@ std::optional<EventClause> find_event_clause(const std::string& sentence, const 
   const Words asked = question;
   resolve(question, event, snapshot);
   resolve(event, asked, snapshot);
-  return EventClause{link, text_of(question), text_of(event)};
+  return EventClause{link, joined(question, " "), joined(event, " ")};
 }
 
 std::string question_at(const EventClause& clause, const TimeSpan& event) {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <set>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/reply.h"
 #include "memory/sentences/mentions.h"

@@ -4,7 +4,7 @@
 // (erasure_marks.cpp), collects what must not be found afterwards (erasure_tokens.cpp), and removes them
 // (erasure.cpp); a tombstone remains (tombstones.cpp).
 
-#include "mapping/base/json_fwd.h"
+#include "mapping/base/text/json_fwd.h"
 #include "memory/store/database.h"
 
 namespace loci::memory {

@@ -1,6 +1,6 @@
 // What is forgotten on request: which rows belong to it.
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/store/erasure/erasure.h"
 #include "memory/store/rows/row_columns.h"
 #include "memory/store/run_configuration.h"

@@ -1,7 +1,7 @@
 // What is forgotten on request: what must not be found afterwards.
 
 #include <cmath>
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/store/erasure/erasure.h"
 
 namespace loci::memory {

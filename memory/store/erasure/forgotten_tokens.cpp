@@ -4,8 +4,8 @@
 #include <bit>
 
 #include "mapping/base/files.h"
-#include "mapping/base/hash.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/hash.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "memory/store/database.h"
 #include "memory/store/erasure/erased_images.h"

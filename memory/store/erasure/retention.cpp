@@ -9,8 +9,8 @@
 #include <cerrno>
 #include <cstring>
 
-#include "mapping/base/json.h"
 #include "mapping/base/output_file.h"
+#include "mapping/base/text/json.h"
 #include "memory/store/memory_file.h"
 #include "memory/store/rows/derived_rows.h"
 #include "memory/store/rows/row_columns.h"

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "mapping/base/hash.h"
+#include "mapping/base/text/hash.h"
 #include "memory/store/erasure/erased_images.h"
 #include "memory/store/erasure/erasure.h"
 

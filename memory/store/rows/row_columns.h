@@ -6,7 +6,7 @@
 #include <concepts>
 #include <deque>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/store/database.h"
 
 namespace loci::memory {

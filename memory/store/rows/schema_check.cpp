@@ -4,7 +4,7 @@
 #include <cctype>
 #include <mutex>
 
-#include "mapping/base/hash.h"
+#include "mapping/base/text/hash.h"
 
 namespace loci::memory {
 namespace {

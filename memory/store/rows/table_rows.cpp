@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "memory/store/rows/derived_rows.h"
 #include "memory/store/rows/digest.h"
 #include "memory/store/rows/schema_check.h"

@@ -5,7 +5,7 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/image/hsv.h"
 #include "perception/conversions/opencv.h"
 

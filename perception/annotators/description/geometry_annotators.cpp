@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
 
@@ -70,7 +70,7 @@ UprightBox upright_box(const std::vector<Vector3d>& points, double ground, doubl
   std::vector<double> heights;
   footprint.reserve(points.size());
   heights.reserve(points.size());
-  const Vector3d origin = points.front();  // Floats lose digits far from the map's origin.
+  const Vector3d& origin = points.front();  // Floats lose digits far from the map's origin.
   for (const Vector3d& p : points) {
     footprint.emplace_back(static_cast<float>(p.x() - origin.x()), static_cast<float>(p.y() - origin.y()));
     heights.push_back(p.z());

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "perception/pipeline/annotator.h"
 
 namespace loci::perception {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <set>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "perception/pipeline/annotator.h"
 #include "perception/types/scene_cas.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "perception/annotators/segmentation/plane_cluster_extractor.h"
+#include "perception/annotators/segmentation/clustering/plane_cluster_extractor.h"
 #include "perception/conversions/opencv.h"
 #include "perception/recognition/barcode_reader.h"
 #include "perception/recognition/image_features.h"

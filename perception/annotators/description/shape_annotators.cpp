@@ -7,7 +7,7 @@
 #include <limits>
 #include <numeric>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
 #include "perception/conversions/pcl.h"

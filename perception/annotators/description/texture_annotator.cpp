@@ -6,7 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/image/root_sift.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
 
@@ -64,13 +65,12 @@ std::optional<size_t> point_at(const cv::Mat& point, const cv::Point2f& pixel) {
   return best;
 }
 
-/// RootSIFT in four bits per value. `descriptor`: CV_32F, one row.
+/// In four bits per value. `descriptor`: RootSIFT, one row.
 void append_packed(const cv::Mat& descriptor, std::vector<uint8_t>& bytes) {
-  constexpr double kUnit = 32, kMost = 15;  // Few values are above half of the descriptor's length.
-  const double sum = std::max(1.0, cv::norm(descriptor, cv::NORM_L1));
+  constexpr float kUnit = 32, kMost = 15;  // Few values are above half of the descriptor's length.
   for (int i = 0; i < descriptor.cols; ++i) {
-    const double value = std::sqrt(static_cast<double>(descriptor.at<float>(i)) / sum);
-    const auto level = static_cast<unsigned>(std::min(kMost, std::floor(kUnit * value + 0.5)));
+    const auto level =
+        static_cast<unsigned>(std::min(kMost, std::floor(kUnit * descriptor.at<float>(i) + 0.5F)));
     if (i % 2 == 0)
       bytes.push_back(static_cast<uint8_t>(level));
     else
@@ -110,6 +110,7 @@ void TextureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
     cv::resize(mask, mask, grey.size(), 0, 0, cv::INTER_NEAREST);
     std::vector<cv::KeyPoint> found;
     sift->detectAndCompute(grey, mask, found, descriptors);
+    const cv::Mat rooted = mapping::root_sift(descriptors);
     std::vector<float> positions, diameters;
     std::vector<uint8_t> bytes;
     for (size_t i = 0; i < found.size(); ++i) {
@@ -117,7 +118,7 @@ void TextureAnnotator::process(cas::Cas& cas, Context& /*context*/) {
       if (!point) continue;
       for (const double value : points[*point]) positions.push_back(static_cast<float>(value));
       diameters.push_back(found[i].size * static_cast<float>(object.range / object.focal / scale));
-      append_packed(descriptors.row(static_cast<int>(i)), bytes);
+      append_packed(rooted.row(static_cast<int>(i)), bytes);
     }
     if (diameters.empty()) continue;
     const auto annotation = types::TextureAnnotation::create(cas);

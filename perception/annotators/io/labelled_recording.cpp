@@ -6,8 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
-#include "mapping/base/csv.h"
 #include "mapping/base/files.h"
+#include "mapping/base/text/csv.h"
 #include "mapping/image/image_io.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/description/shape_annotators.h"
@@ -98,7 +98,7 @@ void write_overlay(const types::SceneCas& scene, const std::filesystem::path& fo
   if (!keep_people) anonymise(image, types::heads_of_people(scene.scene()));
   int number = 0;
   for (const types::Cluster& cluster : scene.clusters()) {
-    const cv::Scalar color = kPalette[static_cast<size_t>(number++) % kPalette.size()];
+    const cv::Scalar& color = kPalette[static_cast<size_t>(number++) % kPalette.size()];
     const auto roi = cluster.hypotheses.first<types::StandaloneImageROI>();
     if (!roi) continue;
     const cv::Rect box = types::from<cv::Rect>(roi.roi.get());

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "perception/annotators/scene_data.h"
-#include "perception/annotators/segmentation/plane_cluster_extractor.h"
+#include "perception/annotators/segmentation/clustering/plane_cluster_extractor.h"
 #include "perception/annotators/structure/supports.h"
 #include "perception/conversions/opencv.h"
 #include "perception/detection/lift.h"

@@ -8,12 +8,12 @@
 #include <tuple>
 
 #include "mapping/base/error.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "perception/annotators/scene_data.h"
-#include "perception/annotators/segmentation/color_contrast.h"
+#include "perception/annotators/segmentation/clustering/color_contrast.h"
+#include "perception/annotators/segmentation/clustering/object_clusters.h"
+#include "perception/annotators/segmentation/clustering/plane_cluster_extractor.h"
 #include "perception/annotators/segmentation/flat_surface.h"
-#include "perception/annotators/segmentation/object_clusters.h"
-#include "perception/annotators/segmentation/plane_cluster_extractor.h"
 #include "perception/annotators/structure/supports.h"
 #include "perception/conversions/opencv.h"
 #include "perception/recognition/image_features.h"

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "mapping/base/error.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/image/image_io.h"
 
 namespace loci::perception {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "mapping/base/tally.h"
+#include "mapping/base/math/tally.h"
 #include "perception/detection/network_detector.h"
 #include "perception/pipeline/annotator.h"
 

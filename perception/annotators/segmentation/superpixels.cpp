@@ -7,7 +7,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
 #include "perception/recognition/image_features.h"

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "mapping/base/math/pose.h"
 #include "mapping/base/options.h"
-#include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
 #include "perception/pipeline/annotator.h"
 

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "perception/annotators/scene_data.h"
-#include "perception/annotators/segmentation/plane_cluster_extractor.h"
+#include "perception/annotators/segmentation/clustering/plane_cluster_extractor.h"
 #include "perception/annotators/structure/supports.h"
 #include "perception/conversions/opencv.h"
 

@@ -3,8 +3,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "mapping/base/math/pose.h"
 #include "mapping/base/options.h"
-#include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
 #include "perception/pipeline/annotator.h"
 

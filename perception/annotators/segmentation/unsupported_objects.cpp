@@ -7,14 +7,14 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/math.h"
-#include "mapping/base/moments.h"
-#include "mapping/base/text.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/moments.h"
+#include "mapping/base/text/text.h"
 #include "perception/annotators/frame_outcome.h"
 #include "perception/annotators/scene_data.h"
-#include "perception/annotators/segmentation/object_clusters.h"
-#include "perception/annotators/segmentation/plane_cluster_extractor.h"
+#include "perception/annotators/segmentation/clustering/object_clusters.h"
+#include "perception/annotators/segmentation/clustering/plane_cluster_extractor.h"
 #include "perception/annotators/segmentation/superpixels.h"
 #include "perception/conversions/opencv.h"
 

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "mapping/base/math/pose.h"
 #include "mapping/base/options.h"
-#include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
-#include "perception/annotators/segmentation/convex_parts.h"
+#include "perception/annotators/segmentation/clustering/convex_parts.h"
 #include "perception/pipeline/annotator.h"
 
 namespace loci::perception {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/sensor/camera.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/mesh.h"

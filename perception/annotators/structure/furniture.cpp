@@ -5,10 +5,10 @@
 #include <cmath>
 #include <map>
 
-#include "mapping/base/cell_index.h"
+#include "mapping/base/math/cell_index.h"
 #include "mapping/world/free_standing.h"
 #include "mapping/world/furniture_classes.h"
-#include "perception/annotators/segmentation/convex_parts.h"
+#include "perception/annotators/segmentation/clustering/convex_parts.h"
 #include "perception/annotators/structure/supports.h"
 
 namespace loci::perception {
@@ -226,7 +226,8 @@ std::vector<Furniture> movable_furniture(const KnownMap& map) {
   DisjointSets sets = touching(branches, others);
   std::map<size_t, std::vector<const Branch*>> components;
   for (const size_t b : others) components[sets.find(b)].push_back(&branches[b]);
-  for (auto& [root, component] : components) {
+  for (auto& entry : components) {
+    auto& component = entry.second;
     const auto host = std::ranges::find_if(hosts, [&](const Host& one) { return one.has(component); });
     if (host != hosts.end()) {
       auto& piece = parts[static_cast<size_t>(host - hosts.begin())];

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
-#include "mapping/base/csv.h"
+#include "mapping/base/text/csv.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::perception {

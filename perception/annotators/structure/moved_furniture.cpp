@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-#include "mapping/base/cell_index.h"
+#include "mapping/base/math/cell_index.h"
 #include "mapping/base/parallel.h"
 #include "mapping/world/free_standing.h"
 #include "perception/annotators/scene_data.h"

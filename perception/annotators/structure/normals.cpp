@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
 

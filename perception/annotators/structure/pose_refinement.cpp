@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/annotators/structure/supports.h"
 

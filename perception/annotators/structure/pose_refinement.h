@@ -3,8 +3,8 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "mapping/base/math/pose.h"
 #include "mapping/base/options.h"
-#include "mapping/base/pose.h"
 #include "mapping/render/render.h"
 #include "mapping/sensor/camera.h"
 

@@ -5,9 +5,9 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 #include "perception/annotators/scene_data.h"
 
 namespace loci::perception {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "mapping/base/math/pose.h"
 #include "mapping/base/options.h"
-#include "mapping/base/pose.h"
 #include "mapping/sensor/camera.h"
 #include "mapping/sensor/depth_noise.h"
 #include "perception/types/scene_cas.h"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "mapping/base/pose.h"
+#include "mapping/base/math/pose.h"
 #include "mapping/sensor/camera.h"
 #include "mapping/world/mesh.h"
 

@@ -8,7 +8,7 @@
 #include <pcl/common/transforms.h>
 #include <pcl/features/esf.h>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 
 namespace {
 

@@ -12,8 +12,8 @@
 #include <array>
 #include <cmath>
 
-#include "mapping/base/eigenvalues.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
 #include "perception/classification/features/delegates.h"
 #include "perception/classification/features/pcl_clouds.h"
 

@@ -7,9 +7,9 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/articulation/moved_face.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
+#include "mapping/base/text/json.h"
 #include "mapping/simulation/simulated_robot.h"
 
 namespace loci::mapping {

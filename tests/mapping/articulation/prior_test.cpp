@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "mapping/articulation/articulation.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::mapping {
 namespace {

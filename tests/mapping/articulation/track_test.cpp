@@ -7,11 +7,11 @@
 #include <numeric>
 
 #include "mapping/articulation/articulation.h"
-#include "mapping/base/csv.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
+#include "mapping/base/text/csv.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::mapping {
 namespace {

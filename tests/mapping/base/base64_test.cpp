@@ -1,4 +1,4 @@
-#include "mapping/base/base64.h"
+#include "mapping/base/text/base64.h"
 
 #include <gtest/gtest.h>
 

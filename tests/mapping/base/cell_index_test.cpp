@@ -1,10 +1,10 @@
-#include "mapping/base/cell_index.h"
+#include "mapping/base/math/cell_index.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 
 namespace loci {
 namespace {

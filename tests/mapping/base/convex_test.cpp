@@ -1,4 +1,4 @@
-#include "mapping/base/convex.h"
+#include "mapping/base/math/convex.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "mapping/base/hash.h"
+#include "mapping/base/text/hash.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "mapping/base/html.h"
+#include "mapping/base/text/html.h"
 
 #include <gtest/gtest.h>
 

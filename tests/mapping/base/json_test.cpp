@@ -1,4 +1,4 @@
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <gtest/gtest.h>
 

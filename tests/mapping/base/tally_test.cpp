@@ -1,9 +1,9 @@
-#include "mapping/base/tally.h"
+#include "mapping/base/math/tally.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci {
 namespace {

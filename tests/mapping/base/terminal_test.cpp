@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci {
 namespace {

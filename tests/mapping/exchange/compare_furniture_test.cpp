@@ -1,6 +1,6 @@
 #include "mapping/exchange/comparison/compare_furniture.h"
 #include "mapping/base/files.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <gmock/gmock.h>
 

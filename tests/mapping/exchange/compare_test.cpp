@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::mapping {

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "mapping/exchange/formats/gltf.h"
 #include "mapping/exchange/formats/occupancy_grid.h"
 #include "mapping/exchange/formats/owl.h"

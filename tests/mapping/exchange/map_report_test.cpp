@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "mapping/base/html.h"
+#include "mapping/base/text/html.h"
 #include "mapping/exchange/map_drawings.h"
 #include "tests/mapping/exchange/furnished_map.h"
 

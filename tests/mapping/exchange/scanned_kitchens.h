@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/simulation/simulated_robot.h"
 #include "mapping/world/furniture.h"

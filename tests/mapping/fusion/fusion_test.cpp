@@ -1,5 +1,5 @@
 #include "mapping/fusion/fusion.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "mapping/fusion/room_mesh.h"
 
 namespace loci::mapping {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "mapping/articulation/articulation.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/world/contacts.h"

@@ -1,11 +1,11 @@
 #include "mapping/interpretation/furniture/furniture_links.h"
-#include "mapping/base/eigenvalues.h"
+#include "mapping/base/math/eigenvalues.h"
 
 #include <gmock/gmock.h>
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/world/contacts.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/world/urdf.h"
 #include "tests/mapping/interpretation/synthetic_room.h"
 

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/names.h"
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/world/urdf.h"

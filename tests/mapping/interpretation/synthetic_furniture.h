@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 #include "mapping/sensor/scan.h"
 
 namespace loci::mapping::test {

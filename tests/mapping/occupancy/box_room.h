@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 #include "mapping/sensor/laser.h"
 #include "mapping/sensor/scan.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/orthophoto/bars.h"
 #include "mapping/orthophoto/face_points.h"

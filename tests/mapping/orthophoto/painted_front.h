@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 #include "mapping/interpretation/fronts/furniture_face.h"
 #include "mapping/recording/recording.h"
 

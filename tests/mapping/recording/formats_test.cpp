@@ -12,7 +12,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "mapping/base/files.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/convert.h"
 #include "mapping/recording/posed_recording.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/recording/posed_recording.h"
 
 namespace loci::mapping {

@@ -11,7 +11,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/temporary_folder.h"
-#include "mapping/base/text.h"
+#include "mapping/base/text/text.h"
 #include "mapping/recording/convert.h"
 #include "mapping/recording/ros/bag.h"
 #include "mapping/recording/ros/mcap_writer.h"

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/files.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 #include "mapping/sensor/pcd.h"

@@ -11,8 +11,8 @@
 #include <map>
 #include <random>
 
-#include "mapping/base/csv.h"
 #include "mapping/base/files.h"
+#include "mapping/base/text/csv.h"
 #include "mapping/recording/compression.h"
 #include "mapping/recording/recording.h"
 #include "mapping/recording/ros/bag.h"

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "mapping/recording/ros/message_writers.h"
 #include "mapping/recording/ros/messages.h"
 

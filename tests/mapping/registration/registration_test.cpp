@@ -1,10 +1,10 @@
 #include "mapping/registration/registration.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "tests/mapping/registration/box_room.h"
 
 namespace loci::mapping {

@@ -1,5 +1,5 @@
 #include "mapping/render/render.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <random>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::mapping {

@@ -1,5 +1,5 @@
 #include "mapping/sensor/laser.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/recording/recording.h"
 #include "tests/mapping/simulation/samples.h"
 

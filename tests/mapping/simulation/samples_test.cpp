@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/simulation/simulated_robot.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/semantic_map.h"

@@ -6,7 +6,7 @@
 #include <array>
 #include <filesystem>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/world/urdf.h"
 #include "tests/mapping/simulation/samples.h"
 

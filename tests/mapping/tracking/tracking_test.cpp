@@ -8,9 +8,9 @@
 #include <limits>
 #include <set>
 
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
+#include "mapping/base/text/json.h"
 #include "mapping/tracking/pose_graph.h"
 
 namespace loci::mapping {

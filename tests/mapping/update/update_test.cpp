@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "mapping/base/files.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/simulation/simulated_robot.h"
 #include "mapping/update/placement.h"
 #include "mapping/world/urdf.h"

@@ -1,5 +1,5 @@
 #include "mapping/world/mesh.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 #include "mapping/world/urdf.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/base/stopwatch.h"
 
 #include <fmt/format.h>

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 
 namespace loci::memory::belief {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 
 namespace loci::memory::belief {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "memory/belief/evidence/proximity.h"
 
 namespace loci::memory::belief {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "memory/belief/belief.h"
 #include "memory/belief/serialization.h"
 

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/edits/edits.h"
 #include "memory/ingest/ingest.h"
 #include "memory/questions/facts.h"

@@ -2,7 +2,7 @@
 
 #include "memory/edits/edit_actions.h"
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/belief/serialization.h"
 #include "memory/edits/edits.h"
 #include "memory/ingest/ingest.h"

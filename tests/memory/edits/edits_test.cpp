@@ -3,7 +3,7 @@
 #include "memory/edits/edits.h"
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/world/urdf.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/environment.h"

@@ -3,7 +3,7 @@
 
 #include <SQLiteCpp/SQLiteCpp.h>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/edits/edits.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/names/taxonomy.h"

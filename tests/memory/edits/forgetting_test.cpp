@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/edits/edits.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/events.h"

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "tests/memory/exchange/mug_and_box.h"
 
 namespace loci::memory {

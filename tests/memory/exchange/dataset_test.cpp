@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping/base/csv.h"
+#include "mapping/base/text/csv.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/recording.h"
 #include "memory/edits/edits.h"

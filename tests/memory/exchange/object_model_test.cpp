@@ -1,13 +1,13 @@
 // A box on a table that is seen from several sides, and what its views add up to.
 
 #include "memory/exchange/object_model.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/store/scene_images.h"

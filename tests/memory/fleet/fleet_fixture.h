@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/fleet/fleet_replica.h"
 #include "memory/fleet/push.h"
 #include "tests/memory/store/temporary_folder.h"

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "mapping/base/files.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "memory/identity/solution.h"
 #include "tests/support/mln/markov_logic.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "memory/identity/solution.h"
 
 namespace loci::memory::testing_support {

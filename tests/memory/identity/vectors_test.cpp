@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/identity/vector_file.h"
 
 namespace loci::memory {

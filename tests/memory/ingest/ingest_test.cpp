@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "mapping/base/files.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "memory/ingest/detections.h"
 #include "memory/questions/location.h"
 #include "memory/questions/presence.h"

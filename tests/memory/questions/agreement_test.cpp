@@ -5,8 +5,8 @@
 
 #include <set>
 
-#include "mapping/base/json.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
+#include "mapping/base/text/json.h"
 #include "memory/ingest/ingest.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/location.h"

@@ -2,7 +2,7 @@
 
 #include "memory/questions/routines/digest.h"
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/reply.h"
 #include "tests/memory/questions/day_fixture.h"

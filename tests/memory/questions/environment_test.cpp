@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/snapshot.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/questions/day_fixture.h"

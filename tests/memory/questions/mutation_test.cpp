@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>
 
-#include "mapping/base/json.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/events.h"
 #include "memory/questions/location.h"

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/contents.h"
 #include "tests/memory/questions/day_fixture.h"
 

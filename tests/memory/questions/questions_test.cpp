@@ -1,4 +1,4 @@
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/events.h"
 #include "memory/questions/location.h"

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/ingest/ingest.h"
 #include "memory/reasoning/pair_matrices.h"
 #include "memory/reasoning/reason.h"

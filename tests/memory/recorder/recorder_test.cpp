@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/recorder/checkpoint.h"
 #include "memory/store/feature_structures.h"
 #include "perception/cas/json.h"

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "mapping/base/html.h"
+#include "mapping/base/text/html.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "mapping/base/html.h"
+#include "mapping/base/text/html.h"
 #include "tests/memory/questions/synthetic_day.h"
 #include "tests/memory/store/temporary_folder.h"
 

@@ -1,6 +1,6 @@
 #include "memory/sentences/natural_language.h"
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/location.h"

@@ -1,4 +1,4 @@
-#include "memory/sentences/rephrasing.h"
+#include "memory/sentences/intents/rephrasing.h"
 
 #include "memory/sentences/natural_language.h"
 #include "memory/sentences/sentence_parser.h"

@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/json.h"
 #include "memory/questions/facts.h"
 #include "tests/memory/questions/day_fixture.h"
 #include "tests/support/raw_connection.h"

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "memory/edits/edit_actions.h"
 #include "memory/questions/question.h"
 #include "tests/memory/questions/day_fixture.h"

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "memory/store/scene_transaction.h"
 #include "memory/store/store.h"
 #include "tests/memory/store/temporary_folder.h"

@@ -1,5 +1,5 @@
 #include "memory/store/rows/merge.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>

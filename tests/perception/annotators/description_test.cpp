@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/image/hsv.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/description/color_annotators.h"

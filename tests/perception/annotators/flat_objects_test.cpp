@@ -4,8 +4,8 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/random.h"
-#include "perception/annotators/segmentation/color_contrast.h"
+#include "mapping/base/math/random.h"
+#include "perception/annotators/segmentation/clustering/color_contrast.h"
 #include "perception/annotators/segmentation/flat_objects.h"
 #include "perception/annotators/segmentation/flat_surface.h"
 #include "perception/annotators/structure/supports.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "mapping/simulation/scenario.h"
 #include "mapping/world/free_standing.h"
 #include "mapping/world/urdf.h"

@@ -5,8 +5,8 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/math.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/math/random.h"
 #include "perception/annotators/structure/normals.h"
 
 namespace loci::perception {

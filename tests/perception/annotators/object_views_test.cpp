@@ -1,5 +1,5 @@
 #include "perception/annotators/description/object_views.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <gmock/gmock.h>
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "mapping/base/config.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/description/recognition_annotators.h"

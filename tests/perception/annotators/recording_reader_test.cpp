@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/annotators/structure/known_map.h"
 #include "perception/types/scene_cas.h"

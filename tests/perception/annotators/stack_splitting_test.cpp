@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "mapping/base/random.h"
-#include "perception/annotators/segmentation/object_clusters.h"
+#include "mapping/base/math/random.h"
+#include "perception/annotators/segmentation/clustering/object_clusters.h"
 #include "perception/annotators/structure/normals.h"
 #include "perception/annotators/structure/supports.h"
 #include "tests/perception/annotators/synthetic_table.h"

@@ -5,8 +5,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "mapping/base/pose.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/pose.h"
+#include "mapping/base/math/random.h"
 #include "mapping/sensor/camera.h"
 
 namespace loci::perception::test {

@@ -2,7 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "perception/annotators/description/texture_annotator.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"

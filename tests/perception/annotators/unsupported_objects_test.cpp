@@ -7,7 +7,7 @@
 #include <limits>
 #include <map>
 
-#include "mapping/base/csv.h"
+#include "mapping/base/text/csv.h"
 #include "mapping/recording/recording.h"
 #include "mapping/sensor/kinect.h"
 #include "perception/annotators/scene_data.h"

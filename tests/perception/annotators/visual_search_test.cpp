@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "mapping/base/config.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "perception/annotators/annotators.h"
 #include "perception/conversions/opencv.h"
 #include "perception/pipeline/flow.h"

@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "perception/cas/cas.h"
 #include "perception/cas/json.h"
 

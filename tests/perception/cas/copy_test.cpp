@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "mapping/base/error.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "perception/cas/json.h"
 
 namespace loci::perception::cas {

@@ -1,5 +1,5 @@
 #include "perception/cas/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,7 @@
 #include <map>
 #include <random>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::perception::cas {
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "perception/cas/json.h"
 
 namespace loci::perception::cas {

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
+#include "mapping/base/text/json.h"
 #include "perception/classification/ensemble.h"
 
 namespace loci::perception {

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "perception/classification/ensemble.h"
 
 namespace loci::perception {

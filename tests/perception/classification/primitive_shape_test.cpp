@@ -1,12 +1,12 @@
 #include "perception/classification/primitive_shape.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 
 namespace loci::perception {
 namespace {

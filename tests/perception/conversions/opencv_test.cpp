@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "perception/cas/json.h"
 
 namespace loci::perception::types {

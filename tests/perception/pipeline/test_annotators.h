@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "perception/cas/json.h"
 #include "perception/pipeline/pipeline.h"
 #include "perception/types/geometry.h"

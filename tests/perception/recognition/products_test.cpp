@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/files.h"
-#include "mapping/base/random.h"
+#include "mapping/base/math/random.h"
 #include "mapping/image/image_io.h"
 #include "perception/recognition/image_features.h"
 #include "perception/recognition/product_index.h"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/evaluate/identity/report.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::test {
 namespace {

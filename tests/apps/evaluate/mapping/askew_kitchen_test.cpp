@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "apps/evaluate/mapping/mapper.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::apps::mapping_claim {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::mapping_claim {
 namespace {

@@ -5,7 +5,7 @@
 #include "apps/evaluate/normals/comparison.h"
 #include "apps/evaluate/normals/peers.h"
 #include "apps/evaluate/normals/surfaces.h"
-#include "mapping/base/math.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::apps::normals_evaluation {
 namespace {

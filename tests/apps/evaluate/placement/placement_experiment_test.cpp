@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/evaluate/placement/experiment.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::placement_claim {
 namespace {

@@ -1,7 +1,7 @@
 #include <fstream>
 
 #include "apps/evaluate/questions/judge.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::apps::questions {

@@ -6,7 +6,7 @@
 #include "apps/evaluate/system/experiment.h"
 #include "apps/evaluate/system/household.h"
 #include "mapping/base/files.h"
-#include "mapping/base/json.h"
+#include "mapping/base/text/json.h"
 
 namespace loci::apps::system_evaluation {
 namespace {

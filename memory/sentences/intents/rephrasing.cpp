@@ -1,0 +1,418 @@
+#include "memory/sentences/intents/rephrasing.h"
+#include "memory/sentences/word_forms.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "mapping/base/text/text.h"
+#include "memory/questions/names/related_words.h"
+#include "memory/sentences/lexicon.h"
+#include "memory/wordnet/wordnet.h"
+
+namespace loci::memory {
+namespace {
+
+using IsName = std::function<bool(const std::string&)>;
+
+bool is_mark(const std::string& word) {
+  static const std::set<std::string> marks = {",", "?", "!", ".", ";"};
+  return marks.contains(word);
+}
+
+/// Words in lower case; the marks that separate fragments are words of their own.
+Words words_and_marks(const std::string& sentence) {
+  Words all;
+  std::string text;
+  const auto end = [&] {
+    for (std::string& word : sentence_words(text)) all.push_back(std::move(word));
+    text.clear();
+  };
+  for (size_t i = 0; i < sentence.size(); ++i) {
+    const char c = sentence[i];
+    const bool at_blank = i + 1 == sentence.size() || is_space(sentence[i + 1]);
+    const bool dash = c == '-' && at_blank && i > 0 && is_space(sentence[i - 1]);
+    if (c == '?' || c == '!' || c == ',' || c == ';' || dash || (at_blank && (c == '.' || c == ':'))) {
+      end();
+      all.push_back(c == ':' || dash ? "," : std::string(1, c));
+    } else {
+      text += c;
+    }
+  }
+  end();
+  return all;
+}
+
+Words tail_of(const Words& words, size_t first) {
+  return {words.begin() + static_cast<std::ptrdiff_t>(first), words.end()};
+}
+
+bool is_question_word(const std::string& word) {
+  return class_of(lemma_of(word)) == WordClass::question;
+}
+
+bool may_begin_question(const std::string& word) {
+  return is_question_word(word) || class_of(lemma_of(word)) == WordClass::auxiliary;
+}
+
+// ---- Corrections by the speaker.
+
+/// Where a correction begins and what comes after it: "no, sorry,", "scratch that".
+struct Correction {
+  size_t first = 0, last = 0;
+};
+
+std::optional<Correction> find_correction(const Words& words) {
+  static const std::vector<Words> all = expand_form(
+      "no (sorry|wait)|(sorry|wait|hang on|hold on) no|no [sorry] i mean|sorry i mean|no i meant|or rather|"
+      "no rather|scratch that|[no] make that");
+  Words plain;
+  std::vector<size_t> at;
+  for (size_t i = 0; i < words.size(); ++i)
+    if (!is_mark(words[i])) {
+      plain.push_back(words[i]);
+      at.push_back(i);
+    }
+  for (size_t i = plain.size(); i-- > 0;)
+    for (const Words& one : all)
+      if (starts_with_words(plain, one, i) && i + one.size() < plain.size())
+        return Correction{at[i], at[i + one.size()]};
+  return std::nullopt;
+}
+
+/// "where is the tea" with "not the tea but the milk", "the milk", "on the shelf" or "where is the milk".
+Words corrected(Words before, Words by) {
+  while (!before.empty() && is_mark(before.back())) before.pop_back();
+  if (by[0] == "not") {
+    const auto question = std::ranges::find_if(by, may_begin_question);
+    if (question != by.end()) return {question, by.end()};
+    const auto again = std::find(by.begin() + std::min<std::ptrdiff_t>(2, std::ssize(by)), by.end(),
+                                 by.size() > 1 ? by[1] : "but");
+    if (again == by.end()) return before;
+    by.erase(by.begin(), again);
+  }
+  if (may_begin_question(by[0]) || before.empty()) return by;
+  // From the last word that begins alike: "on the shelf", "the tea".
+  size_t first = before.size();
+  for (size_t i = before.size(); i-- > 0 && first == before.size();)
+    if (before[i] == by[0]) first = i;
+  if (first == before.size() && class_of(lemma_of(by[0])) == WordClass::name) --first;
+  before.resize(first);
+  before.insert(before.end(), by.begin(), by.end());
+  return before;
+}
+
+// ---- Constructions.
+
+/// A pattern: words, "a|b" one of them, "a|b?" may be missing, "<x>" any words without a mark, "<x:kind>"
+/// words of a kind; "^" and "$" are the ends of a fragment.
+class Pattern {
+ public:
+  Pattern(const char* form, const char* by) : elements_(words_of(form)), by_(words_of(by)) {}
+
+  /// Replaces the first match in the words.
+  bool apply(Words& words, const IsName& is_name) const {
+    for (size_t first = 0; first < words.size(); ++first) {
+      Match match{words, is_name, {}, {}};
+      if (!matches(match, 0, first)) continue;
+      Words by;
+      for (const std::string& word : by_)
+        if (word[0] == '<') {
+          const auto [begin, end] = match.taken.at(word.substr(1, word.size() - 2));
+          for (size_t i = begin; i < end; ++i) by.push_back(words[i]);
+        } else {
+          by.push_back(word);
+        }
+      replace_words(words, first, match.end - first, by);
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  struct Match {
+    const Words& words;
+    const IsName& is_name;
+    std::map<std::string, std::pair<size_t, size_t>> taken;
+    size_t end = 0;
+  };
+
+  bool matches(Match& match, size_t element, size_t at) const {
+    if (element == elements_.size()) return match.end = at, true;
+    const std::string& one = elements_[element];
+    const Words& words = match.words;
+    if (one == "^") return (at == 0 || is_mark(words[at - 1])) && matches(match, element + 1, at);
+    if (one == "$") return (at == words.size() || is_mark(words[at])) && matches(match, element + 1, at);
+    if (one[0] == '<') return captures(match, element, at);
+    const bool optional = one.size() > 1 && one.ends_with('?');
+    const Words alternatives = words_of(optional ? one.substr(0, one.size() - 1) : one, "|");
+    const bool fits = at < words.size() && std::ranges::count(alternatives, words[at]) > 0;
+    if (fits && matches(match, element + 1, at + 1)) return true;
+    return optional && matches(match, element + 1, at);
+  }
+
+  bool captures(Match& match, size_t element, size_t at) const {
+    const std::string inner = elements_[element].substr(1, elements_[element].size() - 2);
+    const size_t colon = inner.find(':');
+    const std::string kind = colon == std::string::npos ? "" : inner.substr(colon + 1);
+    for (size_t end = at + 1; end <= match.words.size() && !is_mark(match.words[end - 1]); ++end) {
+      match.taken[inner.substr(0, colon)] = {at, end};
+      // What names mean is only asked where the rest fits.
+      if (matches(match, element + 1, end) && is_of_kind(match, kind, at, end)) return true;
+    }
+    return false;
+  }
+
+  static bool is_of_kind(const Match& match, const std::string& kind, size_t first, size_t last) {
+    const Words& words = match.words;
+    const bool single = last == first + 1;
+    if (kind.empty()) return true;
+    if (kind == "name") {
+      const bool article = class_of(lemma_of(words[first])) == WordClass::article;
+      return first + (article ? 1 : 0) < last &&
+             match.is_name(join_words(words, first + (article ? 1 : 0), last));
+    }
+    if (kind == "colour") return single && is_color_word(words[first]);
+    if (kind == "doing")
+      return single && words[first].ends_with("ing") &&
+             !wordnet::base_forms(words[first], wordnet::PartOfSpeech::verb).empty();
+    if (kind == "noun")
+      return single && class_of(lemma_of(words[first])) == WordClass::name &&
+             !wordnet::base_forms(words[first], wordnet::PartOfSpeech::noun).empty();
+    if (kind == "courtesy") return is_courtesy(words, first, last);
+    return kind == "matrix" && is_matrix(match, first, last);
+  }
+
+  /// "it is not too much trouble", "you do not mind": what restricts nothing.
+  static bool is_courtesy(const Words& words, size_t first, size_t last) {
+    static const std::set<std::string> all = [] {
+      const Words some = words_of(
+          "it this that you i we are is am was were be not no would do does may might can could too so very "
+          "much great big any a of the all to me us ask mind bother trouble imposition inconvenience "
+          "problem fine alright ok okay right possible kind good please like wrong mistaken remember recall "
+          "happen know allowed convenient with correctly rightly");
+      return std::set<std::string>(some.begin(), some.end());
+    }();
+    return std::all_of(words.begin() + static_cast<std::ptrdiff_t>(first),
+                       words.begin() + static_cast<std::ptrdiff_t>(last),
+                       [](const std::string& word) { return all.contains(word); });
+  }
+
+  /// "Perhaps you could enlighten me as to": persons who want to know something, and no name.
+  static bool is_matrix(const Match& match, size_t first, size_t last) {
+    bool person = false;
+    for (size_t i = first; i < last; ++i) {
+      const std::string& word = match.words[i];
+      person = person || word == "me" || word == "us" || word == "i" || word == "we" || word == "you";
+      if (is_household_noun(word) || is_pronoun(word) || match.is_name(word)) return false;
+    }
+    return person;
+  }
+
+  Words elements_, by_;
+};
+
+bool apply_all(const std::vector<Pattern>& patterns, Words& words, const IsName& is_name) {
+  bool changed = false;
+  for (const Pattern& pattern : patterns) changed = pattern.apply(words, is_name) || changed;
+  return changed;
+}
+
+/// What readers would take for less than it says.
+const std::vector<Pattern>& meanings() {
+  static const std::vector<Pattern> all = {
+      {"have|has|had|would <x> by now", "have <x>"},
+      // "What was it that I put on the table?"
+      {"what is|was it that? i|we|you had <x>", "what was <x>"},
+      {"^ what is|was it that? i|we|you|someone|somebody <x>", "what did someone <x>"},
+      {"^ where is|was it that? i|we|you|someone|somebody <x>", "where did someone <x>"},
+      {"^ when is|was it that? i|we|you|someone|somebody <x>", "when did someone <x>"},
+      // What is there now and was not then.
+      {"^ what|which <x> on|in|at <p:name> that|which was|were not there|here <t> $",
+       "what newsince is on <p> <t>"},
+      {"^ compared with|to <t> , what is|are new on|in|at <p:name> $", "what newsince is on <p> at <t>"},
+      {"^ what is|are new on|in|at <p:name> compared with|to <t> $", "what newsince is on <p> at <t>"},
+      {"^ <x:name> total|count|tally $", "how many <x>"},
+      // Which one of that name: "the cup, the red one, where is it?"
+      {"the|my <x:name> , the <c:colour> one , <z>", "the <c> <x> , <z>"},
+      {"the|my <x:name> , the <c:colour> one $", "the <c> <x>"},
+      {"the|my <x:name> , the one that? is? in|inside <p:name> , <z>", "the <x> in <p> , <z>"},
+      {"the|my <x:name> , the one that? is? on|at <p:name> , <z>", "the <x> on <p> , <z>"},
+      // Telegrams.
+      {"^ objects|things|items that|which <x>", "what <x>"},
+      {"^ objects|things|items moved|touched|handled <x>", "what was moved <x>"},
+      {"^ objects|things|items appeared|added <x>", "what appeared <x>"},
+      {"^ gone|missing|vanished objects|things|items $", "what has gone"},
+      {"how long <x> at most $", "how long <x>"},
+      // A choice after a question that is complete without it.
+      {"^ do|have i|we have? two|three|four <n:noun> or one|two|three|four|five $", "how many <n> are there"},
+      {"^ are there two|three|four <n:noun> or one|two|three|four|five $", "how many <n> are there"},
+      {"which|what of? the? two? <n:noun> is|was closer|nearer to <y> , the <a> one? or the <b> one $",
+       "is <y> nearer to the <a> <n> or to the <b> <n>"},
+      {"which|what of? the? two? <n:noun> is|was <v> , the <a> one or the <b> one $", "which <n> is <v>"},
+      // Lists: of four, the last three first.
+      {"<a:name> , <b:name> ,? and <c:name>", "<a> and <b> and <c>"},
+      {"<a:name> , <b:name> ,? or <c:name>", "<a> or <b> or <c>"},
+      {"<a:name> , <b:name> and <c>", "<a> and <b> and <c>"},
+      {"<a:name> , <b:name> or <c>", "<a> or <b> or <c>"},
+      // "Which of my ingredients has moved: the oil, the milk or the jam?"
+      {"which|what of the|my|our|these|those <n:noun> has|have|was|were|did <v> , <a> or <b:name> $",
+       "which <a> or <b> was <v>"}};
+  return all;
+}
+
+const std::vector<Pattern>& constructions() {
+  static const std::vector<Pattern> all = {
+      // Around the question.
+      {"^ if <c:courtesy> $", ""},
+      {"^ if i remember|recall correctly|rightly|right ,?", ""},
+      {"^ unless i am mistaken|wrong ,?", ""},
+      {"^ not that <x> , but", ""},
+      {"^ <m:matrix> as? to|of|about|on? which <x>", "which <x>"},
+      {"^ <m:matrix> as? to|of|about|on? what <x>", "what <x>"},
+      {"^ <m:matrix> as? to|of|about|on? where <x>", "where <x>"},
+      {"^ <m:matrix> as? to|of|about|on? how <x>", "how <x>"},
+      {"^ <m:matrix> as? to|of|about|on? whether <x>", "whether <x>"},
+      {"^ describe|list|name|tell|say|show|report me|us? what|which <x>", "what <x>"},
+      // Who does it, and how often.
+      {"keep|keeps|kept|keep|been <v:doing>", "<v>"},
+      {"in front of me|us|you", ""},
+      {"the|my|our|your|these|those two|three|four|five <n:name>", "the <n>"},
+      // What restricts the objects.
+      {"how many of the|my|our|these|those <x> is|are <c:colour> $", "how many <c> <x>"},
+      {"which|what of the|my|our|these|those <x> is|are <c:colour> $", "which <c> <x>"},
+      {"what is the|that|this <c:colour> thing|one on|in|at|inside <x:name> $", "which <c> thing is on <x>"},
+      {"^ is? it? true? that? the|my|our? <p:name> has|holds <x> on|in|inside it $",
+       "is there <x> on the <p>"},
+      {"^ <a:name> or <b:name> bigger|larger $", "which is bigger <a> or <b>"},
+      {"^ <a:name> or <b:name> smaller $", "which is smaller <a> or <b>"},
+      {"^ <a:name> or <b:name> taller|higher $", "which is taller <a> or <b>"},
+      {"^ is more big|large <a> or <b> $", "which is bigger <a> or <b>"},
+      {"^ is bigger|larger <a> or <b> $", "which is bigger <a> or <b>"},
+      {"^ what is|was the|that|this <c:colour> <n:noun> $", "which <c> <n> are there"},
+      {"are there any? <n:noun> that? you|we have never <v> $", "which <n> were never <v>"},
+      {"is|are there more <a:noun> than <b:noun> $", "does the <a> outnumber the <b>"},
+      {"is|are there fewer|less <a:noun> than <b:noun> $", "does the <b> outnumber the <a>"},
+      // Not moved since.
+      {"^ is|are <p:name> still? where it|they was|were at|in? <t> $", "was <p> never moved since <t>"},
+      // When it ends.
+      {"how long <x> before|until|till someone|somebody|anyone|anybody <v> it|them|that away|up|again|shut? "
+       "$",
+       "how long <x>"},
+      {"how long did|has|was|had <x:name> stand|stood|sit|lie|stay|stayed|remain|been|standing|lying|sitting "
+       "around|about|out|there? $",
+       "how long was <x> there"},
+      {"for breakfast $", "at breakfast"},
+      {"for lunch $", "at lunch"},
+      {"for dinner|supper $", "at dinner"},
+  };
+  return all;
+}
+
+/// "some idiot", "the neighbour's girl": someone, where nothing is called so.
+bool name_people(Words& words, const IsName& is_name) {
+  static const std::set<std::string> restricting = {"when",   "while", "if",   "after",
+                                                    "before", "until", "since"};
+  // Whose coming and going was not seen restricts what is asked: "when my aunt came".
+  if (std::any_of(words.begin() + std::min<std::ptrdiff_t>(1, std::ssize(words)), words.end(),
+                  [](const std::string& word) { return restricting.contains(word); }))
+    return false;
+  const auto is_person = [&](const std::string& word) {
+    return !is_household_noun(word) && class_of(lemma_of(word)) == WordClass::name &&
+           wordnet::is_person(word) && !is_name(word);
+  };
+  bool changed = false;
+  for (size_t i = 0; i + 1 < words.size(); ++i) {
+    if (class_of(lemma_of(words[i])) != WordClass::article) continue;
+    size_t last = i + 1;
+    if (words[last].ends_with("'s") && last + 1 < words.size() &&
+        is_person(words[last].substr(0, words[last].size() - 2)))
+      ++last;
+    const bool person = is_person(words[last]) || lemma_of(words[last]) == "someone";
+    if (!person || (last == i + 1 && lemma_of(words[last]) == "someone")) continue;
+    replace_words(words, i, last + 1 - i, {"someone"});
+    changed = true;
+  }
+  return changed;
+}
+
+/// Where the only negative word of a sentence that asks for yes or no is; unset for others.
+std::optional<size_t> only_negative(const Words& words) {
+  static const std::set<std::string> negatives = {"nobody", "noone", "nothing", "never"};
+  std::optional<size_t> at;
+  for (size_t i = 0; i < words.size(); ++i) {
+    if (is_question_word(words[i])) return std::nullopt;
+    if (!negatives.contains(words[i]) && lemma_of(words[i]) != "not") continue;
+    if (at) return std::nullopt;
+    at = i;
+  }
+  return at;
+}
+
+/// "has nothing happened" as "has anything happened".
+bool affirm(Words& words) {
+  static const std::map<std::string, std::string> contraries = {{"nothing", "anything"}, {"never", "ever"}};
+  const auto at = only_negative(words);
+  const auto contrary = at ? contraries.find(words[*at]) : contraries.end();
+  if (contrary == contraries.end()) return false;
+  words[*at] = contrary->second;
+  return true;
+}
+
+}  // namespace
+
+std::string as_meant(const std::string& sentence, const IsName& is_name) {
+  Words words = words_and_marks(sentence);
+  bool changed = false;
+  if (const auto correction = find_correction(words)) {
+    words = corrected({words.begin(), words.begin() + static_cast<std::ptrdiff_t>(correction->first)},
+                      tail_of(words, correction->last));
+    changed = true;
+  }
+  changed = apply_all(meanings(), words, is_name) || changed;
+  return changed ? joined(words, " ") : sentence;
+}
+
+std::optional<Rephrasing> rephrased(const std::string& sentence, const IsName& is_name) {
+  Words words = words_and_marks(sentence);
+  Rephrasing result;
+  bool changed = apply_all(constructions(), words, is_name);
+  changed = name_people(words, is_name) || changed;
+  result.contrary = affirm(words);
+  if (!changed && !result.contrary) return std::nullopt;
+  result.sentence = joined(words, " ");
+  return result;
+}
+
+std::optional<std::string> contrary_question(const std::string& sentence) {
+  Words words = words_and_marks(sentence);
+  for (size_t i = 0; i + 1 < words.size(); ++i)
+    if (words[i] == "no" && words[i + 1] == "one") replace_words(words, i, 2, {"nobody"});
+  const auto at = only_negative(words);
+  if (!at || *at + 1 >= words.size() || (words[*at] != "nobody" && words[*at] != "noone"))
+    return std::nullopt;
+  words[*at] = "somebody";
+  if (class_of(lemma_of(words[*at + 1])) == WordClass::auxiliary)
+    std::swap(words[*at], words[*at + 1]);
+  else
+    words.insert(words.begin() + static_cast<std::ptrdiff_t>(*at), "did");
+  return joined(words, " ");
+}
+
+std::optional<ElidedQuestion> elided_question(const std::string& sentence) {
+  static const std::vector<Words> more =
+      expand_form("when|where|why|who|since when|until when|how long|how often|how many times");
+  Words words = words_and_marks(sentence);
+  while (!words.empty() && is_mark(words.back())) words.pop_back();
+  for (const Words& one : more) {
+    if (words.size() < one.size() + 4 || !starts_with_words(words, one, words.size() - one.size())) continue;
+    Words question(words.begin(), words.end() - std::ssize(one));
+    if (question.back() != "and") continue;
+    while (question.back() == "and" || is_mark(question.back())) question.pop_back();
+    return ElidedQuestion{joined(question, " ") + "?", joined(one, " ") + "?"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace loci::memory

@@ -1,0 +1,151 @@
+#include "perception/annotators/segmentation/clustering/object_piece.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <tuple>
+
+#include "mapping/base/math/math.h"
+#include "perception/annotators/segmentation/clustering/color_contrast.h"
+#include "perception/conversions/opencv.h"
+
+namespace loci::perception {
+namespace {
+
+using Eigen::Vector2f;
+using Eigen::Vector3f;
+
+/// Whether the walls of a piece face its middle (-1) or away from it (1).
+void set_hollowness(Piece& piece, const Vector2f& mean, const PlaneCloud& cloud) {
+  float facing = 0;
+  float all = 0;
+  for (const int i : piece.points) {
+    const Vector2f normal = cloud.normals[static_cast<size_t>(i)].head<2>();
+    const Vector2f out = cloud.points[static_cast<size_t>(i)].head<2>() - mean;
+    if (!normal.allFinite()) continue;
+    facing += normal.dot(out);
+    all += normal.norm() * out.norm();
+  }
+  piece.facing_out = all > 0 ? facing / all : 0;
+}
+
+/// Convex hull of the points and of their reflection about the middle of the line between the outermost
+/// points to the left and to the right as the camera sees them.
+void set_footprint(Piece& piece, const PlaneCloud& cloud) {
+  const size_t stride = std::max<size_t>(1, piece.points.size() / 2000);
+  std::vector<std::pair<float, Vector2f>> seen;
+  Vector2f mean = Vector2f::Zero();
+  for (size_t k = 0; k < piece.points.size(); k += stride) {
+    const Vector2f p = cloud.points[static_cast<size_t>(piece.points[k])].head<2>();
+    seen.emplace_back(0.0f, p);
+    mean += p;
+  }
+  mean /= static_cast<float>(seen.size());
+  piece.distance = (mean - cloud.viewpoint).norm();
+  const Vector2f ahead = (mean - cloud.viewpoint).normalized();
+  for (auto& [angle, p] : seen) {
+    const Vector2f to = p - cloud.viewpoint;
+    angle = std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
+  }
+  const size_t tail = seen.size() / 50;
+  const auto by_angle = [](const auto& a, const auto& b) { return a.first < b.first; };
+  const auto first = seen.begin() + static_cast<std::ptrdiff_t>(tail);
+  const auto last = seen.end() - 1 - static_cast<std::ptrdiff_t>(tail);
+  std::sort(seen.begin(), seen.end(), by_angle);
+  const Vector2f middle = 0.5f * (first->second + last->second);
+  std::vector<cv::Point2f> half;
+  for (auto point = first; point <= last; ++point) half.emplace_back(point->second.x(), point->second.y());
+  half = types::near_hull(half);
+  std::vector<cv::Point2f> both = half;
+  for (const cv::Point2f& p : half) both.emplace_back(2.0f * middle.x() - p.x, 2.0f * middle.y() - p.y);
+  cv::convexHull(both, piece.footprint);
+  piece.extent.setEmpty();
+  for (const cv::Point2f& p : piece.footprint) piece.extent.extend(Vector2f(p.x, p.y));
+  piece.left = first->first;
+  piece.right = last->first;
+  piece.bearing = std::atan2(ahead.y(), ahead.x());
+  set_hollowness(piece, mean, cloud);
+}
+
+}  // namespace
+
+OutlineBand outline_band(const std::vector<Eigen::Vector3f>& cloud, const std::vector<int>& members,
+                         const Eigen::Vector2f& viewpoint, float low, float high) {
+  OutlineBand band;
+  std::vector<std::pair<float, Vector2f>> seen;
+  Vector2f mean = Vector2f::Zero();
+  for (const int i : members) {
+    const Eigen::Vector3f& p = cloud[static_cast<size_t>(i)];
+    if (p.z() < low || p.z() > high) continue;
+    seen.emplace_back(0.0f, p.head<2>());
+    mean += p.head<2>();
+  }
+  band.points = static_cast<int>(seen.size());
+  if (seen.empty()) return band;
+  mean /= static_cast<float>(seen.size());
+  band.distance = (mean - viewpoint).norm();
+  const Vector2f ahead = (mean - viewpoint).normalized();
+  band.across = Vector2f(-ahead.y(), ahead.x());
+  for (auto& [angle, p] : seen) angle = std::atan2(band.across.dot(p - viewpoint), ahead.dot(p - viewpoint));
+  std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  const size_t tail = seen.size() / 50;
+  const auto& right = seen[tail];
+  const auto& left = seen[seen.size() - 1 - tail];
+  band.width = band.distance * (left.first - right.first);
+  band.middle = viewpoint + Eigen::Rotation2Df(0.5f * (left.first + right.first)) * (band.distance * ahead);
+  return band;
+}
+
+void measure_area(Piece& piece, const PlaneCloud& cloud) {
+  piece.area = 0;
+  for (const int i : piece.points) piece.area += static_cast<double>(cloud.areas[static_cast<size_t>(i)]);
+  piece.lab.setZero();
+  if (!cloud.lab.empty())
+    for (const int i : piece.points)
+      piece.lab += lab_vector(cloud.lab[static_cast<size_t>(i)]) / static_cast<float>(piece.points.size());
+  // What a pixel covers grows with the square of the distance, and so does the noise.
+  const double focal_squared = cloud.camera.fx * cloud.camera.fy;
+  piece.noise = std::max(1.0, piece.area / static_cast<double>(piece.points.size()) * focal_squared);
+}
+
+void measure_shape(Piece& piece, const PlaneCloud& cloud) {
+  std::vector<float> heights;
+  heights.reserve(piece.points.size());
+  for (const int i : piece.points) heights.push_back(cloud.points[static_cast<size_t>(i)].z());
+  std::tie(piece.bottom, piece.top) = quantiles(heights, 0.02, 0.98);
+  set_footprint(piece, cloud);
+}
+
+Rod::Rod(const Piece& piece, const PlaneCloud& cloud) : height(piece.top) {
+  const size_t stride = std::max<size_t>(1, piece.points.size() / 500);
+  std::vector<cv::Point2f> seen;
+  for (size_t k = 0; k < piece.points.size(); k += stride) {
+    const Vector3f& p = cloud.points[static_cast<size_t>(piece.points[k])];
+    seen.emplace_back(p.x(), p.y());
+  }
+  const cv::RotatedRect rect = cv::minAreaRect(seen);
+  const bool wide = rect.size.width > rect.size.height;
+  const float angle = (rect.angle + (wide ? 0.0f : 90.0f)) * std::numbers::pi_v<float> / 180;
+  middle = {rect.center.x, rect.center.y};
+  along = {std::cos(angle), std::sin(angle)};
+  length = std::max(rect.size.width, rect.size.height);
+  thickness = std::min(rect.size.width, rect.size.height);
+}
+
+bool Rod::is_rod() const {
+  return length > 1.5f * thickness && thickness < 1.7f * height && height < 2.5f * thickness;
+}
+
+float Rod::gap_to(const Rod& other) const {
+  float least = std::numeric_limits<float>::max();
+  for (const float end : {-0.5f, 0.5f})
+    for (const float other_end : {-0.5f, 0.5f})
+      least = std::min(
+          least,
+          (middle + end * length * along - other.middle - other_end * other.length * other.along).norm());
+  return least;
+}
+
+}  // namespace loci::perception
