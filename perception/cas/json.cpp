@@ -96,7 +96,7 @@ Json json_list(Kind kind, const RawBuffer& raw) {
 
 class JsonWriter {
  public:
-  JsonWriter(std::vector<FeatureStructure> roots, BlobSink* sink) : sink_(sink) {
+  JsonWriter(const std::vector<FeatureStructure>& roots, BlobSink* sink) : sink_(sink) {
     for (const FeatureStructure& root : roots) ++references_[root.id()];
     for (const FeatureStructure& each : reachable_from(roots))
       for_each_reference(each, [&](Feature, const FeatureStructure& target) { ++references_[target.id()]; });
@@ -331,7 +331,7 @@ class JsonReader {
     const Json& features = member(json, "features", where);
     if (!features.is_object()) refuse("\"features\" is no object", where);
     for (const auto& [name, value] : features.items()) {
-      const std::string place = where + "." + name;
+      const std::string place = fmt::format("{}.{}", where, name);
       const auto feature = structure.type().find_feature(name);
       if (!feature) refuse("type " + structure.type().name() + " has no feature '" + name + "'", place);
       try {

@@ -120,7 +120,7 @@ class TypeSystemBuilder {
   FeatureDeclaration read_feature(const tinyxml2::XMLElement& element, const std::string& file) const;
   void declare(TypeDeclaration declaration);
   void declare_builtin(const std::string& name, const std::string& supertype,
-                       std::vector<std::pair<std::string, std::string>> features = {});
+                       const std::vector<std::pair<std::string, std::string>>& features = {});
   static void merge(TypeDeclaration& known, const TypeDeclaration& again);
   static void merge_feature(const std::string& type, FeatureDeclaration& known,
                             const FeatureDeclaration& again);
@@ -140,12 +140,12 @@ class TypeSystemBuilder {
 };
 
 void TypeSystemBuilder::declare_builtin(const std::string& name, const std::string& supertype,
-                                        std::vector<std::pair<std::string, std::string>> features) {
+                                        const std::vector<std::pair<std::string, std::string>>& features) {
   TypeDeclaration type;
   type.name = name;
   type.supertype = supertype;
   type.builtin = true;
-  for (auto& [feature, range] : features) {
+  for (const auto& [feature, range] : features) {
     FeatureDeclaration declaration;
     declaration.name = feature;
     declaration.range = range;

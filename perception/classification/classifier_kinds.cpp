@@ -193,8 +193,8 @@ class Forest : public Classifier {
 
 class Grower {
  public:
-  Grower(const LabelledVectors& data, size_t min_split, Random random)
-      : data_(data), min_split_(min_split), random_(std::move(random)) {}
+  Grower(const LabelledVectors& data, size_t min_split, const Random& random)
+      : data_(data), min_split_(min_split), random_(random) {}
 
   Tree grow() {
     std::vector<size_t> all(data_.vectors.size());

@@ -79,7 +79,7 @@ Layer drawn_layer(Eigen::Index rows, Eigen::Index columns, Random& draw) {
 
 class Trainer {
  public:
-  Trainer(const LabelledVectors& data, Random draw) : data_(data), draw_(std::move(draw)) {
+  Trainer(const LabelledVectors& data, const Random& draw) : data_(data), draw_(draw) {
     raw_.resize(static_cast<Eigen::Index>(data.vectors.front().size()),
                 static_cast<Eigen::Index>(data.vectors.size()));
     for (size_t i = 0; i < data.vectors.size(); ++i)

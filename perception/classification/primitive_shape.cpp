@@ -276,9 +276,9 @@ PrimitiveShape round_at(const Samples& samples, const Vector3d& foot, const Vect
   if (along.size() < 10) return shape;
   // What faces along the axis is an end only where nothing is beyond: not the floor of a vessel.
   std::vector<double> copy = along;
-  const auto [first, last] = quantiles(copy, kTail, 1 - kTail);
-  std::erase_if(high_face, [&](double h) { return h < last - 3 * reach; });
-  std::erase_if(low_face, [&](double h) { return h > first + 3 * reach; });
+  const std::pair<double, double> ends = quantiles(copy, kTail, 1 - kTail);
+  std::erase_if(high_face, [&](double h) { return h < ends.second - 3 * reach; });
+  std::erase_if(low_face, [&](double h) { return h > ends.first + 3 * reach; });
   auto [low, high] = ends_of(std::move(along), low_face, high_face);
   if (standing) low = samples.base - foot.z();
   const double height = std::max(high - low, 0.001);

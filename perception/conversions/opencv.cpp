@@ -60,7 +60,7 @@ cv::Mat Conversion<cv::Mat>::from(const Mat& proxy) {
   if (rows < 0 || cols < 0 || type < 0 || type >= (CV_CN_MAX << CV_CN_SHIFT))
     throw Error("an image of " + std::to_string(cols) + " x " + std::to_string(rows) + " pixels of type " +
                 std::to_string(type) + " is not possible");
-  if (rows == 0 || cols == 0) return {rows, cols, type};
+  if (rows == 0 || cols == 0) return cv::Mat(rows, cols, type);
   const cas::Buffer<uint8_t> pixels = proxy.data.get();
   const auto width = static_cast<int64_t>(CV_ELEM_SIZE(type)) * cols;
   if (step < width || static_cast<int64_t>(pixels.size()) < step * (rows - 1) + width)

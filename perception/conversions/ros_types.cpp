@@ -128,7 +128,7 @@ RosTypes::Message RosTypes::parse(const std::string& type, const std::string& te
     const bool plain = find_ros_primitive(base) != nullptr || base == "time" || base == "duration";
     field.type = plain || base.find('/') != std::string::npos ? base
                  : base == "Header"                           ? kHeader
-                                                              : package + "/" + base;
+                                                              : fmt::format("{}/{}", package, base);
     if (!is_name(field.name))
       throw Error(fmt::format("'{}' is no field", code), place, "a field is TYPE NAME");
     message.fields.push_back(std::move(field));

@@ -56,7 +56,7 @@ std::vector<std::pair<std::string, double>> classes_of(const json& value, const 
   double sum = 0;
   for (const auto& [name, probability] : require_object(value, where).items()) {
     if (name.empty()) refuse_value(where, "has a class without a name");
-    classes.emplace_back(name, bounded_number(probability, where + "." + name, 0, 1));
+    classes.emplace_back(name, bounded_number(probability, fmt::format("{}.{}", where, name), 0, 1));
     sum += classes.back().second;
   }
   // Detectors with independent outputs give more than one in total.
@@ -69,7 +69,7 @@ std::vector<std::pair<std::string, double>> classes_of(const json& value, const 
 std::vector<KeyPoint2D> key_points_of(const json& value, const std::string& where) {
   std::vector<KeyPoint2D> points;
   for (const auto& [name, at] : require_object(value, where).items()) {
-    const std::string here = where + "." + name;
+    const std::string here = fmt::format("{}.{}", where, name);
     if (!at.is_array() || at.size() != 2) refuse_value(here, "must be 2 numbers");
     points.push_back({name, finite_number(at[0], here), finite_number(at[1], here)});
   }

@@ -216,10 +216,10 @@ LiftResult lift_region(const LiftFrame& frame, const ImageRegion& region,
   // An object is hardly deeper than the diagonal of its image is long.
   const double reach_per_m =
       std::hypot(box.width / frame.camera.color.fx, box.height / frame.camera.color.fy);
-  const auto [nearest, farthest] = depth_band(central.empty() ? all : central, all, reach_per_m);
+  const auto band = depth_band(central.empty() ? all : central, all, reach_per_m);
   std::erase_if(pixels, [&](int pixel) {
     const auto z = static_cast<double>(depth_at(frame, pixel));
-    return z < nearest || z > farthest;
+    return z < band.first || z > band.second;
   });
   if (region.mask.empty() && frame.up) leave_out_ground(frame, pixels);
   if (pixels.size() < kLift.min_pixels) return {std::nullopt, reason};

@@ -113,8 +113,8 @@ NetworkInput NetworkInput::read(const Config& config) {
   return input;
 }
 
-Network::Network(const std::filesystem::path& model, NetworkInput input, double max_memory_mb)
-    : file_(model.string()), input_(std::move(input)) {
+Network::Network(const std::filesystem::path& model, const NetworkInput& input, double max_memory_mb)
+    : file_(model.string()), input_(input) {
   const OnnxModel checked = read_onnx_model(model);
   input_.size = input_size(checked, input_.size, file_);
   takes_batches_ = checked.input.shape[0] == 0;

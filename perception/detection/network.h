@@ -38,7 +38,7 @@ class Network {
  public:
   /// Error, one line, for what is not a model, for one that OpenCV cannot read (which operator) and for one
   /// that needs more than `max_memory_mb`.
-  Network(const std::filesystem::path& model, NetworkInput input, double max_memory_mb);
+  Network(const std::filesystem::path& model, const NetworkInput& input, double max_memory_mb);
 
   const NetworkInput& input() const { return input_; }
   const std::string& file() const { return file_; }

@@ -153,7 +153,7 @@ class FlowReader {
     const Config regions = config.map("regions");
     for (const std::string& pattern : regions.keys()) {
       made.patterns.push_back(pattern);
-      add_branch(made, read_list(regions.node(pattern), path + ".regions." + pattern));
+      add_branch(made, read_list(regions.node(pattern), fmt::format("{}.regions.{}", path, pattern)));
     }
     config.finish();
     made.access.reads.insert({"Cluster", "PlanarSupport", "Cluster.place"});

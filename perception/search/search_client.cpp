@@ -5,6 +5,7 @@
 #include <httplib.h>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <opencv2/imgproc.hpp>
 #include <regex>
@@ -230,7 +231,6 @@ SearchAnswer SearchClient::ask(const cv::Mat& image, int& attempts) const {
                cv::INTER_AREA);
   const std::vector<unsigned char> jpeg = mapping::encode_image(sent, ".jpg");
   const std::string request = encode({{jpeg.begin(), jpeg.end()}, options_.language, options_.country, true});
-  double pause_s = options_.pause_s;
   for (int left = options_.retry;; --left) {
     ++attempts;
     try {
@@ -243,8 +243,8 @@ SearchAnswer SearchClient::ask(const cv::Mat& image, int& attempts) const {
     } catch (const TryAgain&) {
       if (left <= 0) throw;
     }
+    const double pause_s = std::ldexp(options_.pause_s, options_.retry - left);  // twice as long each time
     std::this_thread::sleep_for(std::chrono::duration<double>(pause_s));
-    pause_s *= 2;
   }
 }
 

@@ -10,6 +10,7 @@
 #include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
 #include "perception/annotators/scene_data.h"
+#include "perception/annotators/segmentation/clustering/color_contrast.h"
 #include "perception/annotators/segmentation/clustering/standing_points.h"
 #include "perception/conversions/opencv.h"
 #include "perception/recognition/image_features.h"
@@ -57,6 +58,7 @@ class ClusterMaker {
         camera_(camera),
         support_(ground.plane),
         outline_(ground.outline),
+        height_error_(ground.color ? 0 : ground.plane.uncertainty),
         index_(index),
         options_(options) {}
 
@@ -87,7 +89,7 @@ class ClusterMaker {
     const cv::Size2f sides = cv::minAreaRect(types::near_hull(footprint)).size;
     if (is_drawer_side(object, sides, cluster.top)) return std::nullopt;
     const double height = (std::min(sides.width, sides.height) > kWide ? 0.5 : 1) * options_.min_height_m;
-    const double least = std::max(height, 3 * height_noise(support_, middle)) + support_.uncertainty;
+    const double least = std::max(height, 3 * height_noise(support_, middle)) + height_error_;
     // What stands out of the noise clearly needs fewer pixels for the same evidence.
     const double clear = cluster.top / least;
     if (clear < 1 || static_cast<double>(object.pixels.size()) * clear * clear < options_.min_points)
@@ -362,6 +364,7 @@ class ClusterMaker {
   const mapping::PinholeCamera& camera_;
   const SupportPlane& support_;
   const ConvexOutline& outline_;
+  double height_error_;  ///< of the support, metres
   int index_;
   const ClusterOptions& options_;
 };
@@ -397,6 +400,55 @@ std::vector<cv::Vec3b> lab_colors(const std::vector<Vector3f>& points, const Clu
     lab_of(block).copyTo(block);
   }
   return {colors.begin<cv::Vec3b>(), colors.end<cv::Vec3b>()};
+}
+
+/// The colour of a support as far as it is in view: what is not measured there, or lies in its plane. Unset
+/// without a colour image, or where little of it is seen.
+std::optional<Vector3f> color_of_support(const SupportGround& ground, const ClusterImages& images,
+                                         const mapping::PinholeCamera& camera) {
+  constexpr double kMinStep = 0.02, kMaxSteps = 500, kReach = 0.03;
+  constexpr size_t kMinSamples = 100;
+  if (images.color.empty()) return std::nullopt;
+  Eigen::AlignedBox2d extent;
+  for (const Vector2d& corner : ground.plane.outline) extent.extend(corner);
+  const double step = std::max(kMinStep, extent.sizes().maxCoeff() / kMaxSteps);
+  std::vector<Vector3f> seen;
+  for (double x = extent.min().x(); x < extent.max().x(); x += step)
+    for (double y = extent.min().y(); y < extent.max().y(); y += step) {
+      const Vector3d p = ground.plane.camera_from_plane * Vector3d(x, y, 0);
+      if (ground.outline.inside({x, y}) < kMinStep || p.z() < 0.1) continue;
+      const Vector2d pixel = camera.project(p);
+      if (!camera.contains(pixel)) continue;
+      const float z = images.points.at<cv::Vec3f>(static_cast<int>(std::lround(pixel.y())),
+                                                  static_cast<int>(std::lround(pixel.x())))[2];
+      if (!(std::abs(static_cast<double>(z) - p.z()) > kReach)) seen.push_back(p.cast<float>());
+    }
+  if (seen.size() < kMinSamples) return std::nullopt;
+  const std::vector<cv::Vec3b> lab = lab_colors(seen, images);
+  Vector3f color;
+  for (int channel = 0; channel < 3; ++channel) {
+    std::vector<uint8_t> values;
+    for (const cv::Vec3b& each : lab) values.push_back(each[channel]);
+    color[channel] = median(std::move(values));
+  }
+  return color;
+}
+
+/// Gives back to a support of uncertain height what is little higher and has its colour.
+void drop_like_support(Standing& standing, const SupportGround& ground, const ClusterOptions& options,
+                       const ClusterImages& images, cv::Mat& shows) {
+  const std::vector<cv::Vec3b> lab = lab_colors(standing.points, images);
+  std::vector<size_t> kept;
+  for (size_t i = 0; i < standing.pixels.size(); ++i) {
+    const double floor = options.floor_m + ground.plane.uncertainty +
+                         1.5 * height_noise(ground.plane, standing.points[i].cast<double>());
+    if (static_cast<double>(standing.in_plane[i].z()) > floor ||
+        is_other_color(lab_vector(lab[i]), *ground.color))
+      kept.push_back(i);
+    else
+      shows.ptr<uint8_t>()[standing.pixels[i]] = static_cast<uint8_t>(Shows::support);
+  }
+  if (kept.size() < standing.pixels.size()) standing = subset(standing, kept);
 }
 
 /// Takes apart what stands upon each other in each of `objects` (indices into `all`).
@@ -538,11 +590,14 @@ std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const m
                                             const ClusterOptions& options, int threads) {
   const cv::Mat& points = images.points;
   std::vector<ObjectCluster> clusters;
-  const std::vector<SupportGround> grounds(supports.begin(), supports.end());
+  std::vector<SupportGround> grounds(supports.begin(), supports.end());
+  for (SupportGround& ground : grounds)
+    if (ground.plane.uncertainty > 0) ground.color = color_of_support(ground, images, camera);
   cv::Mat shows;
   std::vector<Standing> standing = stand_on_supports(images, camera, grounds, options, threads, shows);
   for (size_t s = 0; s < supports.size(); ++s) {
     drop_specks(standing[s], supports[s], options, shows);
+    if (grounds[s].color) drop_like_support(standing[s], grounds[s], options, images, shows);
     const Standing& all = standing[s];
     const ClusterMaker maker(images, camera, grounds[s], static_cast<int>(s), options);
     const Vector2f viewpoint = supports[s].in_plane(Vector3d::Zero()).head<2>().cast<float>();

@@ -14,8 +14,61 @@ namespace {
 
 /// By how much a map's surface may be off in height where nothing of it is measured.
 constexpr double kMapHeightError = 0.015;
+/// What is smaller may be a plate or a tray rather than the support.
+constexpr double kMinSupportArea = 0.1;  ///< m²
 /// In a frame named "map" the floor is at z = 0 (docs/architecture.md, "Conventions").
 constexpr double kFloorHeight = 0.15;
+
+/// The plane of a region of interest as the map has it, but for `raised` metres.
+SupportPlane plane_of_map(const Isometry3d& camera_from_support, double raised, double uncertainty) {
+  SupportPlane plane;
+  plane.normal = camera_from_support.linear().col(2);
+  plane.offset = plane.normal.dot(camera_from_support.translation()) + raised;
+  plane.camera_from_plane = Eigen::Translation3d(raised * plane.normal) * camera_from_support;
+  plane.uncertainty = uncertainty;
+  return plane;
+}
+
+/// The plane that fits what is measured of a region near where the map has it. Unset where that is too
+/// little.
+std::optional<SupportPlane> measured_plane(const SupportPlane& in_map, const Isometry3d& camera_from_support,
+                                           const cv::Mat& points, const cv::Mat& normals,
+                                           const std::vector<int>& region, const SupportOptions& options) {
+  constexpr float kNear = 0.05f, kLevel = 0.9f;
+  constexpr size_t kMinLevel = 100;
+  const Eigen::Vector3f up = in_map.normal.cast<float>();
+  const cv::Vec3f n(up.x(), up.y(), up.z());
+  const auto along = [&n](const cv::Vec3f& v) { return n[0] * v[0] + n[1] * v[1] + n[2] * v[2]; };
+  const auto* point = points.ptr<cv::Vec3f>();
+  const auto* direction = normals.ptr<cv::Vec3f>();
+  std::vector<int> pixels, level;
+  std::vector<float> heights;
+  for (const int i : region) {
+    const float height = along(point[i]) - static_cast<float>(in_map.offset);
+    if (std::abs(height) > kNear) continue;
+    pixels.push_back(i);
+    if (!(along(direction[i]) > kLevel)) continue;
+    level.push_back(i);
+    heights.push_back(height);
+  }
+  if (level.size() <= kMinLevel) return std::nullopt;
+  const auto raised = static_cast<double>(median(std::move(heights)));
+  const std::optional<SupportPlane> plane =
+      refine_support(points, normals, pixels, in_map.normal, in_map.offset + raised, options);
+  // A fit to few points may tilt away from what the map says; one to a strip and a plate behind it does.
+  constexpr double kMinCosine = 0.985, kTilted = 0.99985, kMinShare = 0.85;
+  const double cosine = plane ? plane->normal.dot(in_map.normal) : 0;
+  if (cosine < kMinCosine) return std::nullopt;
+  const auto explained = [&](const SupportPlane& by) {
+    return static_cast<int>(std::ranges::count_if(level, [&](int i) {
+      return std::abs(by.normal.dot(to_vector(point[i])) - by.offset) < options.inlier_m;
+    }));
+  };
+  SupportPlane upright = plane_of_map(camera_from_support, raised, 0);
+  upright.inliers = explained(upright);
+  if (cosine < kTilted && upright.inliers > kMinShare * explained(*plane)) return upright;
+  return plane;
+}
 
 /// The surface of a region of interest as this frame shows it, or as the map has it where the frame shows too
 /// little (glossy counters).
@@ -23,45 +76,26 @@ SupportPlane support_of_region(const types::PlanarSupport& known, int label, con
                                const cv::Mat& normals, const std::vector<int>& region, const Isometry3d& pose,
                                const SupportOptions& options) {
   const Isometry3d camera_from_map = pose.inverse();
-  const Isometry3d camera_from_support =
-      camera_from_map * types::from<Isometry3d>(known.map_from_support.get());
-  const Vector3d normal = camera_from_support.linear().col(2);
-  const double offset = normal.dot(camera_from_support.translation());
-  std::vector<int> pixels;
-  std::vector<float> heights;
-  const cv::Vec3f n(static_cast<float>(normal.x()), static_cast<float>(normal.y()),
-                    static_cast<float>(normal.z()));
-  const auto along = [&n](const cv::Vec3f& v) { return n[0] * v[0] + n[1] * v[1] + n[2] * v[2]; };
-  const auto* point = points.ptr<cv::Vec3f>();
-  const auto* direction = normals.ptr<cv::Vec3f>();
-  for (const int i : region) {
-    const float height = along(point[i]) - static_cast<float>(offset);
-    if (std::abs(height) > 0.05f) continue;
-    pixels.push_back(i);
-    if (along(direction[i]) > 0.9f) heights.push_back(height);
+  const Isometry3d map_from_support = types::from<Isometry3d>(known.map_from_support.get());
+  const Isometry3d camera_from_support = camera_from_map * map_from_support;
+  const std::vector<Vector3d> corners = types::points_from_values(known.outline.get());
+  std::vector<cv::Point2f> outline;
+  for (const Vector3d& corner : corners) {
+    const Eigen::Vector3f at = (map_from_support.inverse() * corner).cast<float>();
+    outline.emplace_back(at.x(), at.y());
   }
+  constexpr double kMinShare = 0.3;
   SupportOptions small = options;
-  small.min_area_m2 = std::min(0.01, options.min_area_m2);
-  std::optional<SupportPlane> plane;
-  if (heights.size() > 100) {
-    plane = refine_support(points, normals, pixels, normal,
-                           offset + static_cast<double>(median(std::move(heights))), small);
-  }
-  // A fit to few points may tilt away from what the map says.
-  constexpr double kMinCosine = 0.985;
-  if (!plane || plane->normal.dot(normal) < kMinCosine) {
-    plane.emplace();
-    plane->normal = normal;
-    plane->offset = offset;
-    plane->camera_from_plane = camera_from_support;
-    plane->uncertainty = kMapHeightError;
-  }
-  plane->region = label;
-  plane->in_drawer = known.support_class.get().starts_with("drawer");
-  plane->outline.clear();
-  for (const Vector3d& corner : types::points_from_values(known.outline.get()))
-    plane->outline.push_back(plane->in_plane(camera_from_map * corner).head<2>());
-  return *plane;
+  small.min_area_m2 = std::min(kMinSupportArea, kMinShare * cv::contourArea(outline));
+  SupportPlane plane = plane_of_map(camera_from_support, 0, kMapHeightError);
+  if (auto measured = measured_plane(plane, camera_from_support, points, normals, region, small))
+    plane = std::move(*measured);
+  plane.region = label;
+  plane.in_drawer = known.support_class.get().starts_with("drawer");
+  plane.outline.clear();
+  for (const Vector3d& corner : corners)
+    plane.outline.push_back(plane.in_plane(camera_from_map * corner).head<2>());
+  return plane;
 }
 
 /// The pixels of each label of an image (CV_16U) from 1 to `count`, ascending.

@@ -25,8 +25,8 @@ int support_below(const Vector3f& p, int label, const std::vector<SupportGround>
     if (support.region != label) continue;
     const Vector3d at = support.in_plane(p.cast<double>());
     if (at.z() > options.max_height_m || at.z() < -0.03) continue;
-    const double floor =
-        options.floor_m + support.uncertainty + 1.5 * height_noise(support, p.cast<double>());
+    const double floor = options.floor_m + (grounds[s].color ? 0 : support.uncertainty) +
+                         1.5 * height_noise(support, p.cast<double>());
     if (at.z() < -floor || (best >= 0 && at.z() > floor && at.z() >= position.z())) continue;
     const double inside = grounds[s].outline.inside(at.head<2>());
     if (inside < -kAround) continue;

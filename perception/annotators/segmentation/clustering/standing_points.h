@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "perception/annotators/segmentation/clustering/object_clusters.h"
@@ -38,7 +39,8 @@ struct Standing {
 struct SupportGround {
   const SupportPlane& plane;
   ConvexOutline outline;
-  Eigen::Matrix3f plane_from_camera;  ///< rotation
+  Eigen::Matrix3f plane_from_camera;     ///< rotation
+  std::optional<Eigen::Vector3f> color;  ///< of a support whose height is uncertain, CIE Lab; unset = unknown
 
   explicit SupportGround(const SupportPlane& support)
       : plane(support),
