@@ -149,7 +149,7 @@ std::string filled(const std::string& form, const Delexicalised& names, const st
       said = is_object ? names.objects.at(object++) : names.places.at(place++);
       const bool named = said.find('_') != std::string::npos || said.find('\'') != std::string::npos ||
                          said == "it" || is_digit(said.back());
-      if (!named && !bare.contains(lower_case(before))) said = "the " + said;
+      if (!named && !bare.contains(lower_case(before))) said.insert(0, "the ");
     }
     text.append(text.empty() ? "" : " ").append(said).append(comma);
     before = name;

@@ -53,7 +53,7 @@ std::optional<SupportPlane> measured_plane(const SupportPlane& in_map, const Iso
   }
   if (level.size() <= kMinLevel) return std::nullopt;
   const auto raised = static_cast<double>(median(std::move(heights)));
-  const std::optional<SupportPlane> plane =
+  std::optional<SupportPlane> plane =
       refine_support(points, normals, pixels, in_map.normal, in_map.offset + raised, options);
   // A fit to few points may tilt away from what the map says; one to a strip and a plate behind it does.
   constexpr double kMinCosine = 0.985, kTilted = 0.99985, kMinShare = 0.85;
