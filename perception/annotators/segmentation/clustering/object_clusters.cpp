@@ -10,10 +10,8 @@
 #include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
 #include "perception/annotators/scene_data.h"
-#include "perception/annotators/segmentation/clustering/color_contrast.h"
 #include "perception/annotators/segmentation/clustering/standing_points.h"
 #include "perception/conversions/opencv.h"
-#include "perception/recognition/image_features.h"
 
 namespace loci::perception {
 
@@ -377,78 +375,6 @@ ConvexParts parts_of(const Standing& all, const std::vector<cv::Vec3b>& lab, con
   ConvexParts groups;
   groups.part_of_point = euclidean_groups(all.points, reach, groups.count);
   return groups;
-}
-
-/// Colours of points (camera frame), CIE Lab in 8 bits; empty without a colour image.
-std::vector<cv::Vec3b> lab_colors(const std::vector<Vector3f>& points, const ClusterImages& images) {
-  if (images.color.empty() || points.empty()) return {};
-  const Eigen::Isometry3f color_from_depth = images.color_from_depth.cast<float>();
-  cv::Mat colors(1, static_cast<int>(points.size()), CV_8UC3, cv::Scalar::all(0));
-  const auto fx = static_cast<float>(images.color_camera.fx), fy = static_cast<float>(images.color_camera.fy);
-  const auto cx = static_cast<float>(images.color_camera.cx), cy = static_cast<float>(images.color_camera.cy);
-  for (size_t i = 0; i < points.size(); ++i) {
-    const Vector3f p = color_from_depth * points[i];
-    const float u = fx * p.x() / p.z() + cx + 0.5f, v = fy * p.y() / p.z() + cy + 0.5f;
-    if (!(p.z() > 0 && u >= 0 && v >= 0) || u >= static_cast<float>(images.color.cols) ||
-        v >= static_cast<float>(images.color.rows))
-      continue;
-    colors.ptr<cv::Vec3b>()[i] = images.color.ptr<cv::Vec3b>(static_cast<int>(v))[static_cast<int>(u)];
-  }
-  constexpr int kBlock = 1 << 15;  // OpenCV starts threads for more, which costs more than the conversion
-  for (int begin = 0; begin < colors.cols; begin += kBlock) {
-    cv::Mat block = colors.colRange(begin, std::min(colors.cols, begin + kBlock));
-    lab_of(block).copyTo(block);
-  }
-  return {colors.begin<cv::Vec3b>(), colors.end<cv::Vec3b>()};
-}
-
-/// The colour of a support as far as it is in view: what is not measured there, or lies in its plane. Unset
-/// without a colour image, or where little of it is seen.
-std::optional<Vector3f> color_of_support(const SupportGround& ground, const ClusterImages& images,
-                                         const mapping::PinholeCamera& camera) {
-  constexpr double kMinStep = 0.02, kMaxSteps = 500, kReach = 0.03;
-  constexpr size_t kMinSamples = 100;
-  if (images.color.empty()) return std::nullopt;
-  Eigen::AlignedBox2d extent;
-  for (const Vector2d& corner : ground.plane.outline) extent.extend(corner);
-  const double step = std::max(kMinStep, extent.sizes().maxCoeff() / kMaxSteps);
-  std::vector<Vector3f> seen;
-  for (double x = extent.min().x(); x < extent.max().x(); x += step)
-    for (double y = extent.min().y(); y < extent.max().y(); y += step) {
-      const Vector3d p = ground.plane.camera_from_plane * Vector3d(x, y, 0);
-      if (ground.outline.inside({x, y}) < kMinStep || p.z() < 0.1) continue;
-      const Vector2d pixel = camera.project(p);
-      if (!camera.contains(pixel)) continue;
-      const float z = images.points.at<cv::Vec3f>(static_cast<int>(std::lround(pixel.y())),
-                                                  static_cast<int>(std::lround(pixel.x())))[2];
-      if (!(std::abs(static_cast<double>(z) - p.z()) > kReach)) seen.push_back(p.cast<float>());
-    }
-  if (seen.size() < kMinSamples) return std::nullopt;
-  const std::vector<cv::Vec3b> lab = lab_colors(seen, images);
-  Vector3f color;
-  for (int channel = 0; channel < 3; ++channel) {
-    std::vector<uint8_t> values;
-    for (const cv::Vec3b& each : lab) values.push_back(each[channel]);
-    color[channel] = median(std::move(values));
-  }
-  return color;
-}
-
-/// Gives back to a support of uncertain height what is little higher and has its colour.
-void drop_like_support(Standing& standing, const SupportGround& ground, const ClusterOptions& options,
-                       const ClusterImages& images, cv::Mat& shows) {
-  const std::vector<cv::Vec3b> lab = lab_colors(standing.points, images);
-  std::vector<size_t> kept;
-  for (size_t i = 0; i < standing.pixels.size(); ++i) {
-    const double floor = options.floor_m + ground.plane.uncertainty +
-                         1.5 * height_noise(ground.plane, standing.points[i].cast<double>());
-    if (static_cast<double>(standing.in_plane[i].z()) > floor ||
-        is_other_color(lab_vector(lab[i]), *ground.color))
-      kept.push_back(i);
-    else
-      shows.ptr<uint8_t>()[standing.pixels[i]] = static_cast<uint8_t>(Shows::support);
-  }
-  if (kept.size() < standing.pixels.size()) standing = subset(standing, kept);
 }
 
 /// Takes apart what stands upon each other in each of `objects` (indices into `all`).

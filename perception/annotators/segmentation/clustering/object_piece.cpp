@@ -1,5 +1,6 @@
 #include "perception/annotators/segmentation/clustering/object_piece.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +10,7 @@
 
 #include "mapping/base/math/math.h"
 #include "perception/annotators/segmentation/clustering/color_contrast.h"
+#include "perception/annotators/structure/supports.h"
 #include "perception/conversions/opencv.h"
 
 namespace loci::perception {
@@ -146,6 +148,54 @@ float Rod::gap_to(const Rod& other) const {
           least,
           (middle + end * length * along - other.middle - other_end * other.length * other.along).norm());
   return least;
+}
+
+double plane_residual(const Piece& a, const Piece& b, const PlaneCloud& cloud) {
+  constexpr size_t kSamples = 300;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  std::array<std::vector<Eigen::Vector3d>, 2> samples;
+  for (size_t k = 0; k < 2; ++k) {
+    const Piece& piece = k == 0 ? a : b;
+    const size_t stride = std::max<size_t>(1, piece.points.size() / kSamples);
+    for (size_t i = 0; i < piece.points.size(); i += stride)
+      samples[k].push_back(cloud.points[static_cast<size_t>(piece.points[i])].cast<double>());
+    for (const Eigen::Vector3d& p : samples[k]) mean += p / (2.0 * static_cast<double>(samples[k].size()));
+  }
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const auto& of_piece : samples)
+    for (const Eigen::Vector3d& p : of_piece)
+      spread += (p - mean) * (p - mean).transpose() / static_cast<double>(of_piece.size());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  double worst = 0;
+  for (const auto& of_piece : samples) {
+    double sum = 0;
+    for (const Eigen::Vector3d& p : of_piece) sum += std::pow(solver.eigenvectors().col(0).dot(p - mean), 2);
+    worst = std::max(worst, std::sqrt(sum / static_cast<double>(of_piece.size())));
+  }
+  return worst;
+}
+
+double share_before(const Piece& a, const Piece& b, const PlaneCloud& cloud, double slack_m) {
+  constexpr float kMinSlope = 0.5f;
+  constexpr size_t kSamples = 100;
+  const auto sampled = [&](const Piece& piece) {
+    return std::max<size_t>(1, piece.points.size() / kSamples);
+  };
+  const auto slack = static_cast<float>(slack_m + 2 * depth_noise(1.0) * std::max(a.noise, b.noise));
+  const Vector2f middle = a.extent.center();
+  int before = 0;
+  int judged = 0;
+  for (size_t k = 0; k < a.points.size(); k += sampled(a)) {
+    const auto i = static_cast<size_t>(a.points[k]);
+    const Vector2f wall = cloud.points[i].head<2>();
+    const Vector2f out = cloud.normals[i].head<2>();
+    const bool is_outer_wall = out.norm() > kMinSlope && out.dot(wall - middle) > 0;
+    for (size_t l = 0; l < b.points.size(); l += sampled(b), ++judged) {
+      const Vector2f to = cloud.points[static_cast<size_t>(b.points[l])].head<2>() - wall;
+      before += is_outer_wall && out.normalized().dot(to) > slack ? 1 : 0;
+    }
+  }
+  return static_cast<double>(before) / judged;
 }
 
 }  // namespace loci::perception

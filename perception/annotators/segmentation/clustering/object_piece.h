@@ -44,6 +44,14 @@ void measure_area(Piece& piece, const PlaneCloud& cloud);
 /// All but those: heights, footprint, where it is seen, where its walls face.
 void measure_shape(Piece& piece, const PlaneCloud& cloud);
 
+/// Root mean square distance of two pieces from the plane that fits both best, each counting alike; the
+/// larger one of the two.
+double plane_residual(const Piece& a, const Piece& b, const PlaneCloud& cloud);
+
+/// How much of `b` lies on the open side of how much of `a`: of a convex object all lies behind each of its
+/// outer walls. What is level or faces inwards has no open side here.
+double share_before(const Piece& a, const Piece& b, const PlaneCloud& cloud, double slack_m);
+
 /// A piece as a straight rod that lies on the support, as thick as it is seen to be.
 struct Rod {
   Eigen::Vector2f middle, along;  ///< unit vector

@@ -84,35 +84,10 @@ class Assembly {
     return static_cast<double>(within) / count;
   }
 
-  /// How much of `b` lies on the open side of how much of `a`: of a convex object all lies behind each of its
-  /// outer walls. What is level or faces inwards has no open side here.
   double share_before(const Piece& a, const Piece& b) const {
-    return remembered(Check::before, a, b, [&] { return find_share_before(a, b); });
+    return remembered(Check::before, a, b,
+                      [&] { return loci::perception::share_before(a, b, cloud_, options_.slack_m); });
   }
-  double find_share_before(const Piece& a, const Piece& b) const {
-    constexpr float kMinSlope = 0.5f;
-    constexpr size_t kSamples = 100;
-    const auto sampled = [&](const Piece& piece) {
-      return std::max<size_t>(1, piece.points.size() / kSamples);
-    };
-    const auto slack =
-        static_cast<float>(options_.slack_m + 2 * depth_noise(1.0) * std::max(a.noise, b.noise));
-    const Vector2f middle = a.extent.center();
-    int before = 0;
-    int judged = 0;
-    for (size_t k = 0; k < a.points.size(); k += sampled(a)) {
-      const auto i = static_cast<size_t>(a.points[k]);
-      const Vector2f wall = cloud_.points[i].head<2>();
-      const Vector2f out = cloud_.normals[i].head<2>();
-      const bool is_outer_wall = out.norm() > kMinSlope && out.dot(wall - middle) > 0;
-      for (size_t l = 0; l < b.points.size(); l += sampled(b), ++judged) {
-        const Vector2f to = cloud_.points[static_cast<size_t>(b.points[l])].head<2>() - wall;
-        before += is_outer_wall && out.normalized().dot(to) > slack ? 1 : 0;
-      }
-    }
-    return static_cast<double>(before) / judged;
-  }
-
   /// Whether a piece that touches another is an object rather than its handle or label: it reaches down to
   /// the support, has another colour, and is as large as the smallest objects.
   bool stands_apart(const Piece& a, const Piece& b) const {
@@ -188,39 +163,11 @@ class Assembly {
       const Piece& a = pieces_[first];
       const Piece& b = pieces_[second];
       const double noise = depth_noise(1.0) * std::max(a.noise, b.noise);
-      if (plane_residual(a, b) > noise) continue;
+      if (plane_residual(a, b, cloud_) > noise) continue;
       merge(first, second);
       return true;
     }
     return false;
-  }
-
-  /// Root mean square distance of two pieces from the plane that fits both best, each counting alike; the
-  /// larger one of the two.
-  double plane_residual(const Piece& a, const Piece& b) const {
-    constexpr size_t kSamples = 300;
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    std::array<std::vector<Eigen::Vector3d>, 2> samples;
-    for (size_t k = 0; k < 2; ++k) {
-      const Piece& piece = k == 0 ? a : b;
-      const size_t stride = std::max<size_t>(1, piece.points.size() / kSamples);
-      for (size_t i = 0; i < piece.points.size(); i += stride)
-        samples[k].push_back(cloud_.points[static_cast<size_t>(piece.points[i])].cast<double>());
-      for (const Eigen::Vector3d& p : samples[k]) mean += p / (2.0 * static_cast<double>(samples[k].size()));
-    }
-    Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-    for (const auto& of_piece : samples)
-      for (const Eigen::Vector3d& p : of_piece)
-        spread += (p - mean) * (p - mean).transpose() / static_cast<double>(of_piece.size());
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
-    double worst = 0;
-    for (const auto& of_piece : samples) {
-      double sum = 0;
-      for (const Eigen::Vector3d& p : of_piece)
-        sum += std::pow(solver.eigenvectors().col(0).dot(p - mean), 2);
-      worst = std::max(worst, std::sqrt(sum / static_cast<double>(of_piece.size())));
-    }
-    return worst;
   }
 
   bool join_contained() {

@@ -64,4 +64,16 @@ Standing subset(const Standing& all, const std::vector<size_t>& members);
 void drop_specks(Standing& standing, const SupportPlane& support, const ClusterOptions& options,
                  cv::Mat& shows);
 
+/// Colours of points (camera frame), CIE Lab in 8 bits; empty without a colour image.
+std::vector<cv::Vec3b> lab_colors(const std::vector<Eigen::Vector3f>& points, const ClusterImages& images);
+
+/// The colour of a support as far as it is in view: what is not measured there, or lies in its plane. Unset
+/// without a colour image, or where little of it is seen.
+std::optional<Eigen::Vector3f> color_of_support(const SupportGround& ground, const ClusterImages& images,
+                                                const mapping::PinholeCamera& camera);
+
+/// Gives back to a support of uncertain height what is little higher and has its colour.
+void drop_like_support(Standing& standing, const SupportGround& ground, const ClusterOptions& options,
+                       const ClusterImages& images, cv::Mat& shows);
+
 }  // namespace loci::perception
