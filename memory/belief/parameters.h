@@ -67,6 +67,13 @@ struct Parameters {
   double excluded = -200;              ///< log weight of what a known identity excludes: beyond all evidence
   double newview_color_weight = 0.25;  ///< another side may have other colours, though seldom altogether
 
+  // One object as several
+  double further_pieces = 0.02;      ///< expected of an observed object, beside what it is found as
+  double max_piece_color = 3;        ///< log ratio: other objects have the same colours, too
+  double min_footprint_m2 = 1e-4;    ///< of an object
+  double double_covered = 0.7;       ///< share of a believed box that a whole view of another object covers
+  double is_double_log_odds = -100;  ///< of existing
+
   // Existence
   double cut_off_log_odds = 0.5;  ///< a cut-off cluster is less certainly an object
   double min_sighting = 0.5;      ///< what being found again at once counts: such frames repeat their errors

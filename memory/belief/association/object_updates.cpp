@@ -122,7 +122,7 @@ void SceneUpdate::create_object(size_t k) {
                 options_)
           : 0.0;
   const bool known = observation.known_object.value_or(0) != 0;
-  if (!known && clutter > (1 + usual) / 2) {
+  if (!known && (clutter > (1 + usual) / 2 || piece_probability_[k] > 0)) {
     outcome.explanation = Explanation::clutter;
     outcome.probability = outcome.clutter;
     return;
@@ -191,6 +191,7 @@ void SceneUpdate::update_unobserved(size_t o) {
   if (object.status == Status::gone && timing_.independent)
     state_.interaction.learn_returns(timing_.exposure_s - object.last_seen_exposure_s,
                                      update_.objects[o].matched, options_);
+  if (is_double_[o]) return remove_double(o);
   if (p.undetectable >= 1) {  // its spot was not observed
     update_.objects[o].explanation = Explanation::hidden;
     if (object.status == Status::present) note_hidden(object, p);
@@ -297,6 +298,11 @@ void SceneUpdate::delete_clutter() {
 }
 
 void SceneUpdate::prune_gone() {
+  // A double is reported as gone once, and does not come back.
+  std::erase_if(state_.objects, [&](const ProtoObject& object) {
+    return object.status == Status::gone && object.exists_log_odds <= kParameters.is_double_log_odds &&
+           object.gone_by_s < timing_.exposure_s;
+  });
   std::vector<TimeNs> gone;
   for (const ProtoObject& object : state_.objects)
     if (object.status == Status::gone) gone.push_back(object.last_seen);

@@ -35,6 +35,7 @@ BeliefUpdate SceneUpdate::run() {
   // 3. Association: exact posterior of all explanations, and the MAP hypothesis that is acted on.
   solve_association();
   choose_partners();
+  join_pieces();
   reinstate_alternatives();
   report_observations();
   report_objects();
@@ -87,12 +88,24 @@ void SceneUpdate::solve_association() {
 void SceneUpdate::choose_partners() {
   partner_of_object_.resize(state_.objects.size());
   partner_of_observation_.resize(scene_.observations.size());
-  for (const auto& [o, k] : solution_.map.pairs) {
-    partner_of_object_[o] = k;
-    partner_of_observation_[k] = o;
-  }
+  for (const auto& [o, k] : solution_.map.pairs) pair(o, k);
   if (timing_.snapshot) return;
   for (size_t k = 0; k < partner_of_observation_.size(); ++k) prefer_known_object(k);
+}
+
+void SceneUpdate::pair(size_t o, size_t k) {
+  partner_of_object_[o] = k;
+  partner_of_observation_[k] = o;
+}
+
+double SceneUpdate::log_proximity(size_t o, size_t k) const {
+  return update_.evidence.log_proximity(static_cast<Eigen::Index>(o), static_cast<Eigen::Index>(k));
+}
+
+double SceneUpdate::color_log_ratio(size_t o, size_t k) const {
+  const auto row = static_cast<Eigen::Index>(o), column = static_cast<Eigen::Index>(k);
+  return update_.evidence.log_similar(row, column) -
+         options_.appearance_weight * update_.evidence.log_size(row, column);
 }
 
 void SceneUpdate::prefer_known_object(size_t k) {
@@ -104,14 +117,11 @@ void SceneUpdate::prefer_known_object(size_t k) {
   double best = kParameters.covered;
   for (size_t o = 0; o < state_.objects.size(); ++o) {
     if (state_.objects[o].status != Status::present || partner_of_object_[o]) continue;
-    const auto row = static_cast<Eigen::Index>(o), column = static_cast<Eigen::Index>(k);
     const AxisBox& seen = scene_.observations[k].box;
     // Nearness does not overrule the evidence of the model.
     if (pair_probability(o, k) < kParameters.min_probability) continue;
     const double covered = covered_share(predicted_[o], seen);
-    const double color = update_.evidence.log_similar(row, column) -
-                         options_.appearance_weight * update_.evidence.log_size(row, column);
-    if (covered <= best || color < kParameters.min_color_log_ratio ||
+    if (covered <= best || color_log_ratio(o, k) < kParameters.min_color_log_ratio ||
         seen.volume() > kParameters.max_covering_volume * predicted_[o].box.volume())
       continue;
     best = covered;
@@ -120,10 +130,9 @@ void SceneUpdate::prefer_known_object(size_t k) {
   if (!known) return;
   if (now) {
     partner_of_object_[*now].reset();
-    state_.objects[*now].exists_log_odds = -100;  // a double of the known object
+    state_.objects[*now].exists_log_odds = kParameters.is_double_log_odds;
   }
-  partner_of_object_[*known] = k;
-  partner_of_observation_[k] = known;
+  pair(*known, k);
 }
 
 Explanation SceneUpdate::pair_explanation(size_t o, size_t k) const {
@@ -131,7 +140,9 @@ Explanation SceneUpdate::pair_explanation(size_t o, size_t k) const {
   const double stay = weights_.stay(row, column), move = weights_.move(row, column),
                newview = weights_.newview(row, column);
   if (stay >= move && stay >= newview) return Explanation::stay;
-  if (!timing_.snapshot && covered_share(predicted_[o], scene_.observations[k].box) > kParameters.covered)
+  const bool watched =
+      double(scene_.time - state_.objects[o].last_seen) / double(kSecond) < options_.snapshot_gap_s;
+  if (watched && covered_share(predicted_[o], scene_.observations[k].box) > kParameters.covered)
     return Explanation::stay;
   return move >= newview ? Explanation::move : Explanation::newview;
 }
@@ -159,6 +170,8 @@ void SceneUpdate::report_observations() {
                      });
     outcome.appear = solution_.appear[k];
     outcome.clutter = solution_.clutter[k];
+    outcome.clutter += piece_probability_[k] * outcome.appear;
+    outcome.appear *= 1 - piece_probability_[k];
     update_.observations.push_back(std::move(outcome));
   }
 }

@@ -26,15 +26,31 @@ class SceneUpdate {
   /// In a video, an observation at the spot of a known object is that object rather than a new one: drift of
   /// the pose and cut views would otherwise create doubles.
   void prefer_known_object(size_t k);
+  void pair(size_t o, size_t k);
   Explanation pair_explanation(size_t o, size_t k) const;
   void report_observations();
   void report_objects();
   /// Alternative identities of each track after this scene.
   std::vector<std::vector<Alternative>> propagated_alternatives() const;
   double pair_probability(size_t o, size_t k) const;
+  double log_proximity(size_t o, size_t k) const;
+  /// Evidence of appearance but for the size.
+  double color_log_ratio(size_t o, size_t k) const;
   double stay_probability(size_t o, size_t k) const;
   /// Fills in object numbers and posteriors once all objects are updated.
   void finish_outcomes();
+
+  // One object that is observed, or believed, as several (pieces.cpp).
+  void join_pieces();
+  /// What hides the middle of an object cuts it in two. Of two pieces the larger one is the object, the other
+  /// is no object.
+  void find_further_piece(size_t k);
+  /// How many observations like k are expected of object o beside the one that it is found as.
+  double expected_pieces(size_t o, size_t k) const;
+  /// Two objects cannot be at one place: what is believed where a whole view shows another one is the same
+  /// object, of which pieces had been seen. The one that was observed more often is kept.
+  void find_doubles(size_t k);
+  void remove_double(size_t o);
 
   // Alternative hypotheses: what is believed to have moved may have stayed. Two similar objects must not
   // become one that goes to and fro, so the second hypothesis is kept until the spot is observed again
@@ -105,6 +121,8 @@ class SceneUpdate {
   IdentityWeights weights_;
   IdentitySolution solution_;
   std::vector<std::optional<size_t>> partner_of_object_, partner_of_observation_;
+  std::vector<double> piece_probability_;  ///< per observation, against being a new object
+  std::vector<bool> is_double_;            ///< per object
   std::vector<ProtoObject> alternatives_;  ///< hypotheses of this scene
   BeliefUpdate update_;
 };

@@ -58,6 +58,17 @@ TEST_F(Belief, SmallShiftIsAMoveForACameraThatStandsStill) {
   EXPECT_THAT(events(observe(120)), IsEmpty()) << "three millimetres are noise";
 }
 
+TEST_F(Belief, SmallShiftIsAMoveThoughTheCameraLookedElsewhereASecondBefore) {
+  kitchen.objects = {{"mug", at(0, 0)}};
+  observe(0);
+  const Isometry3d there = kitchen.map_from_camera;
+  kitchen.map_from_camera = SyntheticKitchen::look_from({0, -1, 1.4}, {9, -1, 0.72});
+  observe(3599, 1);
+  kitchen.map_from_camera = there;
+  kitchen.object("mug").centre = at(0.03, 0);
+  EXPECT_THAT(events(observe(3600)), ElementsAre("moved 1"));
+}
+
 TEST_F(Belief, ShiftWithinThePoseErrorIsNoMoveForACameraThatMoved) {
   kitchen.objects = {{"mug", at(0, 0)}};
   observe(0);
