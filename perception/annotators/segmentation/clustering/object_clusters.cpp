@@ -10,6 +10,7 @@
 #include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
 #include "perception/annotators/scene_data.h"
+#include "perception/annotators/segmentation/clustering/color_splitting.h"
 #include "perception/annotators/segmentation/clustering/standing_points.h"
 #include "perception/conversions/opencv.h"
 
@@ -377,17 +378,23 @@ ConvexParts parts_of(const Standing& all, const std::vector<cv::Vec3b>& lab, con
   return groups;
 }
 
-/// Takes apart what stands upon each other in each of `objects` (indices into `all`).
-std::vector<std::vector<size_t>> split_stacks(const std::vector<std::vector<size_t>>& objects,
-                                              const Standing& all, const std::vector<cv::Vec3b>& lab,
-                                              const ClusterImages& images,
-                                              const mapping::PinholeCamera& camera, const Vector2f& viewpoint,
-                                              const ClusterOptions& options, int threads) {
+/// Takes apart what touches beside each other or stands upon each other in each of `objects` (indices into
+/// `all`).
+std::vector<std::vector<size_t>> split_objects(const std::vector<std::vector<size_t>>& objects,
+                                               const Standing& all, const std::vector<cv::Vec3b>& lab,
+                                               const ClusterImages& images,
+                                               const mapping::PinholeCamera& camera,
+                                               const Vector2f& viewpoint, const ClusterOptions& options,
+                                               int threads) {
   const StackCloud cloud{all.in_plane, all.normals_in_plane, all.pixels, lab, viewpoint,
                          camera.fx,    images.points};
   std::vector<std::vector<std::vector<size_t>>> parts(objects.size());
-  parallel_each(objects.size(), threads,
-                [&](size_t object) { parts[object] = split_stack(cloud, objects[object], options.stacks); });
+  parallel_each(objects.size(), threads, [&](size_t object) {
+    for (std::vector<size_t>& beside :
+         split_colors(all.in_plane, all.normals_in_plane, all.areas, lab, objects[object]))
+      for (std::vector<size_t>& part : split_stack(cloud, std::move(beside), options.stacks))
+        parts[object].push_back(std::move(part));
+  });
   std::vector<std::vector<size_t>> all_parts;
   for (auto& of_object : parts)
     for (auto& part : of_object) all_parts.push_back(std::move(part));
@@ -538,7 +545,7 @@ std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const m
     std::vector<int> object_of_point(all.pixels.size());
     for (size_t i = 0; i < object_of_point.size(); ++i)
       object_of_point[i] = object_of_part[static_cast<size_t>(parts.part_of_point[i])];
-    const std::vector<std::vector<size_t>> objects = split_stacks(
+    const std::vector<std::vector<size_t>> objects = split_objects(
         members_of(object_of_point, count), all, lab, images, camera, viewpoint, options, threads);
     std::vector<std::optional<ObjectCluster>> made(objects.size());
     parallel_each(objects.size(), threads,
