@@ -154,17 +154,17 @@ class EpochComparison {
   /// over beside furniture are no planes.
   void continue_planes() {
     const std::vector<int> owners = owner_;
+    const Surfels& now = now_.surface();
+    const auto is_known = [&](uint32_t i) { return owners[i] == kStatic && !is_floor(now.position[i]); };
+    const auto was_hidden = [&](uint32_t i) {
+      return owners[i] == kUnexplained && !before_.passed(now.position[i], now.normal[i]);
+    };
     std::vector<uint8_t> visited(owner_.size(), 0);
     for (uint32_t i = 0; i < owner_.size(); ++i) {
-      if (owners[i] != kStatic || visited[i] != 0) continue;
-      const std::vector<uint32_t> plane =
-          coplanar_region({i}, visited, [&](uint32_t j) { return owners[j] == kStatic; });
+      if (visited[i] != 0 || !is_known(i)) continue;
+      const std::vector<uint32_t> plane = coplanar_region({i}, visited, is_known);
       if (plane.size() < kPieces.min_surfels) continue;
-      for (const uint32_t j : coplanar_region(plane, visited, [&](uint32_t k) {
-             return owners[k] == kUnexplained &&
-                    !before_.passed(now_.surface().position[k], now_.surface().normal[k]);
-           }))
-        owner_[j] = kStatic;
+      for (const uint32_t j : coplanar_region(plane, visited, was_hidden)) owner_[j] = kStatic;
     }
   }
 
