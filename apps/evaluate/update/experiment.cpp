@@ -144,10 +144,6 @@ NewData recorded(const fs::path& urdf, const MappedRoom& room, const Settings& s
   return data;
 }
 
-double turn_deg(const Isometry3d& motion) {
-  return std::abs(rpy_from_rotation(motion.linear()).z()) / kDegree;
-}
-
 /// Compares what the update said with what was moved.
 class Judge {
  public:
@@ -175,7 +171,7 @@ class Judge {
         piece.found = true;
         piece.swapped = from.name != group.name;
         piece.position_error = best;
-        if (!group.round) piece.turn_error_deg = turn_deg(error);
+        piece.turn_error_deg = group.turn_error_deg(error);
         match_ = i;
       }
     }
