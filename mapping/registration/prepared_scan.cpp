@@ -70,12 +70,20 @@ void FreeSpace::erode() {
 }
 
 bool FreeSpace::passed(const Eigen::Vector3f& point, float margin) const {
+  return passed(point, Eigen::Vector3f::Zero(), margin);
+}
+
+bool FreeSpace::passed(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float margin) const {
+  const bool is_plane = normal.squaredNorm() > 0.5F;
   for (const Image& image : images_) {
     const Eigen::Vector3f ray = point - image.origin;
     const float range = ray.norm();
     const auto [face, pixel] = pixel_of(ray);
     const float nearest = image.nearest[static_cast<size_t>(face)][static_cast<size_t>(pixel)];
-    if (nearest > 0.F && range + margin + kSurfels.range_margin * nearest < nearest) return true;
+    const float beyond = nearest - range - kSurfels.range_margin * nearest;  // Along the ray.
+    if (nearest > 0.F && beyond > 0.F &&
+        (is_plane ? beyond * std::abs(ray.dot(normal)) / range : beyond) > margin)
+      return true;
   }
   return false;
 }

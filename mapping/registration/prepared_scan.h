@@ -22,6 +22,9 @@ class FreeSpace {
 
   /// Whether rays of the scan passed the point with more than `margin` metres (plus 2 % of the range) to go.
   bool passed(const Eigen::Vector3f& point, float margin) const;
+  /// The same for a point of a surface, with the margin along its normal: rays that run along a surface end
+  /// on it far from where noise lets them. A zero normal is none.
+  bool passed(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float margin) const;
   bool known() const { return !images_.empty(); }
   /// Part of the points that other points of the scan hide from the origins: near 0 for correct origins.
   double hidden_part() const { return hidden_part_; }

@@ -61,7 +61,8 @@ void Epoch::drop_flying_points(int threads) {
   std::vector<uint8_t> solid(surface().size(), 0);
   parallel_for(surface().size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      solid[i] = points[i] >= kEpochs.min_points && !passed(surface().position[i]) ? 1 : 0;
+      solid[i] =
+          points[i] >= kEpochs.min_points && !passed(surface().position[i], surface().normal[i]) ? 1 : 0;
   });
   size_t kept = 0;
   for (size_t i = 0; i < cloud_.points.size(); ++i) {
@@ -85,15 +86,15 @@ bool Epoch::passed(size_t scan, const Eigen::Vector3f& position) const {
   return rays_[scan].passed(position, kEpochs.free_margin_m);
 }
 
-bool Epoch::passed(const Eigen::Vector3f& position) const {
-  return std::ranges::any_of(rays_,
-                             [&](const auto& rays) { return rays.passed(position, kEpochs.free_margin_m); });
+bool Epoch::passed(const Eigen::Vector3f& position, const Eigen::Vector3f& normal) const {
+  return std::ranges::any_of(
+      rays_, [&](const auto& rays) { return rays.passed(position, normal, kEpochs.free_margin_m); });
 }
 
 SurfaceState Epoch::state_of(const Eigen::Vector3f& position, const Eigen::Vector3f& normal) const {
   if (same_surfel(surface(), position, normal) != CellGrid::kNone) return SurfaceState::same;
   if (surface().near(position)) return SurfaceState::other;
-  return passed(position) ? SurfaceState::free : SurfaceState::unknown;
+  return passed(position, normal) ? SurfaceState::free : SurfaceState::unknown;
 }
 
 Scan Epoch::part(const std::vector<uint8_t>& chosen) const {
@@ -105,8 +106,8 @@ Scan Epoch::part(const std::vector<uint8_t>& chosen) const {
   return scan;
 }
 
-registration::PreparedScan Epoch::prepared_part(const std::vector<uint8_t>& chosen) const {
-  return registration::prepare(part(chosen), epoch_options(surface().cell));
+registration::PreparedScan Epoch::prepared_part(const std::vector<uint8_t>& chosen, double cell_m) const {
+  return registration::prepare(part(chosen), epoch_options(cell_m));
 }
 
 std::vector<size_t> Epoch::points_by_scan(const std::vector<uint8_t>& chosen) const {

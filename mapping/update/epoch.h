@@ -28,15 +28,16 @@ class Epoch {
   /// Surfels of the finest cells: positions, normals towards the sensor.
   const registration::Surfels& surface() const { return prepared_.finest(); }
   SurfaceState state_of(const Eigen::Vector3f& position, const Eigen::Vector3f& normal) const;
-  bool passed(const Eigen::Vector3f& position) const;
+  /// Whether rays passed a surfel; a zero normal is none.
+  bool passed(const Eigen::Vector3f& position, const Eigen::Vector3f& normal) const;
   /// Whether the rays of one scan passed a position.
   bool passed(size_t scan, const Eigen::Vector3f& position) const;
   const std::vector<std::string>& scan_names() const { return names_; }
 
   /// The measured points of some surfels as one scan in the map frame.
   Scan part(const std::vector<uint8_t>& chosen) const;
-  /// The same, prepared for registration.
-  registration::PreparedScan prepared_part(const std::vector<uint8_t>& chosen) const;
+  /// The same, prepared for registration with cells of `cell_m`.
+  registration::PreparedScan prepared_part(const std::vector<uint8_t>& chosen, double cell_m) const;
   /// How many points of each scan lie on the chosen surfels.
   std::vector<size_t> points_by_scan(const std::vector<uint8_t>& chosen) const;
 

@@ -17,10 +17,23 @@ double PieceFit::agreement() const {
   return seen > 0 ? static_cast<double>(same) / static_cast<double>(seen) : 0;
 }
 
-PieceSearch::PieceSearch(const Epoch& before, const Epoch& now, const Piece& piece) : now_(now) {
-  std::vector<uint8_t> chosen(before.surface().size(), 0);
-  for (const uint32_t i : piece.surfels) chosen[i] = 1;
-  source_ = before.prepared_part(chosen);
+namespace {
+
+Isometry3d aligned(const Surfels& target, const Surfels& source, const Isometry3d& pose) {
+  registration::IcpOptions options;
+  options.metric = registration::Metric::kGeneralised;  // Legs and edges have no planes.
+  options.radius = 1.5 * target.cell;
+  options.sigma = 0.5 * target.cell;
+  options.iterations = 30;
+  return icp(target, source, pose, options).target_from_source;
+}
+
+}  // namespace
+
+PieceSearch::PieceSearch(const Epoch& before, const Epoch& now, const Piece& piece)
+    : before_(before), now_(now), piece_(piece), chosen_(before.surface().size(), 0) {
+  for (const uint32_t i : piece.surfels) chosen_[i] = 1;
+  source_ = before.prepared_part(chosen_, before.surface().cell);
   middle_ = piece.box.center().head<2>().cast<double>();
   const Surfels& level = source_.levels[1];
   const size_t step = std::max<size_t>(1, level.size() / kMotion.samples);
@@ -34,17 +47,48 @@ PieceFit PieceSearch::fit(const Surfels& target, const Isometry3d& now_from_befo
   const Eigen::Matrix3f turn = now_from_before.linear().cast<float>();
   const Eigen::Vector3f shift = now_from_before.translation().cast<float>();
   const Surfels& source = source_.finest();
+  const float radius = 1.5F * static_cast<float>(source.cell);
   PieceFit fit;
   for (size_t i = 0; i < source.size(); ++i) {
     const Eigen::Vector3f p = turn * source.position[i] + shift, n = turn * source.normal[i];
     if (same_surfel(target, p, n) != CellGrid::kNone)
       ++fit.same;
-    else if (now_.surface().near(p))
-      ++fit.other;
+    else if (now_.surface().near(p))  // The far side of a board cannot be seen where its near side is.
+      ++(now_.surface().nearest(p, n, radius) != CellGrid::kNone ? fit.other : fit.unknown);
     else
-      ++(now_.passed(p) ? fit.free : fit.unknown);
+      ++(now_.passed(p, n) ? fit.free : fit.unknown);
   }
   return fit;
+}
+
+bool PieceSearch::beside(const Eigen::Vector3f& position) const {
+  constexpr auto kMargin = static_cast<float>(kMotion.beside_m);
+  return position.z() > piece_.box.min().z() - kMargin && position.z() < piece_.box.max().z() + kMargin &&
+         inside(piece_.outline, position.head<2>().cast<double>(), kMotion.beside_m);
+}
+
+size_t PieceSearch::foreign(const Surfels& target, const Isometry3d& now_from_before) const {
+  const Eigen::Isometry3f before_from_now = now_from_before.inverse().cast<float>();
+  const Surfels& source = source_.finest();
+  const float radius = 1.5F * static_cast<float>(source.cell);
+  size_t count = 0;
+  for (size_t i = 0; i < target.size(); ++i) {
+    const Eigen::Vector3f p = before_from_now * target.position[i];
+    if (!beside(p) || source.nearest(p, Eigen::Vector3f::Zero(), radius) != CellGrid::kNone) continue;
+    count += before_.passed(p, before_from_now.linear() * target.normal[i]) ? 1 : 0;
+  }
+  return count;
+}
+
+void PieceSearch::refine(const std::vector<uint8_t>& chosen, PieceMotion& motion) const {
+  const Eigen::Isometry3f before_from_now = motion.now_from_before.inverse().cast<float>();
+  std::vector<uint8_t> near = chosen;
+  for (uint32_t i = 0; i < near.size(); ++i)
+    if (near[i] != 0 && !beside(before_from_now * now_.surface().position[i])) near[i] = 0;
+  const double cell = source_.finest().cell / 2;
+  const PreparedScan source = before_.prepared_part(chosen_, cell), target = now_.prepared_part(near, cell);
+  if (target.points == 0) return;
+  motion.now_from_before = aligned(target.finest(), source.finest(), motion.now_from_before);
 }
 
 Isometry3d PieceSearch::pose_of(const Vector2d& middle, double yaw) const {
@@ -101,17 +145,7 @@ void PieceSearch::search(const Surfels& target, const Vector2d& middle, double r
 }
 
 Isometry3d PieceSearch::refined(const PreparedScan& target, const Isometry3d& pose) const {
-  Isometry3d result = pose;
-  for (int level = 1; level >= 0; --level) {
-    const auto k = static_cast<size_t>(level);
-    registration::IcpOptions options;
-    options.metric = registration::Metric::kGeneralised;  // Legs and edges have no planes.
-    options.radius = 1.5 * target.levels[k].cell;
-    options.sigma = 0.5 * target.levels[k].cell;
-    options.iterations = 30;
-    result = icp(target.levels[k], source_.levels[k], result, options).target_from_source;
-  }
-  return result;
+  return aligned(target.levels[0], source_.levels[0], aligned(target.levels[1], source_.levels[1], pose));
 }
 
 std::optional<PieceMotion> PieceSearch::find(const PreparedScan& target,
@@ -131,9 +165,10 @@ std::optional<PieceMotion> PieceSearch::find(const PreparedScan& target,
     motion.fit = fit(target.finest(), motion.now_from_before);
     const double shift = (motion.now_from_before * centre - centre).norm();
     const double turn = Eigen::AngleAxisd(motion.now_from_before.linear()).angle();
+    motion.fit.foreign = foreign(target.finest(), motion.now_from_before);
     motion.gain = motion.fit.score() - still.score();
-    motion.rank =
-        motion.gain - size * (kMotion.cost_per_m * std::min(shift, 1.0) + kMotion.cost_per_turn * turn / kPi);
+    motion.rank = motion.gain - static_cast<double>(motion.fit.foreign) -
+                  size * (kMotion.cost_per_m * std::min(shift, 1.0) + kMotion.cost_per_turn * turn / kPi);
     if (!best || motion.rank > best->rank) best = motion;
   }
   return best;

@@ -41,10 +41,11 @@ struct MotionParameters : FurnitureMotionParameters {
   double near_m = 0.4;              ///< of a search around the old place …
   double near_turn = 48 * kDegree;  ///< … radians
   double around_m = 0.25;           ///< of a search around another component
-  size_t samples = 160;             ///< surfels of a piece per starting pose
-  size_t interleave = 13;           ///< any prefix of the samples covers the piece
-  double min_share_unseen = 0.5;    ///< as min_share, where the old place was not seen
-  double min_kept = 0.9;            ///< of a piece's found surfels that another piece may leave it
+  double beside_m = 0.1;          ///< around a piece, where its surface would be if it lay a little otherwise
+  size_t samples = 160;           ///< surfels of a piece per starting pose
+  size_t interleave = 13;         ///< any prefix of the samples covers the piece
+  double min_share_unseen = 0.5;  ///< as min_share, where the old place was not seen
+  double min_kept = 0.9;          ///< of a piece's found surfels that another piece may leave it
 };
 inline constexpr MotionParameters kMotion;
 

@@ -26,6 +26,10 @@ Vector2d plan_of(const Eigen::Vector3f& position) {
   return position.head<2>().cast<double>();
 }
 
+double rectangle_area(const std::vector<Vector2d>& corners) {
+  return corners.empty() ? 0 : (corners[1] - corners[0]).norm() * (corners[2] - corners[1]).norm();
+}
+
 /// Disjoint sets of numbers.
 class Sets {
  public:
@@ -53,6 +57,7 @@ class Segmentation {
     std::vector<Piece> all = tops();
     const size_t supports = all.size();
     std::vector<Piece> components = connected();
+    join_fragments(components, 0);  // The seat of a chair below a table goes with its back.
     for (Piece& component : components)
       if (const int host = host_of(component, all, supports); host != kNone)
         append(component, all[static_cast<size_t>(host)]);
@@ -64,11 +69,7 @@ class Segmentation {
       if (only_free_standing ? stands_free(all[i], i < supports ? &map_.supports[support_of_[i]] : nullptr)
                              : all[i].surfels.size() >= kPieces.min_surfels / 2)
         standing.push_back(std::move(all[i]));
-    for (Piece& piece : standing) {
-      std::vector<Vector2d> plan;
-      for (const uint32_t i : piece.surfels) plan.push_back(plan_of(surface_.position[i]));
-      piece.outline = rectangle_around(plan);
-    }
+    for (Piece& piece : standing) piece.outline = outline_of(piece);
     return standing;
   }
 
@@ -110,45 +111,62 @@ class Segmentation {
     return pieces;
   }
 
-  /// Components of planes. Other surfels (thin legs, but also stray points between two objects) are joined to
-  /// the one component that they touch.
+  /// Components of planes. Other surfels (thin legs, but also stray points between two objects) belong to the
+  /// component from which they are reached first.
   std::vector<Piece> connected() const {
-    CellIndex cells;
-    std::vector<uint32_t> cell_of_member;
-    std::vector<bool> plane;  // By cell.
-    for (const uint32_t i : members_) {
-      const uint32_t cell = cells.insert(cell_of(surface_.position[i], kPieces.link_m));
-      cell_of_member.push_back(cell);
-      plane.resize(cells.size(), false);
-      if (surface_.weight[i] > 0.F) plane[cell] = true;
+    const std::vector<std::vector<uint32_t>> near = neighbours();
+    const auto is_plane = [&](size_t k) { return surface_.weight[members_[k]] > 0.F; };
+    Sets sets(members_.size());
+    std::vector<size_t> reached;
+    for (size_t k = 0; k < members_.size(); ++k) {
+      if (is_plane(k)) reached.push_back(k);
+      for (const uint32_t other : near[k])
+        if (is_plane(k) && is_plane(other)) sets.join(k, other);
     }
-    Sets sets(cells.size());
-    for_touching(cells, [&](uint32_t a, uint32_t b) {
-      if (plane[a] == plane[b]) sets.join(a, b);
-    });
-    std::map<size_t, std::set<size_t>> touched;  // Components of planes, by component of other surfels.
-    for_touching(cells, [&](uint32_t a, uint32_t b) {
-      if (!plane[a] && plane[b]) touched[sets.root(a)].insert(sets.root(b));
-    });
-    for (const auto& [other, planes] : touched)
-      if (planes.size() == 1) sets.join(other, *planes.begin());
+    std::vector<bool> done(members_.size(), false);
+    for (const size_t k : reached) done[k] = true;
+    for (size_t at = 0; at < reached.size(); ++at) {
+      const size_t k = reached[at];
+      for (const uint32_t other : near[k]) {
+        if (done[other]) continue;
+        done[other] = true;
+        sets.join(k, other);
+        reached.push_back(other);
+      }
+    }
+    for (size_t k = 0; k < members_.size(); ++k)  // What no plane reaches.
+      for (const uint32_t other : near[k])
+        if (!done[k]) sets.join(k, other);
     std::map<size_t, Piece> by_root;
-    for (size_t k = 0; k < members_.size(); ++k) add(members_[k], by_root[sets.root(cell_of_member[k])]);
+    for (size_t k = 0; k < members_.size(); ++k) add(members_[k], by_root[sets.root(k)]);
     std::vector<Piece> pieces;
     for (auto& [root, piece] : by_root) pieces.push_back(std::move(piece));
     return pieces;
   }
 
-  template <class Visit>
-  static void for_touching(const CellIndex& cells, const Visit& visit) {
-    for (uint32_t c = 0; c < cells.size(); ++c)
-      for (int x = -1; x <= 1; ++x)
-        for (int y = -1; y <= 1; ++y)
-          for (int z = -1; z <= 1; ++z) {
-            const uint32_t other = cells.find(cells.cells()[c] + Eigen::Vector3i(x, y, z));
-            if (other != CellIndex::kNone && other != c) visit(c, other);
-          }
+  /// The members that are nearer than `link_m` to each.
+  std::vector<std::vector<uint32_t>> neighbours() const {
+    CellIndex cells;
+    std::vector<std::vector<uint32_t>> in_cell;
+    for (uint32_t k = 0; k < members_.size(); ++k) {
+      const uint32_t cell = cells.insert(cell_of(position(k), kPieces.link_m));
+      in_cell.resize(cells.size());
+      in_cell[cell].push_back(k);
+    }
+    constexpr auto kReach = static_cast<float>(kPieces.link_m);
+    std::vector<std::vector<uint32_t>> near(members_.size());
+    for (uint32_t k = 0; k < members_.size(); ++k)
+      for (int n = 0; n < 27; ++n) {
+        const Eigen::Vector3i step(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+        const uint32_t cell = cells.find(cell_of(position(k), kPieces.link_m) + step);
+        if (cell == CellIndex::kNone) continue;
+        for (const uint32_t other : in_cell[cell])
+          if (other != k && (position(other) - position(k)).norm() < kReach) near[k].push_back(other);
+      }
+    return near;
   }
+
+  const Eigen::Vector3f& position(uint32_t member) const { return surface_.position[members_[member]]; }
 
   /// The support below whose top a component stands: its legs, its cabinets.
   int host_of(const Piece& component, const std::vector<Piece>& pieces, size_t supports) const {
@@ -173,40 +191,41 @@ class Segmentation {
     return std::ranges::any_of(piece.surfels, [&](uint32_t i) { return surface_.weight[i] > 0.F; });
   }
 
-  /// Parts that stand within a larger piece belong to it: legs whose upper ends nobody saw. Of several the
-  /// smallest.
+  std::vector<Vector2d> outline_of(const Piece& piece) const {
+    std::vector<Vector2d> plan;
+    for (const uint32_t i : piece.surfels) plan.push_back(plan_of(surface_.position[i]));
+    return rectangle_around(plan);
+  }
+
+  /// Parts that stand within the outline of a larger piece belong to it: the back of a chair, legs whose
+  /// upper ends nobody saw. Of several the smallest.
   void join_fragments(std::vector<Piece>& pieces, size_t supports) const {
-    std::vector<std::vector<Vector2d>> outlines(pieces.size());
-    const auto outline = [&](size_t i) -> const std::vector<Vector2d>& {
-      if (outlines[i].empty()) {
-        std::vector<Vector2d> plan;
-        for (const uint32_t s : pieces[i].surfels) plan.push_back(plan_of(surface_.position[s]));
-        outlines[i] = rectangle_around(plan);
-      }
-      return outlines[i];
-    };
+    std::vector<std::vector<Vector2d>> outlines;
+    std::vector<double> areas;
+    for (const Piece& piece : pieces) {
+      outlines.push_back(outline_of(piece));
+      areas.push_back(rectangle_area(outlines.back()));
+    }
     std::vector<size_t> order;
     for (size_t i = supports; i < pieces.size(); ++i) order.push_back(i);
-    std::ranges::stable_sort(order, {}, [&](size_t i) { return pieces[i].surfels.size(); });
+    std::ranges::stable_sort(order, {}, [&](size_t i) { return areas[i]; });
     for (const size_t i : order) {
       size_t host = i;
       for (size_t j = 0; j < pieces.size(); ++j) {
-        if (i == j || pieces[j].surfels.size() <= pieces[i].surfels.size()) continue;
+        if (i == j || areas[j] <= areas[i] || (host != i && areas[host] <= areas[j])) continue;
         if (pieces[j].box.sizes().head<2>().maxCoeff() > static_cast<float>(kPieces.max_extent_m)) continue;
-        if (host != i && pieces[host].surfels.size() <= pieces[j].surfels.size()) continue;
-        Eigen::AlignedBox3f near = pieces[j].box;
-        near.min().array() -= 0.05F;
-        near.max().array() += 0.05F;
-        near.min().z() = 0;
         // A back may seem to float over its seat; stray points over a piece would make it taller.
-        if (has_plane(pieces[i])) near.max().z() = 2;
-        if (!near.contains(pieces[i].box)) continue;
-        if (share_inside(pieces[i], outline(j), kPieces.outline_margin_m) > kPieces.inside_share) host = j;
+        const float top = has_plane(pieces[i]) ? 2 : pieces[j].box.max().z() + 0.05F;
+        if (pieces[i].box.max().z() > top) continue;
+        if (share_inside(pieces[i], outlines[j], kPieces.outline_margin_m) > kPieces.inside_share) host = j;
       }
       if (host == i) continue;
       append(pieces[i], pieces[host]);
       pieces[i].surfels.clear();
-      outlines[host].clear();
+      outlines[i].clear();
+      areas[i] = 0;
+      outlines[host] = outline_of(pieces[host]);
+      areas[host] = rectangle_area(outlines[host]);
     }
     // Supports stay in front.
     size_t kept = supports;

@@ -78,10 +78,10 @@ class EpochComparison {
   void run(Progress& progress, UpdateResult& result) {
     find_pieces();
     own_surfels();
-    progress.check(0.3, "joints");
-    find_joints();
-    progress.check(0.4, "furniture");
+    progress.check(0.3, "furniture");
     find_motions(progress);
+    progress.check(0.7, "joints");
+    find_joints();
     find_new();
     result.changes = std::move(changes_);
     std::erase_if(result.changes,
@@ -132,41 +132,54 @@ class EpochComparison {
            std::abs(d.dot(front.right())) < front.width / 2 && std::abs(d.dot(front.up)) < front.height / 2;
   }
 
+  static bool is_floor(const Eigen::Vector3f& position) {
+    return static_cast<double>(position.z()) < kPieces.floor_m;
+  }
+
   void own_surfels() {
     const Surfels &now = now_.surface(), &before = before_.surface();
+    const float radius = 1.5F * static_cast<float>(before.cell);
     for (uint32_t i = 0; i < now.size(); ++i) {
-      if (static_cast<double>(now.position[i].z()) < kPieces.floor_m) continue;
+      if (is_floor(now.position[i])) continue;
       uint32_t j = same_surfel(before, now.position[i], now.normal[i]);
-      if (j == CellGrid::kNone)
-        j = before.nearest(now.position[i], Eigen::Vector3f::Zero(), 1.5F * static_cast<float>(before.cell));
-      owner_[i] = j == CellGrid::kNone ? kUnexplained : piece_of_[j];
+      if (j == CellGrid::kNone) j = before.nearest(now.position[i], Eigen::Vector3f::Zero(), radius);
+      // The floor does not explain what stands on it.
+      owner_[i] = j == CellGrid::kNone || is_floor(before.position[j]) ? kUnexplained : piece_of_[j];
     }
     continue_planes();
   }
 
   /// Parts of cabinets and walls that were hidden before continue planes of what does not move: they are no
-  /// furniture that came.
+  /// furniture that came. What stands where space was free was not hidden, and stray points that were left
+  /// over beside furniture are no planes.
   void continue_planes() {
-    std::vector<uint32_t> open;
-    for (uint32_t i = 0; i < owner_.size(); ++i)
-      if (owner_[i] == kUnexplained && continues_plane(i)) open.push_back(i);
-    while (!open.empty()) {
-      const uint32_t i = open.back();
-      open.pop_back();
-      if (owner_[i] != kUnexplained) continue;
-      owner_[i] = kStatic;
-      for_neighbours(i, [&](uint32_t j) {
-        if (owner_[j] == kUnexplained && coplanar(i, j)) open.push_back(j);
-        return false;
-      });
+    const std::vector<int> owners = owner_;
+    const Surfels& now = now_.surface();
+    const auto is_known = [&](uint32_t i) { return owners[i] == kStatic && !is_floor(now.position[i]); };
+    const auto was_hidden = [&](uint32_t i) {
+      return owners[i] == kUnexplained && !before_.passed(now.position[i], now.normal[i]);
+    };
+    std::vector<uint8_t> visited(owner_.size(), 0);
+    for (uint32_t i = 0; i < owner_.size(); ++i) {
+      if (visited[i] != 0 || !is_known(i)) continue;
+      const std::vector<uint32_t> plane = coplanar_region({i}, visited, is_known);
+      if (plane.size() < kPieces.min_surfels) continue;
+      for (const uint32_t j : coplanar_region(plane, visited, was_hidden)) owner_[j] = kStatic;
     }
   }
 
-  bool continues_plane(uint32_t i) const {
-    return for_neighbours(i, [&](uint32_t j) {
-      return owner_[j] == kStatic && static_cast<double>(now_.surface().position[j].z()) > kPieces.floor_m &&
-             coplanar(i, j);
-    });
+  /// The surfels that are connected to some in their planes, and these; `may_join` chooses them.
+  template <class MayJoin>
+  std::vector<uint32_t> coplanar_region(std::vector<uint32_t> region, std::vector<uint8_t>& visited,
+                                        const MayJoin& may_join) const {
+    for (const uint32_t i : region) visited[i] = 1;
+    for (size_t at = 0; at < region.size(); ++at)
+      for_neighbours(region[at], [&](uint32_t j) {
+        if (visited[j] != 0 || !may_join(j) || !coplanar(region[at], j)) return;
+        visited[j] = 1;
+        region.push_back(j);
+      });
+    return region;
   }
 
   bool coplanar(uint32_t i, uint32_t j) const {
@@ -178,21 +191,21 @@ class EpochComparison {
            std::abs(now.normal[j].dot(between)) < kEpochs.same_plane_m;
   }
 
-  /// Visits the surfels within two cells until one says that it suffices; returns whether one did.
+  /// Visits the surfels within two cells.
   template <class Visit>
-  bool for_neighbours(uint32_t i, const Visit& visit) const {
+  void for_neighbours(uint32_t i, const Visit& visit) const {
     const Surfels& now = now_.surface();
     for (int x = -2; x <= 2; ++x)
       for (int y = -2; y <= 2; ++y)
         for (int z = -2; z <= 2; ++z) {
           const uint32_t j = now.grid.find(now.cells[i] + Eigen::Vector3i(x, y, z));
-          if (j != CellGrid::kNone && j != i && visit(j)) return true;
+          if (j != CellGrid::kNone && j != i) visit(j);
         }
-    return false;
   }
 
   void find_joints() {
     for (const Front& front : fronts_of(world_, semantics_)) {
+      if (went_along(front)) continue;
       std::vector<uint32_t> face;
       size_t still = 0, through = 0;
       for (uint32_t i = 0; i < before_.surface().size(); ++i) {
@@ -215,6 +228,14 @@ class EpochComparison {
       if (!moved.joint) continue;
       add_joint(front, moved, swept);
     }
+  }
+
+  /// Whether a front belongs to a piece that moved or is gone.
+  bool went_along(const Front& front) const {
+    const auto link = front_link(front.name, semantics_);
+    for (size_t k = 0; link && k < pieces_.size(); ++k)
+      if (left_[k] && std::ranges::find(pieces_[k].links, *link) != pieces_[k].links.end()) return true;
+    return false;
   }
 
   SurfaceState before_state(uint32_t surfel) const {
@@ -284,12 +305,15 @@ class EpochComparison {
     return chosen;
   }
 
-  /// Whether a pose is good enough. Where nothing shows that the piece left, a part of it is not: another
-  /// piece has such parts, too.
+  /// Whether a pose is good enough. Where nothing contradicts that the piece stands in its old place, it
+  /// stays there if it is seen there; otherwise a part of it is not enough: another piece has such parts,
+  /// too.
   static bool accepted(const PieceMotion& motion, const PieceFit& still) {
     const auto all = static_cast<double>(still.all());
-    const double share =
-        still.free >= kMotion.min_gain_surfels ? kMotion.min_share : kMotion.min_share_unseen;
+    const bool contradicted =
+        still.contradictions() >= motion.fit.contradictions() + kMotion.min_gain_surfels;
+    if (!contradicted && static_cast<double>(still.same) >= kMotion.min_share * all) return false;
+    const double share = contradicted ? kMotion.min_share : kMotion.min_share_unseen;
     const double min_gain = std::max(static_cast<double>(kMotion.min_gain_surfels), kMotion.min_gain * all);
     return motion.gain >= min_gain && motion.fit.agreement() >= kMotion.min_agreement &&
            static_cast<double>(motion.fit.same) >= share * all;
@@ -308,11 +332,13 @@ class EpochComparison {
     for (size_t k = 0; k < pieces_.size(); ++k) {
       searches.emplace_back(before_, now_, pieces_[k]);
       still.push_back(searches[k].fit(now_.surface(), Isometry3d::Identity()));
+      still[k].foreign = searches[k].foreign(now_.prepared_part(target_of(k), kEpochs.cell_m).finest(),
+                                             Isometry3d::Identity());
       left_[k] = still[k].free >= kMotion.min_gain_surfels && still[k].agreement() < 1 - kMotion.left_share;
     }
     std::vector<std::optional<PieceMotion>> found(pieces_.size());
     for (size_t k = 0; k < pieces_.size(); ++k) {
-      progress.check(0.4 + 0.4 * static_cast<double>(k) / static_cast<double>(pieces_.size()), "furniture");
+      progress.check(0.3 + 0.4 * static_cast<double>(k) / static_cast<double>(pieces_.size()), "furniture");
       found[k] = motion_of(k, searches[k], still[k]);
     }
     std::vector<bool> resolved(pieces_.size(), false);
@@ -326,7 +352,8 @@ class EpochComparison {
       found[best].reset();
       // What one piece explains does not speak for another.
       for (size_t k = 0; k < pieces_.size(); ++k)
-        if (found[k] && !still_found(*found[k], searches[k], now_.prepared_part(target_of(k))))
+        if (found[k] &&
+            !still_found(*found[k], searches[k], now_.prepared_part(target_of(k), kEpochs.cell_m)))
           found[k] = motion_of(k, searches[k], still[k]);
     }
     for (size_t k = 0; k < pieces_.size(); ++k)
@@ -335,10 +362,11 @@ class EpochComparison {
 
   /// The motion of a piece that moved; unset for one that is better explained at its old place or nowhere.
   std::optional<PieceMotion> motion_of(size_t k, const PieceSearch& search, const PieceFit& still) const {
-    auto motion = search.find(now_.prepared_part(target_of(k)), boxes_of_components());
-    if (!motion || !accepted(*motion, still) || !is_motion(pieces_[k], motion->now_from_before))
-      return std::nullopt;
-    return motion;
+    const std::vector<uint8_t> target = target_of(k);
+    auto motion = search.find(now_.prepared_part(target, kEpochs.cell_m), boxes_of_components());
+    if (!motion || !accepted(*motion, still)) return std::nullopt;
+    search.refine(target, *motion);
+    return is_motion(pieces_[k], motion->now_from_before) ? motion : std::nullopt;
   }
 
   static bool still_found(const PieceMotion& motion, const PieceSearch& search,
@@ -448,7 +476,7 @@ class EpochComparison {
       size_t free = 0;
       std::vector<uint8_t> shown(owner_.size(), 0);
       for (const uint32_t i : piece.surfels) {
-        free += before_.passed(now_.surface().position[i]) ? 1 : 0;
+        free += before_.passed(now_.surface().position[i], now_.surface().normal[i]) ? 1 : 0;
         shown[i] = 1;
       }
       const auto size = static_cast<double>(piece.surfels.size());

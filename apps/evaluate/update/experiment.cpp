@@ -90,11 +90,12 @@ NewData scanned(const fs::path& urdf, const MappedRoom& room, const Settings& se
   data.scans.sensor = "hokuyo";
   data.scans.range_max = options.laser.range_max_m;
   const size_t wanted = settings.part ? 2 : std::min<size_t>(poses.size(), 6);
+  std::vector<Isometry3d> world_from_scan;
   for (const mapping::PlanarPose& pose : poses) {
     if (data.scans.scans.size() == wanted) break;
     try {
       data.scans.scans.push_back(robot.scan_at(pose));
-      add_points(data.scans.scans.back(), robot.true_map_from_scanner(), data);
+      world_from_scan.push_back(robot.true_map_from_scanner());
     } catch (const Error&) {
       // Moved furniture stands there.
     }
@@ -108,7 +109,8 @@ NewData scanned(const fs::path& urdf, const MappedRoom& room, const Settings& se
   offset.translation() = Vector3d(random.normal(0.15), random.normal(0.15), 0);
   std::vector<mapping::Scan> kept;
   for (size_t i = 0; i < data.scans.scans.size(); ++i) {
-    if (!registered.connected[i]) continue;
+    if (!registered.connected[i]) continue;  // What only such a scan shows is hidden.
+    add_points(data.scans.scans[i], world_from_scan[i], data);
     kept.push_back(std::move(data.scans.scans[i]));
     kept.back().map_from_scan = offset * registered.map_from_scan[i];
   }
@@ -144,10 +146,6 @@ NewData recorded(const fs::path& urdf, const MappedRoom& room, const Settings& s
   return data;
 }
 
-double turn_deg(const Isometry3d& motion) {
-  return std::abs(rpy_from_rotation(motion.linear()).z()) / kDegree;
-}
-
 /// Compares what the update said with what was moved.
 class Judge {
  public:
@@ -175,7 +173,7 @@ class Judge {
         piece.found = true;
         piece.swapped = from.name != group.name;
         piece.position_error = best;
-        if (!group.round) piece.turn_error_deg = turn_deg(error);
+        piece.turn_error_deg = group.turn_error_deg(error);
         match_ = i;
       }
     }

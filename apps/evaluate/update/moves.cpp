@@ -55,6 +55,11 @@ Polygon moved_hull(const Polygon& hull, const Isometry3d& motion) {
 
 }  // namespace
 
+std::optional<double> Group::turn_error_deg(const Isometry3d& error) const {
+  if (period == 0) return std::nullopt;
+  return std::abs(std::remainder(rpy_from_rotation(error.linear()).z(), period)) / kDegree;
+}
+
 MovableWorld::MovableWorld(mapping::World world, const mapping::MeshSearch& search,
                            const std::vector<std::string>& families, Warnings& warnings)
     : world_(std::move(world)), sight_(world_, search, warnings) {
@@ -112,9 +117,30 @@ MovableWorld::MovableWorld(mapping::World world, const mapping::MeshSearch& sear
   for (size_t g = 0; g < groups_.size(); ++g) {
     groups_[g].centre = boxes[g].center();
     groups_[g].map_from_group = root_from_link[world_.link_index(groups_[g].branches.front())];
-    groups_[g].round = std::ranges::all_of(
-        groups_[g].links, [&](const std::string& link) { return is_round(*world_.find_link(link)); });
+    for (const double turn : {kPi, kPi / 2})
+      if (looks_same(g, turn)) groups_[g].period = turn;
+    if (std::ranges::all_of(groups_[g].links,
+                            [&](const std::string& link) { return is_round(*world_.find_link(link)); }))
+      groups_[g].period = 0;
   }
+}
+
+bool MovableWorld::looks_same(size_t group, double turn) const {
+  constexpr double kSame = 0.98;  // Of the area: truth and its turned copy are equal but for rounding.
+  const Vector3d& centre = groups_[group].centre;
+  Isometry3d motion = Isometry3d::Identity();
+  motion.linear() = Eigen::AngleAxisd(turn, Vector3d::UnitZ()).toRotationMatrix();
+  motion.translation() = centre - motion.linear() * centre;
+  const auto is_own = [&](const Prism& prism) { return prism.group == static_cast<int>(group); };
+  return std::ranges::all_of(prisms_, [&](const Prism& prism) {
+    if (!is_own(prism)) return true;
+    const Polygon turned = moved_hull(prism.hull, motion);
+    return std::ranges::any_of(prisms_, [&](const Prism& other) {
+      return is_own(other) && std::abs(other.low - prism.low) < 1e-3 &&
+             std::abs(other.high - prism.high) < 1e-3 &&
+             shared_area(turned, other.hull) > kSame * std::max(area_of(turned), area_of(other.hull));
+    });
+  });
 }
 
 bool MovableWorld::collides(size_t group, const Isometry3d& motion,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,12 @@ struct Group {
   std::vector<std::string> branches;   ///< links that are fixed to the room
   std::vector<std::string> links;      ///< all of them
   std::string shape;                   ///< equal for groups that look the same
-  bool round = false;                  ///< looks the same from all sides: its yaw cannot be measured
+  double period = 2 * kPi;             ///< after a turn by so much (radians) it looks the same; 0: round
   Vector3d centre = Vector3d::Zero();  ///< of its bounding box, world frame
   Isometry3d map_from_group = Isometry3d::Identity();
+
+  /// Error of a turn that is off by `error`, in degrees; unset where the yaw cannot be measured.
+  std::optional<double> turn_error_deg(const Isometry3d& error) const;
 };
 
 /// A group and its motion in the world frame.
@@ -59,6 +63,8 @@ class MovableWorld {
     double low = 0, high = 0;
     int group = -1;
   };
+  /// Whether a group looks the same after a turn about its centre.
+  bool looks_same(size_t group, double turn) const;
   bool collides(size_t group, const Isometry3d& motion, const std::vector<Isometry3d>& others) const;
 
   mapping::World world_;

@@ -250,7 +250,7 @@ void judge_furniture(const memory::Store& store, const MovableWorld& movable, co
       const Isometry3d motion = perception::types::from<Isometry3d>(said->motion.get());
       piece.position_error = (motion * group.centre - move->now_from_before * group.centre).norm();
       const Isometry3d error = move->now_from_before.inverse() * motion;
-      if (!group.round) piece.turn_error_deg = std::abs(rpy_from_rotation(error.linear()).z()) / kDegree;
+      piece.turn_error_deg = group.turn_error_deg(error);
     }
     trial.moved.push_back(piece);
   }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/base/text/json.h"
+#include "mapping/registration/prepared_scan.h"
 #include "tests/mapping/registration/box_room.h"
 
 namespace loci::mapping {
@@ -274,6 +275,22 @@ TEST(Registration, RejectsFiveDegreesOfFreedom) {
   RegistrationOptions options;
   options.dof = 5;
   EXPECT_THROW(register_scans(tour(0, 0), options, progress), Error);
+}
+
+TEST(FreeSpace, RaysAlongASurfaceDoNotPassIt) {
+  Scan scan;
+  scan.origins = {Eigen::Vector3f::Zero()};
+  for (float y = -0.2F; y < 0.2F; y += 0.01F)
+    for (float z = -0.2F; z < 0.2F; z += 0.01F) {
+      scan.points.emplace_back();
+      scan.points.back().position = 3 * Eigen::Vector3f(1, y, z).normalized();
+    }
+  const registration::FreeSpace space(scan, Isometry3d::Identity());
+  const Eigen::Vector3f point(2.8F, 0, 0), facing(-1, 0, 0),
+      along = Eigen::Vector3f(-0.1F, 1, 0).normalized();
+  EXPECT_TRUE(space.passed(point, 0.05F));
+  EXPECT_TRUE(space.passed(point, facing, 0.05F));
+  EXPECT_FALSE(space.passed(point, along, 0.05F));
 }
 
 }  // namespace

@@ -34,29 +34,18 @@ class Kitchen {
       if (joint.child == link) joint.parent_from_joint = now_from_before * joint.parent_from_joint;
   }
 
-  void add_chair(const Vector2d& at) {
-    const std::string name = "chair_" + std::to_string(++chairs_);
-    Link chair{.name = name, .visuals = {}, .collisions = {}, .inertial = {}};
-    const auto box = [&](const Vector3d& centre, const Vector3d& size) {
-      Visual visual;
-      visual.link_from_visual.translation() = centre;
-      visual.geometry = Box{size};
-      visual.material = Material{"wood", Rgba(0.5F, 0.35F, 0.2F, 1), ""};
-      chair.visuals.push_back(visual);
-    };
-    box({0, 0, 0.45}, {0.42, 0.42, 0.03});
-    box({-0.2, 0, 0.74}, {0.025, 0.4, 0.28});
-    for (const double x : {-0.19, 0.19})
-      for (const double y : {-0.18, 0.18}) box({x, y, 0.22}, {0.03, 0.03, 0.44});
-    Joint joint;
-    joint.name = name + "_joint";
-    joint.parent = world_.root;
-    joint.child = name;
-    joint.parent_from_joint.translation() = Vector3d(at.x(), at.y(), 0);
-    world_.links.push_back(chair);
-    world_.joints.push_back(joint);
+  void add_crate(const Isometry3d& map_from_crate) {
+    add("crate", {{{0, 0, 0.135}, {0.4, 0.3, 0.27}}}, map_from_crate);
   }
 
+  void add_chair(const Vector2d& at) { add_chair(Isometry3d(Eigen::Translation3d(at.x(), at.y(), 0))); }
+  void add_chair(const Isometry3d& map_from_chair) {
+    std::vector<std::pair<Vector3d, Vector3d>> boxes = {{{0, 0, 0.45}, {0.42, 0.42, 0.03}},
+                                                        {{-0.2, 0, 0.74}, {0.025, 0.4, 0.28}}};
+    for (const double x : {-0.19, 0.19})
+      for (const double y : {-0.18, 0.18}) boxes.push_back({{x, y, 0.22}, {0.03, 0.03, 0.44}});
+    add("chair_" + std::to_string(++chairs_), boxes, map_from_chair);
+  }
   /// Scans from corners of the free floor, with exact poses and a coarse laser.
   ScanSet scans(uint64_t seed, const JointState& joints = {}) const {
     const fs::path urdf = fs::temp_directory_path() / fmt::format("loci_update_{}.urdf", ::getpid());
@@ -80,6 +69,26 @@ class Kitchen {
   }
 
  private:
+  /// A link of boxes, by centre and size, that stands in the room.
+  void add(const std::string& name, const std::vector<std::pair<Vector3d, Vector3d>>& boxes,
+           const Isometry3d& map_from_link) {
+    Link link{.name = name, .visuals = {}, .collisions = {}, .inertial = {}};
+    for (const auto& [centre, size] : boxes) {
+      Visual visual;
+      visual.link_from_visual.translation() = centre;
+      visual.geometry = Box{size};
+      visual.material = Material{"wood", Rgba(0.5F, 0.35F, 0.2F, 1), ""};
+      link.visuals.push_back(visual);
+    }
+    Joint joint;
+    joint.name = name + "_joint";
+    joint.parent = world_.root;
+    joint.child = name;
+    joint.parent_from_joint = map_from_link;
+    world_.links.push_back(link);
+    world_.joints.push_back(joint);
+  }
+
   World world_;
   int chairs_ = 0;
 };
@@ -170,6 +179,61 @@ TEST_F(UpdateTest, TableAndChairMovedAndADrawerIsOpen) {
   EXPECT_TRUE(result.map.semantics.links.contains("drawer_2_front"));
   EXPECT_TRUE(result.map.semantics.extra.at("pieces").contains("chair_1"));
   EXPECT_THAT(change_plan_svg(result), testing::HasSubstr("table_1"));
+}
+
+TEST_F(UpdateTest, AChairIsPlacedMoreExactlyThanItsBoardsAreThick) {
+  const Isometry3d start(Eigen::Translation3d(3.0, 2.1, 0));
+  const Isometry3d motion = planar_motion(-1.7, 0.1, 20, start.translation());
+  Kitchen kitchen;
+  kitchen.add_chair(motion * start);
+  const UpdateResult result = updated(*map_, *before_, kitchen.scans(2));
+  const MapChange* chair = find(result, MapChange::Kind::moved, "chair_1");
+  ASSERT_NE(chair, nullptr) << result.text();
+  const Isometry3d error = motion.inverse() * chair->now_from_before;
+  EXPECT_LT((error * start.translation() - start.translation()).norm(), 0.003);
+  EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.5 * kDegree);
+}
+
+/// A crate that was moved, and the update from so many scans.
+class MovedCrate {
+ public:
+  MovedCrate(double x, double y, double yaw_deg, size_t scans)
+      : motion_(planar_motion(x, y, yaw_deg, start_.translation())) {
+    Kitchen first, second;
+    first.add_crate(start_);
+    second.add_crate(motion_ * start_);
+    const ScanSet before = first.scans(1);
+    ScanSet now = second.scans(2);
+    now.scans.resize(scans);
+    result_ = updated(interpreted(before), before, now);
+  }
+
+  const UpdateResult& result() const { return result_; }
+  bool found() const {
+    return !result_.changes.empty() && result_.changes.front().kind == MapChange::Kind::moved;
+  }
+  double position_error() const { return (error() * start_.translation() - start_.translation()).norm(); }
+  /// Half a turn of a box cannot be seen.
+  double turn_error() const { return std::abs(std::remainder(rpy_from_rotation(error().linear()).z(), kPi)); }
+
+ private:
+  Isometry3d error() const { return motion_.inverse() * result_.changes.front().now_from_before; }
+
+  Isometry3d start_ = Isometry3d(Eigen::Translation3d(3.0, 2.1, 0)), motion_;
+  UpdateResult result_;
+};
+
+TEST(UpdateOfACrate, ALongSideIsNotTakenForAShortOne) {
+  const MovedCrate crate(-1.8, 0.1, 20, 5);
+  ASSERT_TRUE(crate.found()) << crate.result().text();
+  EXPECT_LT(crate.position_error(), 0.015);
+  EXPECT_LT(crate.turn_error(), 3 * kDegree);
+}
+
+TEST(UpdateOfACrate, ItsSidesDoNotContinueWhatStandsStill) {
+  const MovedCrate crate(-1.8, 0.1, -40, 3);
+  ASSERT_TRUE(crate.found()) << crate.result().text();
+  EXPECT_LT(crate.position_error(), 0.02);
 }
 
 TEST_F(UpdateTest, AChairIsGone) {
