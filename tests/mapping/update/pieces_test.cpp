@@ -6,27 +6,36 @@
 namespace loci::mapping {
 namespace {
 
-/// A seat of 0.42 m with a back, whose legs nobody saw, close to the wall at x = 0.
-class ChairAtAWall {
+/// Surfaces that are put together from rectangles of surfels.
+class Room {
  public:
-  ChairAtAWall() {
-    for (float a = 0; a < 0.42F; a += kCell)
-      for (float b = 0; b < 0.42F; b += kCell) {
-        add({0.08F + a, 1 + b, 0.45F}, {0, 0, 1});
-        add({0.08F, 1 + b, 0.45F + a}, {1, 0, 0});
-      }
-    map_.walls = {{.normal = Vector2d::UnitX(), .along_max = 4, .top = 2.5}};
+  void add_plane(const Eigen::Vector3f& corner, const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+    for (float s = 0; s <= a.norm(); s += kCell)
+      for (float t = 0; t <= b.norm(); t += kCell)
+        add(corner + s * a.normalized() + t * b.normalized(), a.cross(b).normalized());
   }
-
   /// A point that lies on no surface.
   void add_stray(const Eigen::Vector3f& position) { add(position, Eigen::Vector3f::Zero()); }
-
+  /// Points in a row that lie on no surface.
+  void add_stray_row(const Eigen::Vector3f& from, const Eigen::Vector3f& to) {
+    for (float s = 0; s <= (to - from).norm(); s += kCell) add_stray(from + s * (to - from).normalized());
+  }
+  /// A table of 1 m whose top is a support of the map.
+  void add_table(const Eigen::Vector2f& corner) {
+    const float x = corner.x(), y = corner.y();
+    add_plane({x, y, 0.74F}, {1, 0, 0}, {0, 1, 0});
+    MapOutlines::Support support{.name = "table_1", .class_name = "table", .outline = {}, .height = 0.74};
+    for (const auto& [a, b] :
+         {std::pair(0.F, 0.F), std::pair(1.F, 0.F), std::pair(1.F, 1.F), std::pair(0.F, 1.F)})
+      support.outline.push_back(Eigen::Vector2f(x + a, y + b).cast<double>());
+    map_.supports.push_back(support);
+  }
   std::vector<Piece> pieces() const {
     return free_standing_pieces(surface_, std::vector<uint8_t>(surface_.size(), 1), map_);
   }
   std::string class_of(const Piece& piece) const { return shape_class(surface_, piece); }
 
- private:
+ protected:
   static constexpr float kCell = 0.025F;
 
   void add(const Eigen::Vector3f& position, const Eigen::Vector3f& normal) {
@@ -37,6 +46,19 @@ class ChairAtAWall {
 
   registration::Surfels surface_;
   MapOutlines map_;
+};
+
+/// A seat of 0.42 m with a back, whose legs nobody saw, close to the wall at x = 0.
+class ChairAtAWall : public Room {
+ public:
+  ChairAtAWall() {
+    for (float a = 0; a < 0.42F; a += kCell)
+      for (float b = 0; b < 0.42F; b += kCell) {
+        add({0.08F + a, 1 + b, 0.45F}, {0, 0, 1});
+        add({0.08F, 1 + b, 0.45F + a}, {1, 0, 0});
+      }
+    map_.walls = {{.normal = Vector2d::UnitX(), .along_max = 4, .top = 2.5}};
+  }
 };
 
 TEST(FreeStandingPieces, AChairCloseToAWallDoesNotHangThere) {
@@ -54,46 +76,6 @@ TEST(FreeStandingPieces, StrayPointsOverAPieceDoNotMakeItTaller) {
   ASSERT_EQ(pieces.size(), 1U);
   EXPECT_LT(pieces[0].box.max().z(), 0.9F);
 }
-
-/// Surfaces that are put together from rectangles of surfels.
-class Room {
- public:
-  void add_plane(const Eigen::Vector3f& corner, const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
-    for (float s = 0; s <= a.norm(); s += kCell)
-      for (float t = 0; t <= b.norm(); t += kCell)
-        add(corner + s * a.normalized() + t * b.normalized(), a.cross(b).normalized());
-  }
-  /// Points in a row that lie on no surface.
-  void add_stray_row(const Eigen::Vector3f& from, const Eigen::Vector3f& to) {
-    for (float s = 0; s <= (to - from).norm(); s += kCell)
-      add(from + s * (to - from).normalized(), Eigen::Vector3f::Zero());
-  }
-  /// A table of 1 m whose top is a support of the map.
-  void add_table(const Eigen::Vector2f& corner) {
-    const float x = corner.x(), y = corner.y();
-    add_plane({x, y, 0.74F}, {1, 0, 0}, {0, 1, 0});
-    MapOutlines::Support support{.name = "table_1", .class_name = "table", .outline = {}, .height = 0.74};
-    for (const auto& [a, b] :
-         {std::pair(0.F, 0.F), std::pair(1.F, 0.F), std::pair(1.F, 1.F), std::pair(0.F, 1.F)})
-      support.outline.push_back(Eigen::Vector2f(x + a, y + b).cast<double>());
-    map_.supports.push_back(support);
-  }
-  std::vector<Piece> pieces() const {
-    return free_standing_pieces(surface_, std::vector<uint8_t>(surface_.size(), 1), map_);
-  }
-
- private:
-  static constexpr float kCell = 0.025F;
-
-  void add(const Eigen::Vector3f& position, const Eigen::Vector3f& normal) {
-    surface_.position.push_back(position);
-    surface_.normal.push_back(normal);
-    surface_.weight.push_back(normal.norm());
-  }
-
-  registration::Surfels surface_;
-  MapOutlines map_;
-};
 
 TEST(FreeStandingPieces, AStoolAHandsBreadthBesideAnIslandIsAPieceOfItsOwn) {
   Room room;
