@@ -377,8 +377,8 @@ class Assembly {
     return false;
   }
 
-  /// A neck or a cap: narrow, in the middle above what tapers towards it, or slender. What merely stands on
-  /// something stands on a top that is as wide as the rest.
+  /// A neck or a cap: narrow, in the middle above what tapers towards it, or slender; or the knob of a lid,
+  /// narrow and low. What merely stands on something stands on a top that is as wide as the rest.
   bool join_neck() {
     for (const auto& [pair, count] : contacts_) {
       auto upper = static_cast<size_t>(pair[0]);
@@ -407,7 +407,9 @@ class Assembly {
     if (a.width > static_cast<float>(options_.neck_m) || shoulder.points < 5) return false;
     const bool tapers = shoulder.width < 0.8f * b.width && shoulder.width < 1.75f * a.width;
     constexpr float kSlender = 1.5f;  // what is so slender does not stand by itself
-    if (!tapers && neck.top - neck.bottom < kSlender * a.width) return false;
+    constexpr float kKnob = 0.03f;    // m, a knob is no higher
+    const float height = neck.top - neck.bottom;
+    if (!tapers && height < kSlender * a.width && height > kKnob) return false;
     const Vector2f apart = a.middle - b.middle;
     const auto slack = static_cast<float>(options_.slack_m);
     if (std::abs(b.across.dot(apart)) > 0.8f * slack) return false;
