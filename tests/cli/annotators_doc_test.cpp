@@ -1,11 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "mapping/base/files.h"
 #include "mapping/base/text/json.h"
 #include "tests/cli/command.h"
 
 namespace loci::apps::test {
 namespace {
+
+std::string annotators_document() {
+  return read_file(std::filesystem::path(LOCI_SOURCE_DIR) / "docs/annotators.md");
+}
 
 /// The part of docs/annotators.md that follows from the declarations.
 std::string described() {
@@ -18,14 +24,14 @@ std::string described() {
 }
 
 TEST(AnnotatorsDocument, SaysWhatTheProgramDescribes) {
-  const std::string document = read_file(std::string(LOCI_SOURCE_DIR) + "/docs/annotators.md");
+  const std::string document = annotators_document();
   const size_t begin = document.find("## Every annotator\n");
   ASSERT_NE(begin, std::string::npos);
   EXPECT_EQ(document.substr(begin), described()) << "put what is described there into docs/annotators.md";
 }
 
 TEST(AnnotatorsDocument, HoldsTheDefaultPipeline) {
-  const std::string document = read_file(std::string(LOCI_SOURCE_DIR) + "/docs/annotators.md");
+  const std::string document = annotators_document();
   const std::string pipeline = run("loci-perceive describe pipeline").out;
   EXPECT_NE(document.find("```yaml\n" + pipeline + "```"), std::string::npos) << pipeline;
 }
