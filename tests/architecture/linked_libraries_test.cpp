@@ -15,7 +15,7 @@ namespace {
 class ProgramLibraries : public testing::TestWithParam<const char*> {};
 
 TEST_P(ProgramLibraries, HaveNoQtNoVtkAndNoCodecs) {
-  const std::string program = std::string(LOCI_BIN_DIR) + "/" + GetParam();
+  const std::string program = std::string(LOCI_BIN_DIR "/") + GetParam();
   ASSERT_TRUE(std::filesystem::exists(program)) << "build all programs first";
   const std::string libraries = output_of("ldd " + program);
   ASSERT_NE(libraries.find("libc.so"), std::string::npos) << libraries;
@@ -27,8 +27,7 @@ TEST_P(ProgramLibraries, HaveNoQtNoVtkAndNoCodecs) {
 
 // Half of the time of a short question is loading libraries.
 TEST(LinkedLibraries, OfTheMemoryAreFew) {
-  const std::string libraries =
-      output_of("ldd " + std::string(LOCI_BIN_DIR) + "/loci-memory | grep -v 'lib[a-z]*san.so'");
+  const std::string libraries = output_of("ldd " LOCI_BIN_DIR "/loci-memory | grep -v 'lib[a-z]*san.so'");
   for (const char* unwanted : {"libtesseract", "libpcl", "libopencv_features2d", "libopencv_ml"})
     EXPECT_EQ(libraries.find(unwanted), std::string::npos) << unwanted;
   EXPECT_LE(std::count(libraries.begin(), libraries.end(), '\n'), 62) << libraries;

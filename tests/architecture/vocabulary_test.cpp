@@ -109,7 +109,7 @@ TEST(Vocabulary, OfDocuments) {
 TEST(Vocabulary, OfHelpTexts) {
   const std::regex command(R"(^  ([a-z][a-z-]*)\s{2,})");
   for (const char* program : {"loci-map", "loci-perceive", "loci-memory", "loci-simulate", "loci-evaluate"}) {
-    const std::string base = std::string(LOCI_BIN_DIR) + "/" + program;
+    const std::string base = std::string(LOCI_BIN_DIR "/") + program;
     const std::string list = output_of(base + " --help");
     ASSERT_NE(list, "") << program;
     std::string all = list;

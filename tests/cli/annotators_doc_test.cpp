@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "mapping/base/files.h"
 #include "mapping/base/text/json.h"
 #include "tests/cli/command.h"
@@ -10,7 +8,7 @@ namespace loci::apps::test {
 namespace {
 
 std::string annotators_document() {
-  return read_file(std::filesystem::path(LOCI_SOURCE_DIR) / "docs/annotators.md");
+  return read_file(LOCI_SOURCE_DIR "/docs/annotators.md");
 }
 
 /// The part of docs/annotators.md that follows from the declarations.

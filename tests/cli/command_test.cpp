@@ -151,7 +151,7 @@ TEST(Memory, IsFoundWhenTheCommandLineDoesNotNameIt) {
   const std::string folder = fresh_folder();
   const std::string inside = "cd '" + folder + "' && ";
   EXPECT_EQ(run(inside + "loci-memory objects").exit_code, 2) << "there is none";
-  const std::string detections = std::string(LOCI_SOURCE_DIR) + "/apps/samples/detections.jsonl";
+  const std::string detections = LOCI_SOURCE_DIR "/apps/samples/detections.jsonl";
   ASSERT_EQ(run(inside + "loci-memory ingest " + detections + " -m one.loci").exit_code, 0);
   const Outcome named = run(inside + "loci-memory objects -m one.loci");
   const Outcome only = run(inside + "loci-memory objects");

@@ -68,7 +68,7 @@ TEST_F(FleetCli, EveryProgramReadsItByItsUrl) {
           R"("arguments": {}}}' | loci-memory serve --mcp -m )" +
           memory_),
       HasSubstr("object_1"));
-  const std::string python = std::string(LOCI_BIN_DIR) + "/../python";
+  const std::string python = LOCI_BIN_DIR "/../python";
   if (run("ls '" + python + "'/loci/_loci*.so").exit_code == 0) {
     const std::string printed = expect_works("PYTHONPATH='" + python +
                                              "' /usr/bin/python3 -c 'import loci, sys; "

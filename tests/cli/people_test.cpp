@@ -59,7 +59,7 @@ class PeopleInImages : public ::testing::Test {
   }
 
   void run(const std::string& command) {
-    const apps::test::Outcome outcome = apps::test::run(std::string(LOCI_BIN_DIR) + "/" + command);
+    const apps::test::Outcome outcome = apps::test::run(std::string(LOCI_BIN_DIR "/") + command);
     ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   }
   std::string path(const std::string& name) const { return (folder / name).string(); }

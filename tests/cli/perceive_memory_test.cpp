@@ -28,7 +28,7 @@ class PerceiveIntoMemory : public ::testing::Test {
   void TearDown() override { std::filesystem::remove_all(recording); }
 
   std::string command(const std::string& memory, const std::string& more = {}) const {
-    return std::string(LOCI_BIN_DIR) + "/loci-perceive run " + recording.string() +
+    return std::string(LOCI_BIN_DIR "/loci-perceive run ") + recording.string() +
            " --map " LOCI_SOURCE_DIR "/apps/samples/kitchen.urdf --quiet -m " + (folder / memory).string() +
            " " + more;
   }
@@ -57,7 +57,7 @@ TEST_F(PerceiveIntoMemory, KilledAtAnyMomentAndResumedGivesTheMemoryOfAnUninterr
   for (int attempt = 0; attempt < 6; ++attempt) {
     run_and_signal("killed.loci", "--resume", SIGKILL, std::chrono::milliseconds(150 + 170 * attempt));
     if (!std::filesystem::exists(folder / "killed.loci")) continue;
-    const Outcome verify = loci::apps::test::run(std::string(LOCI_BIN_DIR) + "/loci-memory verify -m " +
+    const Outcome verify = loci::apps::test::run(std::string(LOCI_BIN_DIR "/loci-memory verify -m ") +
                                                  (folder / "killed.loci").string());
     // Killed before the first commit it leaves a database without tables.
     EXPECT_TRUE(verify.exit_code == 0 || verify.error.find("is empty") != std::string::npos) << verify.error;
@@ -111,7 +111,7 @@ TEST_F(PerceiveIntoMemory, InterruptLeavesWholeScenesAndExits130) {
 TEST_F(PerceiveIntoMemory, WhatItSawIsADatasetToTrainFrom) {
   ASSERT_EQ(loci::apps::test::run(command("day.loci")).exit_code, 0);
   const auto memory = [&](const std::string& rest) {
-    return loci::apps::test::run(std::string(LOCI_BIN_DIR) + "/loci-memory " + rest + " --quiet -m " +
+    return loci::apps::test::run(std::string(LOCI_BIN_DIR "/loci-memory ") + rest + " --quiet -m " +
                                  (folder / "day.loci").string());
   };
   const std::string dataset = (folder / "dataset").string();
@@ -126,7 +126,7 @@ TEST_F(PerceiveIntoMemory, WhatItSawIsADatasetToTrainFrom) {
   EXPECT_GT(classes.at("mug").get<int>(), 10);
   const std::string model = (folder / "things.model").string();
   const Outcome trained =
-      loci::apps::test::run(std::string(LOCI_BIN_DIR) + "/loci-perceive train " + dataset + " -o " + model +
+      loci::apps::test::run(std::string(LOCI_BIN_DIR "/loci-perceive train ") + dataset + " -o " + model +
                             " --folds 2 --expert VFH:svm --json --quiet");
   ASSERT_EQ(trained.exit_code, 0) << trained.error;
   const Json accuracies = parse_json(trained.out, "stdout").at("accuracies");
@@ -138,7 +138,7 @@ TEST_F(PerceiveIntoMemory, WhatItSawIsADatasetToTrainFrom) {
 TEST(EvaluateChanges, TellsMostOfWhatHappenedOnARealTable) {
   LOCI_NEEDS_SHARED("data/osd_changes");
   const std::string recording = shared("data/osd_changes");
-  const Outcome result = loci::apps::test::run(std::string(LOCI_BIN_DIR) + "/loci-evaluate changes " +
+  const Outcome result = loci::apps::test::run(std::string(LOCI_BIN_DIR "/loci-evaluate changes ") +
                                                recording + " --json --quiet");
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const Json json = parse_json(result.out, "stdout");

@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 
 /// The commands of a guide: its ```sh block.
 std::string guide(const std::string& document) {
-  const std::string text = read_file(std::string(LOCI_SOURCE_DIR) + "/docs/" + document);
+  const std::string text = read_file(std::string(LOCI_SOURCE_DIR "/docs/") + document);
   const std::string open = "```sh\n";
   const size_t begin = text.find(open) + open.size();
   return text.substr(begin, text.find("```", begin) - begin);
@@ -100,7 +100,7 @@ TEST_F(Plugin, WhatIsNoneIsRefused) {
   const std::string plugin = library("int nothing() { return 0; }");
   for (const auto& [file, message] : {std::pair<std::string, std::string>{plugin, "no plugin of loci"},
                                       {"absent.so", "no such plugin"},
-                                      {std::string(LOCI_SOURCE_DIR) + "/README.md", "cannot be loaded"}}) {
+                                      {LOCI_SOURCE_DIR "/README.md", "cannot be loaded"}}) {
     const Outcome outcome = run("loci-perceive describe ColorName --plugin " + file);
     EXPECT_EQ(outcome.exit_code, 1);
     EXPECT_THAT(outcome.error, HasSubstr(message));

@@ -46,7 +46,7 @@ std::vector<std::string> words_of(const std::string& command, const fs::path& fo
     if (word.starts_with("F/")) word = folder.string() + word.substr(1);
     words.push_back(word);
   }
-  words.front() = std::string(LOCI_BIN_DIR) + "/" + words.front();
+  words.front() = std::string(LOCI_BIN_DIR "/") + words.front();
   return words;
 }
 

@@ -139,9 +139,8 @@ TEST_F(Facts, ATaxonomyThatContradictsItselfIsRefused) {
     write_file_atomically(file, text);
     EXPECT_THROW(Taxonomy::read(file), Error) << text;
   }
-  EXPECT_TRUE(Taxonomy::read(std::string(LOCI_SOURCE_DIR) + "/apps/samples/household.yaml")
-                  .meanings("perishable")
-                  .contains("milk"));
+  EXPECT_TRUE(
+      Taxonomy::read(LOCI_SOURCE_DIR "/apps/samples/household.yaml").meanings("perishable").contains("milk"));
 }
 
 TEST_F(Facts, NamesThatAreNoUtf8AreRefused) {

@@ -25,7 +25,7 @@ TEST(QuestionDeclarations, HaveUniqueNamesAndExamplesThatParse) {
 }
 
 TEST(QuestionDeclarations, AreTheReference) {
-  EXPECT_EQ(read_file(std::string(LOCI_SOURCE_DIR) + "/docs/questions.md"), questions_reference())
+  EXPECT_EQ(read_file(LOCI_SOURCE_DIR "/docs/questions.md"), questions_reference())
       << "loci-memory questions > docs/questions.md";
 }
 

@@ -27,7 +27,7 @@ LabelledSurfaces found_by(const std::string& flow, size_t tables) {
 }
 
 TEST(NetworkDetector, ItsDetectionsBecomeClustersInSpace) {
-  const std::string network = std::string(LOCI_SOURCE_DIR) + "/tests/data/detector/household.yaml";
+  const std::string network = LOCI_SOURCE_DIR "/tests/data/detector/household.yaml";
   const LabelledSurfaces found =
       found_by(fmt::format("[NormalEstimator, NetworkDetector: {{network: {}}}]", network), 8);
   ASSERT_GT(found.objects, 30U);

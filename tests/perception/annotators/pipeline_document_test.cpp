@@ -8,7 +8,7 @@ namespace loci::perception {
 namespace {
 
 TEST(PipelineDocument, ItsExampleOfAFlowIsAccepted) {
-  const std::string document = read_file(std::string(LOCI_SOURCE_DIR) + "/docs/annotators.md");
+  const std::string document = read_file(LOCI_SOURCE_DIR "/docs/annotators.md");
   const size_t begin = document.find("engines:   ");
   ASSERT_NE(begin, std::string::npos);
   const std::string yaml = document.substr(begin, document.find("```", begin) - begin);

@@ -81,7 +81,7 @@ TEST(UnsupportedObjects, ThingsInABinComeApartAndItsWallsAreNone) {
 }
 
 TEST(UnsupportedObjects, AllFourOfARealBinAreFoundApart) {
-  const std::filesystem::path folder = std::string(LOCI_SHARED_DIR) + "/data/shelf_bin";
+  const std::filesystem::path folder = LOCI_SHARED_DIR "/data/shelf_bin";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no shared data";
   std::map<std::string, std::vector<Vector3d>> spots;
   const CsvTable table = CsvTable::read(folder / "objects.csv");

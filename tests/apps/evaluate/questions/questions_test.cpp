@@ -7,7 +7,7 @@
 namespace loci::apps::questions {
 namespace {
 
-const std::string kTables = std::string(LOCI_SOURCE_DIR) + "/tests/data/questions/";
+const std::string kTables = LOCI_SOURCE_DIR "/tests/data/questions/";
 
 std::vector<AskedQuestion> all_questions() {
   return read_table(kTables + "tuning.yaml");
