@@ -176,14 +176,6 @@ TEST(Clusters, ABottleKeepsItsNeckAndCap) {
   }
 }
 
-TEST(Clusters, APotKeepsTheKnobOfItsLid) {
-  SyntheticTable table;
-  table.rounds = {{{{0.1, 0, 0}, 0.11, 0.09, 0.09}, {{0.1, 0, 0.11}, 0.02, 0.018, 0.018}}};
-  const Found found = find(table, 0.05, table.up());
-  ASSERT_EQ(found.clusters.size(), 1U);
-  EXPECT_GT(best_overlap(found, 1), 0.9);
-}
-
 TEST(Clusters, ABentRodIsOneThing) {
   // As bananas lie: an arc that is hollow towards the camera, as thick as high.
   for (const double x : {-0.3, 0.0, 0.25})

@@ -116,6 +116,13 @@ TEST(Stacks, APrintIsNoSeam) {
   EXPECT_EQ(find_stacks(table).clusters.size(), 2U);
 }
 
+TEST(Stacks, TheKnobOfALidIsOfThePot) {
+  PaintedTable table;
+  table.rounds = {{{{0, 0, 0}, 0.11, 0.09, 0.09}}, {{{0, 0, 0.11}, 0.025, 0.02, 0.02}}};
+  table.colors = {kLowerColor, kUpperColor};
+  EXPECT_EQ(find_stacks(table).clusters.size(), 1U);
+}
+
 TEST(Stacks, ABarOnOneSideIsNoSeam) {
   PaintedTable table;  // as a handle is
   table.boxes = {{{0, 0, 0.09}, {0.10, 0.07, 0.18}}, {{0.065, 0, 0.12}, {0.03, 0.02, 0.08}}};
