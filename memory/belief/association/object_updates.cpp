@@ -224,22 +224,27 @@ void SceneUpdate::update_unobserved(size_t o) {
   // Time alone makes nothing go: objects out of view stay present until their spot is observed.
   if (1 - object.probability_here >= options_.gone && in_view >= kParameters.min_observed) {
     learn_clutter(object);
-    object.status = Status::gone;
-    object.gone_by_s = timing_.exposure_s;
-    object.hidden_reported = false;
-    update_.events.push_back({EventKind::gone,
-                              object.id,
-                              scene_.time,
-                              object.last_seen,
-                              1 - object.probability_here,
-                              object.place,
-                              {},
-                              p.box,
-                              std::nullopt,
-                              std::nullopt});
+    set_gone(o);
     return;
   }
   note_hidden(object, p);
+}
+
+void SceneUpdate::set_gone(size_t o) {
+  ProtoObject& object = state_.objects[o];
+  object.status = Status::gone;
+  object.gone_by_s = timing_.exposure_s;
+  object.hidden_reported = false;
+  update_.events.push_back({EventKind::gone,
+                            object.id,
+                            scene_.time,
+                            object.last_seen,
+                            1 - object.probability_here,
+                            object.place,
+                            {},
+                            predicted_[o].box,
+                            std::nullopt,
+                            std::nullopt});
 }
 
 double SceneUpdate::PresenceEvidence::probability() const {
@@ -298,11 +303,6 @@ void SceneUpdate::delete_clutter() {
 }
 
 void SceneUpdate::prune_gone() {
-  // A double is reported as gone once, and does not come back.
-  std::erase_if(state_.objects, [&](const ProtoObject& object) {
-    return object.status == Status::gone && object.exists_log_odds <= kParameters.is_double_log_odds &&
-           object.gone_by_s < timing_.exposure_s;
-  });
   std::vector<TimeNs> gone;
   for (const ProtoObject& object : state_.objects)
     if (object.status == Status::gone) gone.push_back(object.last_seen);

@@ -69,21 +69,15 @@ void SceneUpdate::remove_double(size_t o) {
   ProtoObject& object = state_.objects[o];
   object.exists_log_odds = kParameters.is_double_log_odds;
   if (object.status == Status::tentative) return;
-  object.status = Status::gone;
   object.probability_here = 0;
-  object.gone_by_s = timing_.exposure_s;
-  object.hidden_reported = false;
   update_.objects[o].explanation = Explanation::disappear;
-  update_.events.push_back({EventKind::gone,
-                            object.id,
-                            scene_.time,
-                            object.last_seen,
-                            1.0,
-                            object.place,
-                            {},
-                            predicted_[o].box,
-                            std::nullopt,
-                            std::nullopt});
+  set_gone(o);
+}
+
+void SceneUpdate::drop_doubles() {
+  std::erase_if(state_.objects, [](const ProtoObject& object) {
+    return object.status == Status::gone && object.exists_log_odds <= kParameters.is_double_log_odds;
+  });
 }
 
 }  // namespace loci::memory::belief

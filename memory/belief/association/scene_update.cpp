@@ -26,6 +26,7 @@ SceneUpdate::SceneUpdate(BeliefState& state, const Scene& scene, const BeliefOpt
     : state_(state), scene_(scene), options_(options), timing_(state, scene, options) {}
 
 BeliefUpdate SceneUpdate::run() {
+  drop_doubles();
   // 1. Prediction: where each object is now, whether it still is, and what observing its spot showed.
   places_ = view_places(state_, scene_, options_);
   predicted_ = predict(state_, scene_, places_, options_);
@@ -140,6 +141,7 @@ Explanation SceneUpdate::pair_explanation(size_t o, size_t k) const {
   const double stay = weights_.stay(row, column), move = weights_.move(row, column),
                newview = weights_.newview(row, column);
   if (stay >= move && stay >= newview) return Explanation::stay;
+  // Somebody who moves what was seen just now would have been seen, too.
   const bool watched =
       double(scene_.time - state_.objects[o].last_seen) / double(kSecond) < options_.snapshot_gap_s;
   if (watched && covered_share(predicted_[o], scene_.observations[k].box) > kParameters.covered)

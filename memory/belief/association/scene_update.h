@@ -43,7 +43,7 @@ class SceneUpdate {
   // One object that is observed, or believed, as several (pieces.cpp).
   void join_pieces();
   /// What hides the middle of an object cuts it in two. Of two pieces the larger one is the object, the other
-  /// is no object.
+  /// is clutter.
   void find_further_piece(size_t k);
   /// How many observations like k are expected of object o beside the one that it is found as.
   double expected_pieces(size_t o, size_t k) const;
@@ -51,6 +51,8 @@ class SceneUpdate {
   /// object, of which pieces had been seen. The one that was observed more often is kept.
   void find_doubles(size_t k);
   void remove_double(size_t o);
+  /// Forgets the doubles of the scene before, which reported them as gone: they do not come back.
+  void drop_doubles();
 
   // Alternative hypotheses: what is believed to have moved may have stayed. Two similar objects must not
   // become one that goes to and fro, so the second hypothesis is kept until the spot is observed again
@@ -88,6 +90,7 @@ class SceneUpdate {
   double detection_rate() const;
   /// Probability that a false cluster is found again: in a video mostly by the same mistake.
   double repeat_clutter() const;
+  void set_gone(size_t o);
   void note_hidden(ProtoObject& object, const Prediction& predicted);
   void delete_clutter();
   /// Bounds the number of gone objects that observations are compared with: the longest gone are dropped.

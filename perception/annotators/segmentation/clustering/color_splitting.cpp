@@ -30,6 +30,7 @@ class ColorCut {
 
   /// Both sides; unset = it is one object.
   std::optional<std::array<std::vector<size_t>, 2>> sides() const {
+    if (!is_flat_object(members_)) return std::nullopt;  // nor are both sides
     const std::optional<std::vector<bool>> second = two_colors();
     if (!second) return std::nullopt;
     const std::optional<Cut> cut = line_between(*second);
@@ -45,8 +46,8 @@ class ColorCut {
   Vector3f color(size_t i) const { return lab_vector(lab_[i]); }
   float along(size_t i, const Cut& cut) const { return cut.across.dot(points_[i].head<2>()); }
 
-  /// Which members have the second of the object's two main colours (2-means from the extremes of lightness
-  /// and hue); unset where those are not of two objects.
+  /// Which members have the second of the object's two main colours (2-means, from those that differ most);
+  /// unset where those are not of two objects.
   std::optional<std::vector<bool>> two_colors() const {
     constexpr int kRounds = 8;
     Vector3f mean = Vector3f::Zero();

@@ -407,7 +407,7 @@ class Assembly {
     if (a.width > static_cast<float>(options_.neck_m) || shoulder.points < 5) return false;
     const bool tapers = shoulder.width < 0.8f * b.width && shoulder.width < 1.75f * a.width;
     constexpr float kSlender = 1.5f;  // what is so slender does not stand by itself
-    constexpr float kKnob = 0.03f;    // m, a knob is no higher
+    constexpr float kKnob = 0.03f;    // m, of height at most
     const float height = neck.top - neck.bottom;
     if (!tapers && height < kSlender * a.width && height > kKnob) return false;
     const Vector2f apart = a.middle - b.middle;
