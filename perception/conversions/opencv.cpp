@@ -117,7 +117,7 @@ mapping::RgbdCamera cameras(const SceneCas& cas) {
 std::vector<cv::Rect> heads_of_people(const Scene& scene) {
   std::vector<cv::Rect> heads;
   for (const Annotation& annotation : scene.annotations)
-    if (const auto person = try_as<PersonAnnotation>(annotation))
+    if (const auto person = try_as<PersonAnnotation>(annotation); person && person->head.is_set())
       heads.push_back(from<cv::Rect>(person->head.get()));
   return heads;
 }

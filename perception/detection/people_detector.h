@@ -22,7 +22,7 @@ struct PeopleFrame {
 /// A person in the colour image.
 struct Person {
   cv::Rect body;  ///< inside the image, pixels; that of the head where nothing else was found
-  cv::Rect head;  ///< likewise: what anonymise() blurs
+  cv::Rect head;  ///< likewise: what anonymise() blurs; empty of an arm
   bool has_face = false;
   double score = 0;         ///< uncalibrated, 0 to 1
   std::vector<int> pixels;  ///< of the depth image, row · width + column, ascending

@@ -9,6 +9,7 @@
 #include "mapping/recording/recording.h"
 #include "memory/store/store.h"
 #include "tests/cli/command.h"
+#include "tests/support/drawn_arm.h"
 #include "tests/support/drawn_person.h"
 
 namespace loci {
@@ -27,11 +28,7 @@ class PeopleInImages : public ::testing::Test {
       frame.color = person.color;
       cv::extractChannel(person.points, frame.depth, 2);
       add_table(frame);
-      Eigen::Matrix3d upright;
-      upright << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-      frame.map_from_camera = Isometry3d::Identity();
-      frame.map_from_camera->linear() = upright;
-      frame.map_from_camera->translation().z() = 1.3;
+      frame.map_from_camera = upright_camera();
       writer.add(frame);
       ++frame.index;
       frame.time_ns += kSecond;
@@ -39,8 +36,15 @@ class PeopleInImages : public ::testing::Test {
     writer.finish();
   }
 
-  /// A table 0.4 m below the camera and up to 1.5 m away, with a box of 12 x 8 x 15 cm.
-  static void add_table(mapping::RgbdFrame& frame) {
+  static Isometry3d upright_camera() {
+    Isometry3d pose = Isometry3d::Identity();
+    pose.linear() << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+    pose.translation().z() = 1.3;
+    return pose;
+  }
+
+  /// A table 0.4 m below the camera and up to 1.5 m away, with or without a box of 12 x 8 x 15 cm.
+  static void add_table(mapping::RgbdFrame& frame, bool with_box = true) {
     constexpr double kTable = 0.4, kEnd = 1.5, kTop = 0.25, kFront = 1.15, kBack = 1.23;
     const mapping::PinholeCamera& camera = frame.camera.depth;
     const auto set = [&](int u, int v, double z, const cv::Vec3b& color) {
@@ -52,6 +56,7 @@ class PeopleInImages : public ::testing::Test {
         const Vector3d ray = camera.unproject(u, v, 1);
         const auto across = [&](double z) { return ray.x() * z > 0.2 && ray.x() * z < 0.32; };
         if (kTable / ray.y() < kEnd) set(u, v, kTable / ray.y(), {60, 90, 120});
+        if (!with_box) continue;
         const double top = kTop / ray.y(), at_front = kFront * ray.y();
         if (top > kFront && top < kBack && across(top)) set(u, v, top, {50, 50, 230});
         if (at_front > kTop && at_front < kTable && across(kFront)) set(u, v, kFront, {40, 40, 180});
@@ -87,6 +92,10 @@ class PeopleInImages : public ::testing::Test {
     EXPECT_GE(images, 3U);
     return faces;
   }
+  static size_t people_in(const memory::Store& store, const memory::SceneRow& scene) {
+    return static_cast<size_t>(
+        std::ranges::count(store.annotations(scene.id), "person", &memory::AnnotationRow::value));
+  }
   size_t faces_in_folder(const std::string& name, const std::string& suffix) {
     size_t faces = 0, images = 0;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder / name)) {
@@ -111,10 +120,7 @@ TEST_F(PeopleInImages, AreBlurredInMemoriesAndOverlays) {
   EXPECT_EQ(faces_in_folder("overlays", ".png"), 0U);
   const memory::Store store = memory::Store::open_read(folder / "day.loci");
   for (const memory::SceneRow& scene : store.scenes()) {
-    size_t people = 0;
-    for (const memory::AnnotationRow& row : store.annotations(scene.id))
-      people += row.value == "person" ? 1 : 0;
-    EXPECT_EQ(people, 1U) << "the memory has that somebody was there";
+    EXPECT_EQ(people_in(store, scene), 1U) << "the memory has that somebody was there";
     EXPECT_EQ(store.observations(scene.id).size(), 1U) << "the box; a person is no object";
   }
 }
@@ -158,6 +164,36 @@ TEST_F(PeopleInImages, AreBlurredInExportedRecordings) {
     run("loci-perceive convert " + path("recording") + " -o " + path("converted_" + name) + flag);
     EXPECT_EQ(faces_in_folder("converted_" + name, "_color.png"), kept ? 3U : 0U);
   }
+}
+
+TEST_F(PeopleInImages, ArmsThatReachInAreNoObjects) {
+  mapping::RgbdFrame frame;
+  mapping::RecordingWriter writer(folder / "arm", frame.camera, "map");
+  Random draw(3);
+  for (const bool reaches_in : {false, true, false}) {
+    frame.depth = cv::Mat(480, 640, CV_32F, cv::Scalar(2.5));
+    frame.color = cv::Mat(480, 640, CV_8UC3, cv::Scalar(200, 200, 200));
+    add_table(frame, frame.index < 2);
+    frame.map_from_camera = upright_camera();
+    while (reaches_in && !set_arm_into(frame, draw)) {
+    }
+    writer.add(frame);
+    ++frame.index;
+    frame.time_ns += 10 * kMinute;
+  }
+  writer.finish();
+  run("loci-perceive run " + path("arm") + " -m " + path("arm.loci"));
+  const memory::Store store = memory::Store::open_read(folder / "arm.loci");
+  std::vector<size_t> people, objects;
+  for (const memory::SceneRow& scene : store.scenes()) {
+    people.push_back(people_in(store, scene));
+    objects.push_back(store.observations(scene.id).size());
+  }
+  EXPECT_THAT(people, testing::ElementsAre(0, 1, 0));
+  EXPECT_THAT(objects, testing::ElementsAre(1, testing::Le(1), 0)) << "the box, which the arm may hide";
+  const apps::test::Outcome who =
+      apps::test::run(LOCI_BIN_DIR "/loci-memory ask 'Who took object_1?' -m " + path("arm.loci"));
+  EXPECT_THAT(who.out, testing::HasSubstr("somebody was in view at"));
 }
 
 }  // namespace

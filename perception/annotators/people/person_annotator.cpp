@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include "perception/annotators/scene_data.h"
 #include "perception/annotators/structure/known_structure.h"
 #include "perception/conversions/opencv.h"
+#include "perception/detection/arms.h"
 #include "perception/detection/lift.h"
 
 namespace loci::perception {
@@ -41,7 +44,7 @@ void annotate(const types::SceneCas& scene, const Person& person, const PeopleFr
   annotation.source.set(PersonAnnotator::kName);
   annotation.confidence.set(person.score);
   annotation.body.set(types::to(cas, person.body));
-  annotation.head.set(types::to(cas, person.head));
+  if (!person.head.empty()) annotation.head.set(types::to(cas, person.head));
   annotation.has_face.set(person.has_face);
   if (const auto box = extents(person, frame)) {
     const auto bbox = annotation.bbox.get_or_create();
@@ -49,6 +52,17 @@ void annotate(const types::SceneCas& scene, const Person& person, const PeopleFr
     bbox.size.set(types::to(cas, Vector3d(box->sizes())));
   }
   scene.scene().annotations.push_back(annotation);
+}
+
+/// The arms of people who are not in view themselves.
+std::vector<Person> arms_besides(const std::vector<Person>& people, const PeopleFrame& frame) {
+  std::vector<Person> arms = find_arms(frame);
+  std::erase_if(arms, [&](const Person& arm) {
+    return std::ranges::any_of(people, [&](const Person& person) {
+      return std::ranges::binary_search(person.pixels, arm.pixels[arm.pixels.size() / 2]);
+    });
+  });
+  return arms;
 }
 
 /// Points of people belong to no object and no support.
@@ -72,12 +86,14 @@ void take_out(const types::SceneCas& scene, const cv::Mat& people) {
 }  // namespace
 
 AnnotatorDescriptor PersonAnnotator::descriptor() const {
-  return {kName,
-          "Finds people by face or body, where the depth shows a head on a body, and takes their points out.",
-          {"Scene", "CameraInfo", "view:depth"},
-          {"PersonAnnotation", "view:people"},
-          {"view:color", "view:cloud", "view:normals", "view:structure", "view:regions", "Cluster"},
-          {"Scene", "view:cloud", "view:normals", "view:regions"}};
+  return {
+      kName,
+      "Finds people by face or body, where the depth shows a head on a body, and by arms that reach in over "
+      "a table; takes their points out.",
+      {"Scene", "CameraInfo", "view:depth"},
+      {"PersonAnnotation", "view:people"},
+      {"view:color", "view:cloud", "view:normals", "view:structure", "view:regions", "Cluster"},
+      {"Scene", "view:cloud", "view:normals", "view:regions"}};
 }
 
 void PersonAnnotator::start(Context& /*context*/) {
@@ -88,7 +104,8 @@ void PersonAnnotator::process(cas::Cas& cas, Context& /*context*/) {
   const types::SceneCas scene(cas);
   if (!scene.has(types::SceneCas::kColor)) return;
   const PeopleFrame frame = frame_of(scene);
-  const std::vector<Person> people = detector_->detect(frame);
+  std::vector<Person> people = detector_->detect(frame);
+  std::ranges::move(arms_besides(people, frame), std::back_inserter(people));
   cv::Mat mask = cv::Mat::zeros(frame.points.size(), CV_8U);
   for (const Person& person : people) {
     annotate(scene, person, frame);

@@ -12,8 +12,8 @@ namespace loci::perception {
 /// View of the scene with the pixels of people: CV_8U, 255; depth image.
 inline constexpr std::string_view kPeopleView = "people";
 
-/// Finds people, before objects are looked for: their points are taken out of the cloud. After clusters have
-/// been made it only annotates.
+/// Finds people, and arms of those out of view, before objects are looked for: their points are taken out of
+/// the cloud. After clusters have been made it only annotates.
 class PersonAnnotator : public Annotator {
  public:
   static constexpr const char* kName = "PersonAnnotator";
