@@ -106,8 +106,8 @@ int resolved_edges(const PlacedFront& front) {
 /// Whether a front is the low drawer over the plinth (below an oven): the plinth recedes from it.
 bool is_plinth_drawer(const PlacedFront& front) {
   const FrontEdge& below = front.edges[2];
-  return front.rect.height() < front.rect.width() && below.kind == FrontEdge::Kind::step &&
-         below.rise > kFronts.min_plinth_m;
+  const bool resolved = below.kind == FrontEdge::Kind::seam || below.kind == FrontEdge::Kind::step;
+  return front.rect.height() < front.rect.width() && resolved && below.rise > kFronts.min_plinth_m;
 }
 
 /// Whether a front is accepted. On walls (tall furniture may hide the wall and be taken for it) it needs a
@@ -161,6 +161,16 @@ bool is_wall(const FurnitureFace& face, const std::vector<VerticalPlane>& walls)
   });
 }
 
+/// Whether a front would stand in a wall: a plane through the edge of a wall and what is before it shows one.
+bool is_in_a_wall(const Front& front, const std::vector<VerticalPlane>& walls) {
+  const Vector2d middle = front.centre.head<2>();
+  return std::ranges::any_of(walls, [&](const VerticalPlane& wall) {
+    const double along = wall.direction().dot(middle), before = wall.normal.dot(middle) - wall.offset;
+    return wall.normal.dot(front.normal.head<2>()) < kFaces.parallel_cosine && before < -kFronts.in_wall_m &&
+           before > -kFronts.behind_wall_m && along > wall.along_min && along < wall.along_max;
+  });
+}
+
 /// The share of the smaller front that the other one covers, in the plane of the first.
 double covered(const Front& a, const Front& b) {
   const Vector3d off = b.centre - a.centre;
@@ -210,7 +220,9 @@ FrontSearch find_fronts(const Surface& surface, double floor_height, const WallS
     search.ribs.insert(search.ribs.end(), result.ribs.begin(), result.ribs.end());
   for (const FaceResult& result : results) {
     std::copy_if(result.fronts.begin(), result.fronts.end(), std::back_inserter(search.fronts),
-                 [&](const Front& front) { return !is_of_ribs(front, search.ribs); });
+                 [&](const Front& front) {
+                   return !is_of_ribs(front, search.ribs) && !is_in_a_wall(front, vertical.walls);
+                 });
     search.notes.insert(search.notes.end(), result.notes.begin(), result.notes.end());
   }
   drop_duplicates(search.fronts);

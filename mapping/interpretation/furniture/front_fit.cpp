@@ -42,6 +42,8 @@ Bounds before_panel(const FrontBody& body, double reach) {
 /// Around the sides, back and bottom of a drawer.
 Bounds drawer_box(const FrontBody& body) {
   Bounds box = panel_box(body);
+  box.min().y() = body.drawer.min().x();
+  box.max().y() = body.drawer.max().x();
   box.max().x() = -kFurniture.panel_m;
   box.min().x() = box.max().x() - body.drawer_depth;
   return box;
@@ -60,12 +62,16 @@ Bounds fixture_box(const Front& front, const FrontBody& body) {
   return box;
 }
 
-/// A box of one frame along the axes of another.
-Bounds moved(const Bounds& box, const Isometry3d& to_from_box) {
+SolidBox solid_of(const Bounds& box) {
   SolidBox solid;
   solid.link_from_box.translation() = box.center();
   solid.half = box.sizes() / 2;
-  return bounds_of(solid, to_from_box);
+  return solid;
+}
+
+/// A box of one frame along the axes of another.
+Bounds moved(const Bounds& box, const Isometry3d& to_from_box) {
+  return bounds_of(solid_of(box), to_from_box);
 }
 
 Bounds grown(const Bounds& box, double by) {
@@ -90,12 +96,55 @@ void keep_off(const Bounds& obstacle, double before, const Vector2d& max_way, Fr
     body.panel.max()[side - 2] = low[side - 2];
 }
 
-/// Shortens a drawer that would reach an obstacle in its frame.
-void end_before(const Bounds& obstacle, FrontBody& body) {
-  Bounds box = grown(drawer_box(body), kFurniture.gap_m / 2);
-  if (!box.intersects(obstacle) || obstacle.max().x() >= -kFurniture.panel_m) return;
-  body.drawer_depth =
-      std::max(-kFurniture.panel_m - obstacle.max().x() - kFurniture.gap_m, kFurniture.min_drawer_m);
+/// The part of a flat polygon on one side of a plane across an axis.
+std::vector<Vector3d> clipped(const std::vector<Vector3d>& polygon, int axis, double limit, bool below) {
+  std::vector<Vector3d> part;
+  const auto inside = [&](const Vector3d& corner) {
+    return below ? corner[axis] <= limit : corner[axis] >= limit;
+  };
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Vector3d &from = polygon[i], &to = polygon[(i + 1) % polygon.size()];
+    if (inside(from)) part.push_back(from);
+    if (inside(from) != inside(to))
+      part.push_back(from + (limit - from[axis]) / (to[axis] - from[axis]) * (to - from));
+  }
+  return part;
+}
+
+/// Around the part of a solid's surface that is in a box; empty = none is.
+Bounds part_inside(const Bounds& box, const SolidBox& solid, const Isometry3d& frame_from_link) {
+  Bounds part;
+  const Isometry3d frame_from_box = frame_from_link * solid.link_from_box;
+  for (int side = 0; side < 6; ++side) {
+    const int axis = side / 2, a = (axis + 1) % 3, b = (axis + 2) % 3;
+    std::vector<Vector3d> face;
+    for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+      Vector3d corner;
+      corner[axis] = (side % 2 == 0 ? -1 : 1) * solid.half[axis];
+      corner[a] = x * solid.half[a];
+      corner[b] = y * solid.half[b];
+      face.push_back(frame_from_box * corner);
+    }
+    for (int i = 0; i < 3; ++i) face = clipped(clipped(face, i, box.max()[i], true), i, box.min()[i], false);
+    for (const Vector3d& corner : face) part.extend(corner);
+  }
+  return part;
+}
+
+/// Shortens a drawer that would reach a solid, or makes it narrower where the solid is beside its front.
+void end_before(const SolidBox& solid, const Isometry3d& front_from_link, FrontBody& body) {
+  const Bounds part = part_inside(grown(drawer_box(body), kFurniture.gap_m / 2), solid, front_from_link);
+  if (part.isEmpty()) return;
+  const double depth = -kFurniture.panel_m - part.max().x() - kFurniture.gap_m;
+  const double from_low = part.max().y() + kFurniture.gap_m - body.drawer.min().x(),
+               from_high = body.drawer.max().x() - part.min().y() + kFurniture.gap_m;
+  const double narrower = std::min(from_low, from_high);
+  if (depth >= kFurniture.min_drawer_m || narrower > kFurniture.max_cut * body.drawer.sizes().x())
+    body.drawer_depth = std::min(body.drawer_depth, std::max(depth, kFurniture.min_drawer_m));
+  else if (from_low < from_high)
+    body.drawer.min().x() += from_low;
+  else
+    body.drawer.max().x() -= from_high;
 }
 
 FrontBody measured_body(const Front& front) {
@@ -228,16 +277,19 @@ std::vector<FrontBody> fit_fronts(const std::vector<Front>& fronts, const World&
   for (size_t k = 0; k < order.size(); ++k) {
     const size_t i = order[k];
     if (!is_drawer(fronts[i])) continue;
-    for (const SolidBox& box : standing) end_before(seen_from(i, box), bodies[i]);
+    FrontBody& body = bodies[i];
+    body.drawer = Eigen::AlignedBox1d(body.panel.min().head<1>(), body.panel.max().head<1>());
+    const Isometry3d here_from_map = map_from[i].inverse();
+    for (const SolidBox& box : standing) end_before(box, here_from_map * map_from_link[box.link], body);
     for (size_t m = 0; m < fronts.size(); ++m) {
       const size_t other = order[m];
       if (other == i) continue;
-      const Isometry3d here_from_there = map_from[i].inverse() * map_from[other];
-      end_before(moved(panel_box(bodies[other]), here_from_there), bodies[i]);
+      const Isometry3d here_from_there = here_from_map * map_from[other];
+      end_before(solid_of(panel_box(bodies[other])), here_from_there, body);
       if (m < k && is_drawer(fronts[other]))
-        end_before(moved(drawer_box(bodies[other]), here_from_there), bodies[i]);
+        end_before(solid_of(drawer_box(bodies[other])), here_from_there, body);
       if (fronts[other].fixture)
-        end_before(moved(fixture_box(fronts[other], bodies[other]), here_from_there), bodies[i]);
+        end_before(solid_of(fixture_box(fronts[other], bodies[other])), here_from_there, body);
     }
   }
   return bodies;

@@ -10,8 +10,9 @@ namespace loci::mapping {
 
 /// What is solid of a front, in its frame: x outward, y to the right of a person before it, z up.
 struct FrontBody {
-  Eigen::AlignedBox2d panel;  ///< y and z: the measured rectangle less its gaps
-  double drawer_depth = 0;    ///< of a drawer's box behind the panel, m
+  Eigen::AlignedBox2d panel;   ///< y and z: the measured rectangle less its gaps
+  Eigen::AlignedBox1d drawer;  ///< y of a drawer's box with the runners beside it
+  double drawer_depth = 0;     ///< of that box behind the panel, m
 };
 
 Isometry3d map_from_front(const Front& front);
@@ -29,7 +30,7 @@ void cut_out(const Eigen::AlignedBox3d& cut, const Eigen::AlignedBox3d& from,
 
 /// The bodies of fronts so that nothing penetrates another in the closed state: measured rectangles with the
 /// gaps that furniture has, cut where they overlap with each other (the less certain one gives way) or with
-/// walls, floor and other links; drawers as deep as there is room.
+/// walls, floor and other links; drawers as deep and as wide as there is room.
 std::vector<FrontBody> fit_fronts(const std::vector<Front>& fronts, const World& world,
                                   const SemanticMap& semantics);
 

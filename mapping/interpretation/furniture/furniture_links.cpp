@@ -88,7 +88,8 @@ class FrontWriter {
 
   /// Sides and back stand on the edges of the bottom; the box is a little smaller than the front.
   void write_box(const std::string& front, double depth) {
-    const Vector2d size = body_.panel.sizes(), centre = body_.panel.center();
+    const Vector2d size(body_.drawer.sizes().x(), body_.panel.sizes().y()),
+        centre(body_.drawer.center().x(), body_.panel.center().y());
     const double runner = std::min(kFurniture.runner_m, 0.1 * size.x());
     const double board = std::min(kFurniture.board_m, 0.1 * size.minCoeff());
     const double inner_width = size.x() - 2 * (runner + board);

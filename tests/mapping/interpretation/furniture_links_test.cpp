@@ -1,5 +1,6 @@
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/base/math/eigenvalues.h"
+#include "mapping/interpretation/furniture/front_fit.h"
 
 #include <gmock/gmock.h>
 
@@ -315,6 +316,44 @@ TEST(FurnitureLinks, ADrawerThatMeetsSomethingOpensUpToIt) {
   add_front(front, "map", map.world, map.semantics);
   EXPECT_EQ(map.semantics.links.at("drawer_3_front").extra.at("blocked_by"), "post");
   EXPECT_NEAR(map.world.find_joint("drawer_3_front_joint")->limits->upper, 0.3 - 0.02 - 0.04, 0.01);
+}
+
+/// A map with a link of one box, and a drawer behind whose front it stands.
+Map with_box(const Isometry3d& front_from_box, const Vector3d& size) {
+  const Front front = a_drawer();
+  Map map;
+  Link box;
+  box.name = "box";
+  box.collisions.push_back({"", map_from_front(front) * front_from_box, Box{size}});
+  map.world.links.push_back(box);
+  Joint joint;
+  joint.name = "box_joint";
+  joint.parent = "map";
+  joint.child = "box";
+  map.world.joints.push_back(joint);
+  add_front(front, "map", map.world, map.semantics);
+  return map;
+}
+
+double depth_of_drawer(const Map& map) {
+  return map.semantics.links.at("drawer_3_left").geometry.at("width").get<double>();
+}
+
+TEST(FurnitureLinks, ADrawerEndsBeforeAWallThatStandsAskew) {
+  // The face of the wall is 0.3 m behind the front in its middle, and nearer on one side.
+  const Isometry3d askew = Eigen::Translation3d(-0.3, 0, 0) * Eigen::AngleAxisd(0.5, Vector3d::UnitZ()) *
+                           Eigen::Translation3d(-0.025, 0, 0);
+  const Map map = with_box(askew, {0.05, 4, 2});
+  EXPECT_TRUE(closed_contacts(map.world).empty());
+  EXPECT_NEAR(depth_of_drawer(map), 0.3 - 0.02 - 0.3 * std::tan(0.5), 0.03);
+}
+
+TEST(FurnitureLinks, ADrawerBesideACornerIsNarrower) {
+  // The panel of the next face begins behind the end of the drawer's front.
+  const Isometry3d corner(Eigen::Translation3d(-0.32, 0.285, 0));
+  const Map map = with_box(corner, {0.6, 0.02, 0.6});
+  EXPECT_TRUE(closed_contacts(map.world).empty());
+  EXPECT_NEAR(depth_of_drawer(map), 0.43, 0.01) << "it is as deep as it was";
 }
 
 }  // namespace
