@@ -263,26 +263,34 @@ Store::Gone Store::objects_gone_from(Id place, size_t max_count, const AsOf& as_
 }
 
 std::vector<Id> Store::objects_near(const Vector3d& point, double radius, const AsOf& as_of) const {
-  std::vector<Id> found;
-  if (as_of.known_at) {
-    for (const ObjectRow& row : objects(as_of)) found.push_back(row.id);
-  } else {
-    SqlValues values = {sql(stay_time(as_of))};
-    for (int axis = 0; axis < 3; ++axis)
-      for (const double side : {-radius, radius})
-        values.push_back(sql(static_cast<int64_t>(
-            std::lround(std::clamp(1000 * (point[axis] + side), -2e9, 2e9)) + (side < 0 ? -1 : 1))));
-    found = connection_->values<Id>(
-        "SELECT DISTINCT object FROM stay WHERE since <= ?1 AND until >= ?1 AND x_to >= ?2 AND x_from <= ?3 "
-        "AND y_to >= "
-        "?4 AND y_from <= ?5 AND z_to >= ?6 AND z_from <= ?7 ORDER BY object",
-        values);
-  }
-  std::erase_if(found, [&](Id object) {
-    const std::optional<BeliefRow> row = belief(object, as_of);
-    return !row || !row->position || (*row->position - point).norm() > radius;
+  auto& db = *connection_;
+  const auto is_near = [&](const Vector3d& position) { return (position - point).norm() <= radius; };
+  std::set<Id> found, to_look_up;
+  SqlValues values = {sql(stay_time(as_of))};
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-radius, radius})
+      values.push_back(sql(static_cast<int64_t>(
+          std::lround(std::clamp(1000 * (point[axis] + side), -2e9, 2e9)) + (side < 0 ? -1 : 1))));
+  return db.guarded([&] {
+    if (as_of.known_at)
+      for (const ObjectRow& row : objects(as_of)) to_look_up.insert(row.id);
+    else
+      db.query(
+          "SELECT s.object, s.since < ?1 AND s.until > ?1 AS surely, b.x, b.y, b.z FROM stay s CROSS JOIN "
+          "belief b ON b.id = s.belief WHERE s.since <= ?1 AND s.until >= ?1 AND s.x_to >= ?2 AND s.x_from "
+          "<= ?3 AND s.y_to >= ?4 AND s.y_from <= ?5 AND s.z_to >= ?6 AND s.z_from <= ?7",
+          values, [&](const SqlRow& row) {
+            const Id object = row.get<Id>("object");
+            if (as_of.at && !row.get<bool>("surely"))
+              to_look_up.insert(object);
+            else if (is_near({row.get<double>("x"), row.get<double>("y"), row.get<double>("z")}))
+              found.insert(object);
+          });
+    for (const Id object : to_look_up)
+      if (const auto row = last_row(db, object, as_of); row && row->position && is_near(*row->position))
+        found.insert(object);
+    return std::vector<Id>(found.begin(), found.end());
   });
-  return found;
 }
 
 std::vector<Id> Store::objects_annotated(const std::string& value, const AsOf& as_of) const {
