@@ -221,7 +221,12 @@ Id Store::Connection::insert(const char* table, const SqlColumns& columns) {
 }
 
 bool Store::Connection::needs_known(const AsOf& as_of) {
-  return as_of.known_at || value<int64_t>("SELECT 1 FROM association WHERE supersedes IS NOT NULL LIMIT 1");
+  if (as_of.known_at) return true;
+  if (superseded) return *superseded;
+  const bool found =
+      value<int64_t>("SELECT 1 FROM association WHERE supersedes IS NOT NULL LIMIT 1").has_value();
+  if (read_transactions > 0) superseded = found;
+  return found;
 }
 
 void Store::Connection::require_writable() const {

@@ -159,6 +159,23 @@ TEST_F(Replica, IsNotAskedForAgainAtOnce) {
   EXPECT_THROW(replica.update(silent), Error);
 }
 
+TEST_F(Replica, OfSeveralRobotsShareAConnection) {
+  push();
+  const fs::path other = folder_ / "other.loci";
+  RandomMemory(other, 9);
+  push(other, {"home", "other"});
+  NoProgress silent;
+  const auto connections = std::make_shared<FleetConnections>();
+  FleetReplica first(url("&robot=robot"), folder_ / "cache", connections);
+  FleetReplica second(url("&robot=other"), folder_ / "cache", connections);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(answers(first.update(silent)), answers(file_));
+    EXPECT_EQ(answers(second.update(silent)), answers(other));
+  }
+  EXPECT_EQ(&connections->to(parse_fleet_url(url("&robot=robot"))),
+            &connections->to(parse_fleet_url(url("&robot=other"))));
+}
+
 TEST_F(Replica, WhileFreshIsNotWaitedFor) {
   push();
   NoProgress silent;
