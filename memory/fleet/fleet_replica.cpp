@@ -82,80 +82,124 @@ struct FleetReplica::Lock {
   ~Lock() { ::close(descriptor); }
   Lock(const Lock&) = delete;
   Lock& operator=(const Lock&) = delete;
-  /// Since the database was last asked, by any process.
-  double age_s() const {
-    struct stat info {};
-    ::fstat(descriptor, &info);
-    const auto then =
-        std::chrono::seconds(info.st_mtim.tv_sec) + std::chrono::nanoseconds(info.st_mtim.tv_nsec);
-    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch() - then).count();
-  }
   void asked() const { ::futimens(descriptor, nullptr); }
 
   int descriptor;
 };
 
-FleetReplica::FleetReplica(const std::string& url, const fs::path& cache)
-    : FleetReplica(parse_fleet_url(url), cache) {}
+FleetDatabase& FleetConnections::to(const FleetUrl& url) {
+  return databases_.try_emplace(url.connection, url).first->second;
+}
 
-FleetReplica::FleetReplica(FleetUrl url, const fs::path& cache)
+FleetReplica::FleetReplica(const std::string& url, const fs::path& cache,
+                           std::shared_ptr<FleetConnections> connections)
+    : FleetReplica(parse_fleet_url(url), cache, std::move(connections)) {}
+
+FleetReplica::FleetReplica(FleetUrl url, const fs::path& cache, std::shared_ptr<FleetConnections> connections)
     : url_(std::move(url)),
       folder_(cache / content_hash(url_.shown + '\n' +
                                    url_.connection.substr(
                                        std::min(url_.connection.find('?'), url_.connection.size())) +
                                    '\n' + url_.home.value_or("") + '\n' + url_.robot.value_or(""))
-                          .substr(0, 24)) {}
+                          .substr(0, 24)),
+      connections_(std::move(connections)) {}
+
+fs::path FleetReplica::fresh_file(const Json& state, double max_age_s) const {
+  const fs::path file = file_of(state);
+  struct stat lock {};
+  if (file.empty() || !url_.names_server || ::stat((folder_ / "lock").c_str(), &lock) != 0) return {};
+  const auto asked =
+      std::chrono::seconds(lock.st_mtim.tv_sec) + std::chrono::nanoseconds(lock.st_mtim.tv_nsec);
+  const std::chrono::duration<double> age = std::chrono::system_clock::now().time_since_epoch() - asked;
+  return age.count() < max_age_s ? file : fs::path();
+}
+
+fs::path FleetReplica::file_of(const Json& state) const {
+  if (!state.is_object()) return {};
+  std::error_code none;
+  const fs::path file = folder_ / state.value("file", "none");
+  return fs::exists(file, none) ? file : fs::path();
+}
+
+bool FleetReplica::is_current(FleetDatabase& database, const FleetUrl& url, const Json& state) {
+  int found = 0;
+  bool same = false;
+  try {
+    database.sql().query(
+        "SELECT v.database::text, r.home, r.robot, r.revision FROM loci.version v, loci.robot r WHERE "
+        "($1::text "
+        "IS NULL OR r.home = $1) AND ($2::text IS NULL OR r.robot = $2) LIMIT 2",
+        {url.home, url.robot}, [&](ResultRow row) {
+          ++found;
+          same = Source{.database = text_of(row[0]), .name = {text_of(row[1]), text_of(row[2])}}.of(state) &&
+                 state.value("revision", int64_t{-1}) == integer_of(row[3]);
+        });
+  } catch (const Error&) {
+    return false;  // update() reports what is wrong
+  }
+  return found == 1 && same;
+}
 
 fs::path FleetReplica::update(Progress& progress, double max_age_s) {
+  // Those who ask a fresh replica do not wait for one another.
+  if (const fs::path fresh = fresh_file(read_state(folder_), max_age_s); !fresh.empty()) return fresh;
   make_private_folder(folder_);
   const Lock lock(folder_);
   const Json state = read_state(folder_);
-  std::error_code none;
-  fs::path file = state.is_object() ? folder_ / state.value("file", "none") : fs::path();
-  const bool exists = !file.empty() && fs::exists(file, none);
-  if (exists && url_.names_server && lock.age_s() < max_age_s) return file;
+  if (const fs::path fresh = fresh_file(state, max_age_s); !fresh.empty()) return fresh;
+  const fs::path file = file_of(state);
   try {
-    if (!database_) database_ = std::make_unique<FleetDatabase>(url_);
-    fs::path updated;
-    database_->transaction(
-        [&] {
-          const Source source = find_source(*database_);
-          const bool same = exists && source.of(state);
-          if (same && state.value("revision", int64_t{-1}) == source.revision) {
-            updated = file;
-            return;
-          }
-          if (!source.complete) {
-            if (!same)
-              throw database_->error(
-                  fmt::format("the first push of robot '{}' has not been completed", source.name.robot),
-                  "push it again");
-            updated = file;  // as before the push that is under way
-            return;
-          }
-          updated = same ? file : next_file();
-          if (!pull(*database_, source, updated, progress)) {
-            updated = next_file();
-            if (!pull(*database_, source, updated, progress))
-              throw database_->error(
-                  fmt::format("the rows of robot '{}' are not those that it pushed", source.name.robot),
-                  "push them again; loci-memory verify checks the robot's file");
-          }
-          write_file_atomically(folder_ / kState, Json{{"database", source.database},
-                                                       {"home", source.name.home},
-                                                       {"robot", source.name.robot},
-                                                       {"revision", source.revision},
-                                                       {"file", updated.filename().string()}}
-                                                      .dump());
-          remove_others(updated);
-        },
-        "BEGIN ISOLATION LEVEL REPEATABLE READ, READ ONLY");
+    FleetDatabase& database = connections_->to(url_);
+    if (!file.empty() && is_current(database, url_, state)) {
+      lock.asked();
+      return file;
+    }
+    const fs::path updated = take_news(database, state, file, progress);
     lock.asked();
     return updated;
   } catch (...) {
-    database_.reset();  // the next update connects anew
+    connections_->close(url_);  // the next update connects anew
     throw;
   }
+}
+
+fs::path FleetReplica::take_news(FleetDatabase& database, const Json& state, const fs::path& file,
+                                 Progress& progress) {
+  fs::path updated;
+  database.transaction(
+      [&] {
+        const Source source = find_source(database);
+        const bool same = !file.empty() && source.of(state);
+        if (same && state.value("revision", int64_t{-1}) == source.revision) {
+          updated = file;
+          return;
+        }
+        if (!source.complete) {
+          if (!same)
+            throw database.error(
+                fmt::format("the first push of robot '{}' has not been completed", source.name.robot),
+                "push it again");
+          updated = file;  // as before the push that is under way
+          return;
+        }
+        updated = same ? file : next_file();
+        if (!pull(database, source, updated, progress)) {
+          updated = next_file();
+          if (!pull(database, source, updated, progress))
+            throw database.error(
+                fmt::format("the rows of robot '{}' are not those that it pushed", source.name.robot),
+                "push them again; loci-memory verify checks the robot's file");
+        }
+        write_file_atomically(folder_ / kState, Json{{"database", source.database},
+                                                     {"home", source.name.home},
+                                                     {"robot", source.name.robot},
+                                                     {"revision", source.revision},
+                                                     {"file", updated.filename().string()}}
+                                                    .dump());
+        remove_others(updated);
+      },
+      "BEGIN ISOLATION LEVEL REPEATABLE READ, READ ONLY");
+  return updated;
 }
 
 FleetReplica::Source FleetReplica::find_source(FleetDatabase& database) {

@@ -125,11 +125,10 @@ bool is_on_top(const Vector3d& offset, const BeliefRow& belief, const Snapshot& 
 /// Adds what is near the point. `meant`: only these; unset = all.
 void add_near(const Snapshot& snapshot, const NearQuestion& question,
               const std::optional<std::set<Id>>& meant, NearAnswer& answer) {
-  for (const BeliefRow& belief : snapshot.beliefs()) {
-    if (meant && !meant->contains(belief.object)) continue;
-    if (!belief.position || belief.status == ObjectStatus::gone ||
-        object_name(belief.object) == answer.around)
-      continue;
+  for (const Id object : snapshot.present_objects()) {
+    if (meant && !meant->contains(object)) continue;
+    const BeliefRow& belief = *snapshot.belief(object);
+    if (!belief.position || object_name(object) == answer.around) continue;
     Vector3d offset = *belief.position - answer.point;
     if (question.on_top && !is_on_top(offset, belief, snapshot, answer)) continue;
     if (answer.level) offset.z() = 0;

@@ -1,7 +1,6 @@
 #include "memory/questions/snapshot.h"
 
 #include <algorithm>
-#include <map>
 
 #include "memory/questions/environment.h"
 
@@ -140,26 +139,15 @@ ObjectRef Snapshot::object_ref(Id object) const {
 }
 
 std::optional<std::string> Snapshot::annotated_name(Id object) const {
-  constexpr size_t kMaxObservations = 20;  // the latest
-  constexpr const char* kProduct = "loci.annotation.ProductAnnotation";
-  if (!reads_->annotated)
-    reads_->annotated = {store_.objects_annotated_by(kProduct, as_of_),
-                         store_.objects_annotated_by(kClassType, as_of_)};
-  if (std::ranges::binary_search(reads_->annotated->products, object)) {
-    std::map<std::string, size_t> products;
-    for (const AnnotationRow& row : store_.latest_annotations(object, kProduct, kMaxObservations, as_of_))
-      if (!row.value.empty()) ++products[row.value];
-    if (!products.empty())
-      return std::ranges::max_element(products, {}, &std::pair<const std::string, size_t>::second)->first;
-  }
-  if (!std::ranges::binary_search(reads_->annotated->classes, object)) return std::nullopt;
-  const std::optional<ClassVerdict> verdict = class_verdict(object);
+  const ClassExperts::Judgement& judgement = experts().judgement(object);
+  if (judgement.product) return judgement.product;
+  const std::optional<ClassVerdict>& verdict = judgement.verdict;
   return verdict && !verdict->name.empty() ? std::optional(verdict->name) : std::nullopt;
 }
 
-std::optional<ClassVerdict> Snapshot::class_verdict(Id object) const {
+const ClassExperts& Snapshot::experts() const {
   if (!reads_->experts) reads_->experts.emplace(store_, reads_->facts, as_of_);
-  return reads_->experts->verdict(object);
+  return *reads_->experts;
 }
 
 std::optional<PlaceRef> Snapshot::place_ref(std::optional<Id> place) const {

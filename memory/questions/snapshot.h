@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -53,13 +54,19 @@ class Snapshot {
   ObjectBelief object_belief(const BeliefRow& belief) const;
   Change change(const EventRow& event) const;
   /// What all experts together make of the class of an object; unset when none says anything.
-  std::optional<ClassVerdict> class_verdict(Id object) const;
+  const std::optional<ClassVerdict>& class_verdict(Id object) const {
+    return experts().judgement(object).verdict;
+  }
 
   /// Objects that X means, most probable first, then most recent. X: "object_12", an alias, words for colour,
   /// size, class (or another word or a wider kind of it, by the taxonomy), text, property, "Ada's" for an
   /// owner, "on PLACE", or several of these together; empty = all. UnknownName with the nearest names when it
   /// means nothing.
   std::vector<Id> find_objects(const std::string& subject) const;
+  /// Whether the name of an object, as find_objects() reads it, may mean another one that is `such`; one that
+  /// has gone only where it has.
+  bool has_namesake(const std::string& name, Id object,
+                    const std::function<bool(const BeliefRow&)>& such) const;
   /// Places that a name means: those called so, else by its last word ("couch table" is any table).
   /// UnknownName with the nearest names when it means nothing.
   std::vector<PlaceRow> find_places(const std::string& name) const;
@@ -79,6 +86,8 @@ class Snapshot {
   std::vector<PlaceRow> places_called(const std::string& name) const;
   /// Objects whose most probable place this is and that have not gone.
   std::vector<Id> objects_at(Id place) const;
+  /// Objects that have not gone, in order.
+  std::vector<Id> present_objects() const;
   /// All words for objects.
   std::vector<std::string> known_names() const;
   /// Names of this memory that a word is taken for: "fruit" → apple, banana. Empty for most names.
@@ -89,14 +98,28 @@ class Snapshot {
   /// The product that most of the latest observations of an object are annotated with, else its
   /// class_verdict().
   std::optional<std::string> annotated_name(Id object) const;
+  const ClassExperts& experts() const;
+  bool has_gone(Id object) const;
   std::vector<Id> find_at_place(const std::string& name) const;
   /// As means_objects() and find_objects(), by all words of the name.
   bool is_known_as(const std::string& subject) const;
   std::vector<Id> find_exactly(const std::string& subject) const;
+  /// The words of a name in lower case, without those that mean any object.
+  std::vector<std::string> significant_words(const std::string& subject) const;
   /// What is called so, and what is related to it in meaning.
   std::vector<Id> find_by_word(const std::string& word) const;
   const std::vector<Id>& find_named(const std::string& word) const;
-  std::vector<Id> search_named(const std::string& word) const;
+  /// Of which objects a search is; of a long history most have gone.
+  enum class Among { all, present };
+  /// An object that may be called so: where a class is given, if its class_verdict() calls it that.
+  struct Candidate {
+    Id object = 0;
+    std::string class_name = {};
+  };
+  const std::vector<Candidate>& candidates_named(const std::string& word, Among among = Among::all) const;
+  std::vector<Candidate> search_named(const std::string& word, Among among) const;
+  bool is_named(const Candidate& candidate) const;
+  const std::vector<Id>& present_candidates() const;
   std::vector<std::string> names_related_to(const std::string& word, bool known) const;
   /// The one that "biggest red" means; unset when no word is a superlative.
   std::optional<Id> find_superlative(const std::vector<std::string>& words) const;
@@ -105,10 +128,6 @@ class Snapshot {
   /// What may be meant instead where words[unknown] means nothing.
   std::string hint_for(const std::vector<std::string>& words, size_t unknown) const;
 
-  /// By type of annotation, the best first: objects with a name of this type, sorted.
-  struct Annotated {
-    std::vector<Id> products, classes;
-  };
   /// What was read, and what follows from it. Snapshots of one moment share it: a sentence asks many
   /// questions, and each would find out again what a name means.
   struct Reads {
@@ -126,11 +145,12 @@ class Snapshot {
     std::optional<std::vector<BeliefRow>> beliefs;
     std::unordered_map<Id, std::optional<BeliefRow>> belief_of;
     std::optional<PartNames> part_names;
-    std::optional<Annotated> annotated;
     std::optional<ClassExperts> experts;
     std::optional<std::set<std::string>> class_names;
     std::map<std::string, std::vector<std::string>> related_to;
-    std::map<std::string, std::vector<Id>> named;  ///< by find_named()
+    std::map<std::pair<std::string, Among>, std::vector<Candidate>> candidates;  ///< by candidates_named()
+    std::map<std::string, std::vector<Id>> named;                                ///< by find_named()
+    std::optional<std::vector<Id>> present_candidates;
     std::optional<std::vector<SceneRow>> scenes;
     std::unordered_map<Id, std::optional<SceneRow>> scene_of;
   };

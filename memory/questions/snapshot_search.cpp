@@ -219,15 +219,75 @@ std::vector<std::string> Snapshot::names_related_to(const std::string& word, boo
   return slot->second;
 }
 
-const std::vector<Id>& Snapshot::find_named(const std::string& word) const {
-  const auto known = reads_->named.find(word);
-  return known != reads_->named.end() ? known->second : reads_->named[word] = search_named(word);
+bool Snapshot::has_gone(Id object) const {
+  const BeliefRow* row = belief(object);
+  return row == nullptr || row->status == ObjectStatus::gone;
 }
 
-std::vector<Id> Snapshot::search_named(const std::string& word) const {
+bool Snapshot::has_namesake(const std::string& name, Id object,
+                            const std::function<bool(const BeliefRow&)>& such) const {
+  const Among among = has_gone(object) ? Among::all : Among::present;
+  const auto is_other = [&](Id id) {
+    const BeliefRow* row = belief(id);
+    return row != nullptr && id != object && (among == Among::all || !has_gone(id)) && such(*row);
+  };
+  try {
+    const std::string word = phrase(significant_words(name), 0);
+    const auto named = [&](const Candidate& one) { return one.object == object && is_named(one); };
+    if (std::ranges::none_of(candidates_named(word, among), named))
+      return std::ranges::any_of(find_objects(name), is_other);
+    // Where it is called so itself, find_objects() goes no further than to others that are.
+    std::vector<std::string> words = names_related_to(word, true);
+    words.push_back(word);
+    return std::ranges::any_of(words, [&](const std::string& one) {
+      return std::ranges::any_of(candidates_named(one, among), [&](const Candidate& candidate) {
+        return is_other(candidate.object) && is_named(candidate);
+      });
+    });
+  } catch (const UnknownName&) {
+    return false;  // a name that is not a word of a question
+  }
+}
+
+const std::vector<Id>& Snapshot::present_candidates() const {
+  if (!reads_->present_candidates) reads_->present_candidates = store_.present_candidates(as_of_);
+  return *reads_->present_candidates;
+}
+
+std::vector<Id> Snapshot::present_objects() const {
+  std::vector<Id> present = present_candidates();
+  std::erase_if(present, [&](Id object) { return has_gone(object); });
+  return present;
+}
+
+const std::vector<Id>& Snapshot::find_named(const std::string& word) const {
+  const auto known = reads_->named.find(word);
+  if (known != reads_->named.end()) return known->second;
   std::vector<Id> found;
+  for (const Candidate& candidate : candidates_named(word))
+    if (is_named(candidate)) found.push_back(candidate.object);
+  return reads_->named[word] = unique(std::move(found));
+}
+
+bool Snapshot::is_named(const Candidate& candidate) const {
+  if (belief(candidate.object) == nullptr) return false;
+  if (candidate.class_name.empty()) return true;
+  const std::optional<ClassVerdict>& verdict = class_verdict(candidate.object);
+  return verdict && verdict->calls_it(candidate.class_name);
+}
+
+const std::vector<Snapshot::Candidate>& Snapshot::candidates_named(const std::string& word,
+                                                                   Among among) const {
+  const std::pair key(word, among);
+  const auto known = reads_->candidates.find(key);
+  return known != reads_->candidates.end() ? known->second
+                                           : reads_->candidates[key] = search_named(word, among);
+}
+
+std::vector<Snapshot::Candidate> Snapshot::search_named(const std::string& word, Among among) const {
+  std::vector<Candidate> found;
   if (const auto id = object_id(word)) {
-    if (belief(*id) != nullptr) found.push_back(*id);
+    if (belief(*id) != nullptr) found.push_back({*id});
     // What a tombstone stands for is not known any more.
     if (found.empty() && *id <= store_.max_object_id() && !store_.forgotten().empty())
       throw UnknownName(
@@ -239,28 +299,35 @@ std::vector<Id> Snapshot::search_named(const std::string& word) const {
   // The name of a place means what is there now, not what once was.
   for (const PlaceRow& place : reads_->places) {
     if (lower_case(place.name) != word) continue;
-    return objects_at(place.id);
+    for (const Id id : objects_at(place.id)) found.push_back({id});
+    return found;
   }
   const auto take_facts = [&](auto matches) {
     for (const FactRow& fact : reads_->facts)
       if (fact.object && belief(*fact.object) != nullptr && matches(fact, lower_case(*fact.value)))
-        found.push_back(*fact.object);
+        found.push_back({*fact.object});
   };
   // Who was given a name is meant by it, not everything of that kind.
   take_facts([&](const FactRow& fact, const std::string& value) {
     return fact.key == "alias" && (value == word || with_underscores(value) == word);
   });
-  if (!found.empty()) return unique(std::move(found));
+  if (!found.empty()) return found;
   const std::set<std::string> meanings = reads_->taxonomy.meanings(word);
   take_facts([&](const FactRow& fact, const std::string& value) {
     return fact.key == "owner" ? word == value + "'s" : meanings.contains(value);
   });
-  if (is_size_word(word) || is_color_word(word))
-    for (const BeliefRow& row : beliefs()) {
+  if (is_size_word(word) || is_color_word(word)) {
+    const auto take_looks = [&](const BeliefRow& row) {
       const bool color = row.color && same_color(lower_case(*row.color)) == same_color(word);
       const bool size = row.size && is_size_word(word) && has_size(word, *row.size);
-      if (color || size) found.push_back(row.object);
-    }
+      if (color || size) found.push_back({row.object});
+    };
+    if (among == Among::all)
+      std::ranges::for_each(beliefs(), take_looks);
+    else
+      for (const Id id : present_candidates())
+        if (const BeliefRow* row = belief(id)) take_looks(*row);
+  }
   // What a person called its class overrules what it looked like to an annotator.
   std::set<Id> classed;
   std::set<std::string> classes;
@@ -270,18 +337,15 @@ std::vector<Id> Snapshot::search_named(const std::string& word) const {
       classes.insert(lower_case(*fact.value));
     }
   for (const std::string& meaning : meanings) {
-    const auto take = [&](const std::vector<Id>& objects, auto is_meant) {
+    const auto take = [&](std::vector<Id> objects, const std::string& class_name) {
+      if (among == Among::present) objects = intersection(objects, present_candidates());
       for (const Id id : objects)
-        if (belief(id) != nullptr && !(classed.contains(id) && classes.contains(meaning)) && is_meant(id))
-          found.push_back(id);
+        if (!(classed.contains(id) && classes.contains(meaning))) found.push_back({id, class_name});
     };
-    take(store_.objects_annotated(meaning, kClassType, false, as_of_), [](Id) { return true; });
-    take(store_.objects_annotated(meaning, kClassType, true, as_of_), [&](Id id) {
-      const std::optional<ClassVerdict> verdict = class_verdict(id);
-      return verdict && verdict->calls_it(meaning);
-    });
+    take(store_.objects_annotated(meaning, kClassType, false, as_of_), "");
+    take(store_.objects_annotated(meaning, kClassType, true, as_of_), meaning);
   }
-  return unique(std::move(found));
+  return found;
 }
 
 std::vector<std::string> Snapshot::known_names() const {
@@ -471,9 +535,14 @@ std::vector<Id> Snapshot::find_objects(const std::string& subject) const {
   }
 }
 
-std::vector<Id> Snapshot::find_exactly(const std::string& subject) const {
+std::vector<std::string> Snapshot::significant_words(const std::string& subject) const {
   std::vector<std::string> words = lower_case_words(with_names_joined(subject));
   std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
+  return words;
+}
+
+std::vector<Id> Snapshot::find_exactly(const std::string& subject) const {
+  std::vector<std::string> words = significant_words(subject);
   std::vector<Id> found;
   if (!words.empty()) found = find_by_word(phrase(words, 0));
   if (const auto joint =

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "memory/store/rows/derived_rows.h"
@@ -107,24 +108,43 @@ int64_t stay_time(const AsOf& as_of) {
   return as_of.at ? stay_seconds(*as_of.at) : kOpenStay;
 }
 
-/// Objects with a stay of this code of a place (negative = gone from it) at a time, in an order. Stays have
-/// whole seconds: what begins or ends within the one asked about is looked up.
-std::vector<Id> objects_staying(Store::Connection& db, Id code, const std::string& order, const AsOf& as_of) {
-  std::vector<Id> found;
-  std::set<Id> to_look_up;
+/// A stay at the time asked about.
+struct Stay {
+  Id belief = 0;
+  int64_t since = 0;
+  bool surely = false;  ///< it neither begins nor ends within the second asked about
+};
+
+/// Objects with a stay of this code of a place (negative = gone from it) at a time, the latest first. Stays
+/// have whole seconds: what begins or ends within the one asked about is looked up. The objects are read of
+/// `max_count` of them only.
+Store::Gone objects_staying(Store::Connection& db, Id code, size_t max_count, const AsOf& as_of) {
+  std::vector<Stay> stays;
   db.query(
-      "SELECT object, max(since < ?2 AND until > ?2) AS surely FROM stay WHERE place_from <= ?1 AND place_to "
-      ">= ?1 AND since <= ?2 AND until >= ?2 GROUP BY object ORDER BY " +
-          order,
+      "SELECT belief, since, since < ?2 AND until > ?2 AS surely FROM stay WHERE place_from <= ?1 AND "
+      "place_to >= ?1 AND since <= ?2 AND until >= ?2",
       {sql(code), sql(stay_time(as_of))}, [&](const SqlRow& row) {
-        found.push_back(row.get<Id>("object"));
-        if (as_of.at && row.get<int64_t>("surely") == 0) to_look_up.insert(found.back());
+        stays.push_back({row.get<Id>("belief"), row.get<int64_t>("since"), row.get<bool>("surely")});
       });
-  std::erase_if(found, [&](Id object) {
-    if (!to_look_up.contains(object)) return false;
-    const std::optional<BeliefRow> row = last_row(db, object, as_of);
-    return !row || row->place != std::abs(code) || (row->status == ObjectStatus::gone) != (code < 0);
-  });
+  std::ranges::sort(stays, std::greater(),
+                    [](const Stay& stay) { return std::pair(stay.since, stay.belief); });
+  Store::Gone found;
+  std::set<Id> looked_up;
+  for (const Stay& stay : stays) {
+    const bool sure = stay.surely || !as_of.at;
+    if (sure && found.objects.size() >= max_count) {
+      ++found.in_all;
+      continue;
+    }
+    const Id object = *db.value<Id>("SELECT object FROM belief WHERE id = ?", {sql(stay.belief)});
+    if (!sure) {
+      if (!looked_up.insert(object).second) continue;
+      const std::optional<BeliefRow> row = last_row(db, object, as_of);
+      if (!row || row->place != std::abs(code) || (row->status == ObjectStatus::gone) != (code < 0)) continue;
+    }
+    ++found.in_all;
+    if (found.objects.size() < max_count) found.objects.push_back(object);
+  }
   return found;
 }
 
@@ -208,48 +228,69 @@ std::vector<Id> Store::objects_at(Id place, const AsOf& as_of) const {
       if (row.place == place) result.push_back(row.object);
     return result;
   }
-  return connection_->guarded([&] { return objects_staying(*connection_, place, "object", as_of); });
+  return connection_->guarded([&] {
+    std::vector<Id> there =
+        objects_staying(*connection_, place, std::numeric_limits<size_t>::max(), as_of).objects;
+    std::ranges::sort(there);
+    return there;
+  });
+}
+
+std::vector<Id> Store::present_candidates(const AsOf& as_of) const {
+  if (as_of.known_at) {
+    std::vector<Id> all;
+    for (const ObjectRow& row : objects(as_of)) all.push_back(row.id);
+    return all;
+  }
+  return connection_->values<Id>(
+      "SELECT object FROM stay WHERE since <= ?1 AND until >= ?1 AND place_to >= 0 UNION SELECT object FROM "
+      "belief WHERE x IS NULL ORDER BY object",
+      {sql(stay_time(as_of))});
 }
 
 Store::Gone Store::objects_gone_from(Id place, size_t max_count, const AsOf& as_of) const {
-  Gone result;
-  if (as_of.known_at) {
-    std::vector<std::pair<TimeNs, Id>> gone;
-    for (const BeliefRow& row : beliefs(as_of))
-      if (row.place == place && row.status == ObjectStatus::gone)
-        gone.emplace_back(-row.clock.valid_from, row.object);
-    std::ranges::sort(gone);
-    for (const auto& [time, object] : gone) result.objects.push_back(object);
-  } else {
-    result.objects = connection_->guarded(
-        [&] { return objects_staying(*connection_, -place, "max(since) DESC, max(belief) DESC", as_of); });
-  }
-  result.in_all = result.objects.size();
-  if (result.in_all > max_count) result.objects.resize(max_count);
+  if (!as_of.known_at)
+    return connection_->guarded([&] { return objects_staying(*connection_, -place, max_count, as_of); });
+  std::vector<std::pair<TimeNs, Id>> gone;
+  for (const BeliefRow& row : beliefs(as_of))
+    if (row.place == place && row.status == ObjectStatus::gone)
+      gone.emplace_back(-row.clock.valid_from, row.object);
+  std::ranges::sort(gone);
+  Gone result{.in_all = gone.size()};
+  gone.resize(std::min(gone.size(), max_count));
+  for (const auto& [time, object] : gone) result.objects.push_back(object);
   return result;
 }
 
 std::vector<Id> Store::objects_near(const Vector3d& point, double radius, const AsOf& as_of) const {
-  std::vector<Id> found;
-  if (as_of.known_at) {
-    for (const ObjectRow& row : objects(as_of)) found.push_back(row.id);
-  } else {
-    SqlValues values = {sql(stay_time(as_of))};
-    for (int axis = 0; axis < 3; ++axis)
-      for (const double side : {-radius, radius})
-        values.push_back(sql(static_cast<int64_t>(
-            std::lround(std::clamp(1000 * (point[axis] + side), -2e9, 2e9)) + (side < 0 ? -1 : 1))));
-    found = connection_->values<Id>(
-        "SELECT DISTINCT object FROM stay WHERE since <= ?1 AND until >= ?1 AND x_to >= ?2 AND x_from <= ?3 "
-        "AND y_to >= "
-        "?4 AND y_from <= ?5 AND z_to >= ?6 AND z_from <= ?7 ORDER BY object",
-        values);
-  }
-  std::erase_if(found, [&](Id object) {
-    const std::optional<BeliefRow> row = belief(object, as_of);
-    return !row || !row->position || (*row->position - point).norm() > radius;
+  auto& db = *connection_;
+  const auto is_near = [&](const Vector3d& position) { return (position - point).norm() <= radius; };
+  std::set<Id> found, to_look_up;
+  SqlValues values = {sql(stay_time(as_of))};
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-radius, radius})
+      values.push_back(sql(static_cast<int64_t>(
+          std::lround(std::clamp(1000 * (point[axis] + side), -2e9, 2e9)) + (side < 0 ? -1 : 1))));
+  return db.guarded([&] {
+    if (as_of.known_at)
+      for (const ObjectRow& row : objects(as_of)) to_look_up.insert(row.id);
+    else
+      db.query(
+          "SELECT s.object, s.since < ?1 AND s.until > ?1 AS surely, b.x, b.y, b.z FROM stay s CROSS JOIN "
+          "belief b ON b.id = s.belief WHERE s.since <= ?1 AND s.until >= ?1 AND s.x_to >= ?2 AND s.x_from "
+          "<= ?3 AND s.y_to >= ?4 AND s.y_from <= ?5 AND s.z_to >= ?6 AND s.z_from <= ?7",
+          values, [&](const SqlRow& row) {
+            const Id object = row.get<Id>("object");
+            if (as_of.at && !row.get<bool>("surely"))
+              to_look_up.insert(object);
+            else if (is_near({row.get<double>("x"), row.get<double>("y"), row.get<double>("z")}))
+              found.insert(object);
+          });
+    for (const Id object : to_look_up)
+      if (const auto row = last_row(db, object, as_of); row && row->position && is_near(*row->position))
+        found.insert(object);
+    return std::vector<Id>(found.begin(), found.end());
   });
-  return found;
 }
 
 std::vector<Id> Store::objects_annotated(const std::string& value, const AsOf& as_of) const {
@@ -263,10 +304,6 @@ std::vector<Id> Store::objects_annotated(const std::string& value, const std::st
       *connection_,
       fmt::format("SELECT id FROM term WHERE value = ?1 COLLATE NOCASE AND type {} ?2", of_type ? "=" : "<>"),
       {sql(value), sql(type)}, as_of);
-}
-
-std::vector<Id> Store::objects_annotated_by(const std::string& type, const AsOf& as_of) const {
-  return objects_with_terms(*connection_, "SELECT id FROM term WHERE type = ?1", {sql(type)}, as_of);
 }
 
 std::vector<Id> Store::objects_with_text(const std::string& words, const AsOf& as_of) const {

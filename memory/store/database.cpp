@@ -26,7 +26,10 @@ void SqlRow::refuse_value(const SQLite::Column& value) {
 }
 
 std::unique_ptr<SQLite::Database> open_database(const std::string& name, int flags) {
-  auto database = std::make_unique<SQLite::Database>(name, flags);
+  // Statistics of its memory would make every allocation wait for those of all threads. A connection is of
+  // one thread at a time, and needs no lock for each value.
+  [[maybe_unused]] static const int configured = sqlite3_config(SQLITE_CONFIG_MEMSTATUS, 0);
+  auto database = std::make_unique<SQLite::Database>(name, flags | SQLITE_OPEN_NOMUTEX);
   sqlite3_db_config(database->getHandle(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_db_config(database->getHandle(), SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   database->setBusyTimeout(5000);
@@ -218,7 +221,12 @@ Id Store::Connection::insert(const char* table, const SqlColumns& columns) {
 }
 
 bool Store::Connection::needs_known(const AsOf& as_of) {
-  return as_of.known_at || value<int64_t>("SELECT 1 FROM association WHERE supersedes IS NOT NULL LIMIT 1");
+  if (as_of.known_at) return true;
+  if (superseded) return *superseded;
+  const bool found =
+      value<int64_t>("SELECT 1 FROM association WHERE supersedes IS NOT NULL LIMIT 1").has_value();
+  if (read_transactions > 0) superseded = found;
+  return found;
 }
 
 void Store::Connection::require_writable() const {

@@ -166,7 +166,8 @@ struct Store::Connection {
   std::unique_ptr<SQLite::Database> database;
   std::unordered_map<std::string, std::unique_ptr<SQLite::Statement>> statements;
   bool in_scene = false;
-  int read_transactions = 0;  ///< that are open
+  int read_transactions = 0;            ///< that are open
+  std::optional<bool> superseded = {};  ///< whether an association is; while read transactions are open
 
   // ---- Caches of the writer.
   /// How many there are, time and scene of the last, and where that was (unset = not read yet).

@@ -159,30 +159,37 @@ std::vector<ObjectObservation> Store::observations_of(Id object, const AsOf& as_
                             "valid_from, id");
 }
 
-std::vector<AnnotationRow> Store::latest_annotations(Id object, const std::string& type, size_t count,
+Store::LatestObservations Store::latest_observations(Id object, size_t count,
+                                                     const std::vector<std::string>& types,
                                                      const AsOf& as_of) const {
-  Where latest = observed(object);
-  latest.known(as_of).begun(as_of);
-  const std::string of_type = "type = " + latest.bind(type);
-  return select<AnnotationRow>(
-      *connection_,
-      Where(fmt::format("(scene, observation) IN (SELECT scene, observation FROM association_known WHERE {} "
-                        "ORDER BY valid_from DESC, scene DESC LIMIT {}) AND {}",
-                        latest.text(), count, of_type),
-            latest.values()));
-}
-
-std::map<Id, size_t> Store::latest_observations_by_run(Id object, size_t count, const AsOf& as_of) const {
-  Where latest = observed(object);
-  latest.known(as_of).begun(as_of);
-  std::map<Id, size_t> runs;
-  connection_->query(
-      fmt::format(
-          "SELECT run, count(*) AS number FROM scene JOIN (SELECT scene AS seen FROM association_known "
-          "WHERE {} ORDER BY valid_from DESC, scene DESC LIMIT {}) ON id = seen GROUP BY run",
-          latest.text(), count),
-      latest.values(), [&](const SqlRow& row) { runs[row.get<Id>("run")] = row.get<size_t>("number"); });
-  return runs;
+  auto& db = *connection_;
+  return db.guarded([&] {
+    LatestObservations latest;
+    const bool known = !db.needs_known(as_of);
+    Where where = observed(object);
+    if (!known) where.known(as_of);
+    where.begun(as_of);
+    std::vector<std::string> of_types;
+    for (const std::string& type : types) of_types.push_back(where.bind(sql(type)));
+    Id counted = 0;
+    db.query(fmt::format(
+                 "SELECT n.id, n.scene, n.observation, t.type, t.value, n.confidence, "
+                 "n.feature_structure, s.run, l.id AS association FROM (SELECT id, scene, observation FROM "
+                 "{} WHERE {} ORDER BY valid_from DESC, scene DESC LIMIT {}) l CROSS JOIN scene s ON s.id "
+                 "= l.scene LEFT JOIN annotation n ON n.scene = l.scene AND n.observation = l.observation "
+                 "LEFT JOIN term t ON t.id = n.term AND t.type IN ({})",
+                 known ? "association" : "association_known", where.text(), count, fmt::join(of_types, ", ")),
+             where.values(), [&](const SqlRow& row) {
+               const bool annotated = !row.is_null("type");
+               AnnotationRow annotation = annotated ? read_row<AnnotationRow>(row) : AnnotationRow();
+               const Id run = row.get<Id>("run"), association = row.get<Id>("association");
+               if (annotated) latest.annotations.push_back({std::move(annotation), run});
+               if (association != counted) ++latest.by_run[run];
+               counted = association;
+             });
+    std::ranges::sort(latest.annotations, {}, [](const auto& one) { return one.row.id; });
+    return latest;
+  });
 }
 
 std::optional<ObjectObservation> Store::last_observation_before(Id object, TimeNs time,

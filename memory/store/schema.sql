@@ -230,7 +230,7 @@ CREATE TABLE association (
 ) STRICT;
 CREATE INDEX association_scene ON association (scene);
 -- The observations of an object in order of time.
-CREATE INDEX association_object ON association (object, valid_from, scene)
+CREATE INDEX association_object ON association (object, valid_from, scene, observation)
   WHERE chosen = 1 AND observation IS NOT NULL AND probability > 0;
 CREATE INDEX association_observation ON association (observation);
 CREATE INDEX association_supersedes ON association (supersedes) WHERE supersedes IS NOT NULL;
@@ -327,6 +327,7 @@ CREATE TABLE belief (
 CREATE INDEX belief_object ON belief (object, valid_from);
 CREATE INDEX belief_scene ON belief (scene);
 CREATE INDEX belief_supersedes ON belief (supersedes) WHERE supersedes IS NOT NULL;
+CREATE INDEX belief_unplaced ON belief (object) WHERE x IS NULL;  -- those that have no stay
 
 -- Where objects were believed to be, from one row of belief to the next. Derived from belief, to find objects near a
 -- point or on a place at a time. Millimetres, seconds since 1970 (2147483647 = until now; later than 2038 = 2147483646),

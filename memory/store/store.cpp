@@ -289,6 +289,7 @@ Store::ReadTransaction::ReadTransaction(const Store& store) : db_(*store.connect
 
 Store::ReadTransaction::~ReadTransaction() {
   if (db_.writable || --db_.read_transactions > 0) return;
+  db_.superseded.reset();
   for (auto& [text, statement] : db_.statements) statement->tryReset();
   db_.database->tryExec("COMMIT");
 }

@@ -184,8 +184,6 @@ class Store {
   std::vector<SceneRow> scenes(const AsOf& as_of = {}, std::optional<TimeNs> from = {},
                                std::optional<TimeNs> to = {}) const;
   SceneRow scene(Id id) const;
-  /// The run that added a scene.
-  Id run_of_scene(Id id) const;
   /// The scene that was added last, and the time of the latest; unset in an empty memory.
   std::optional<SceneRow> last_scene() const;
   std::optional<TimeNs> last_scene_time() const;
@@ -235,6 +233,8 @@ class Store {
   /// whatever their probability.
   std::vector<Id> objects_at(Id place, const AsOf& as_of = {}) const;
   std::vector<Id> objects_near(const Vector3d& point, double radius, const AsOf& as_of = {}) const;
+  /// Objects, in order, among which are all that had not gone; without `known_at` few others.
+  std::vector<Id> present_candidates(const AsOf& as_of = {}) const;
   /// Objects that had gone from a place: the last `max_count`, the latest first, and how many there are.
   struct Gone {
     std::vector<Id> objects = {};
@@ -247,14 +247,18 @@ class Store {
   /// The same with annotations of a type alone, or of all others.
   std::vector<Id> objects_annotated(const std::string& value, const std::string& type, bool of_type,
                                     const AsOf& as_of = {}) const;
-  /// Objects of which an observation has an annotation of a type, e.g. "loci.annotation.ProductAnnotation";
-  /// in order.
-  std::vector<Id> objects_annotated_by(const std::string& type, const AsOf& as_of = {}) const;
-  /// Annotations of a type of the latest observations of an object, `count` at most.
-  std::vector<AnnotationRow> latest_annotations(Id object, const std::string& type, size_t count,
-                                                const AsOf& as_of = {}) const;
-  /// How many of the latest `count` observations of an object each run made.
-  std::map<Id, size_t> latest_observations_by_run(Id object, size_t count, const AsOf& as_of = {}) const;
+  /// The latest `count` observations of an object: their annotations of some types in order of id, each with
+  /// the run that added its scene, and how many of these observations each run made.
+  struct LatestObservations {
+    struct Annotation {
+      AnnotationRow row = {};
+      Id run = 0;
+    };
+    std::vector<Annotation> annotations = {};
+    std::map<Id, size_t> by_run = {};
+  };
+  LatestObservations latest_observations(Id object, size_t count, const std::vector<std::string>& types,
+                                         const AsOf& as_of = {}) const;
   /// Objects of which an observation is annotated with a text that contains these words in this order (FTS5).
   std::vector<Id> objects_with_text(const std::string& words, const AsOf& as_of = {}) const;
   /// All values of annotations of objects, each once.

@@ -102,10 +102,6 @@ std::optional<TimeNs> Store::last_scene_time() const {
   return connection_->value<TimeNs>("SELECT time FROM scene ORDER BY time DESC LIMIT 1");
 }
 
-Id Store::run_of_scene(Id id) const {
-  return connection_->value<Id>("SELECT run FROM scene WHERE id = ?", {sql(id)}).value_or(0);
-}
-
 std::vector<TimeNs> Store::scene_times_at_ends(size_t count) const {
   return connection_->values<TimeNs>(
       "SELECT time FROM (SELECT id, time FROM (SELECT id, time FROM scene ORDER BY time, id LIMIT ?1) UNION "

@@ -152,14 +152,15 @@ void ask_all(const FleetOptions& options, const Robots& robots, FleetFigures& fi
     users.emplace_back([&, user] {
       NoProgress silent;
       Random random(static_cast<uint64_t>(options.seed + 1000 + user));
-      std::vector<std::unique_ptr<memory::FleetReplica>> replicas;
+      const auto connections = std::make_shared<memory::FleetConnections>();
+      std::vector<memory::FleetReplica> replicas;
       for (int robot = 0; robot < options.robots; ++robot)
-        replicas.push_back(std::make_unique<memory::FleetReplica>(robots.url(robot), robots.cache()));
+        replicas.emplace_back(robots.url(robot), robots.cache(), connections);
       for (int i = 0; i < options.questions; ++i) {
         const auto robot = random.index(replicas.size());
         const Stopwatch wall;
         const double cpu = thread_cpu_s();
-        ask_one(memory::Store::open_read(replicas[robot]->update(silent, memory::kFreshReplica_s)), random);
+        ask_one(memory::Store::open_read(replicas[robot].update(silent, memory::kFreshReplica_s)), random);
         const double took_cpu = 1000 * (thread_cpu_s() - cpu), took = 1000 * wall.seconds();
         const std::lock_guard lock(mutex);
         wall_ms.push_back(took);

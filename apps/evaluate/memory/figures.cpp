@@ -209,7 +209,8 @@ void write_beside_readers(Writer& writer, const MemoryOptions& options, const fs
 
 class Asker {
  public:
-  Asker(const MemoryOptions& options, const memory::Store& store, PlainTables& plain)
+  /// `plain` may be null: then nothing is compared.
+  Asker(const MemoryOptions& options, const memory::Store& store, PlainTables* plain)
       : options_(options), store_(store), plain_(plain), random_(static_cast<uint64_t>(options.seed + 1)) {
     first_ = store.scene(1).time;
     last_ = *store.last_scene_time();
@@ -222,7 +223,7 @@ class Asker {
     time("where is object N", [&] {
       return ask(store_, memory::WhereQuestion{memory::object_name(object()), {}}).objects.size();
     });
-    compare([&] { return plain_.last_seen(object()); });
+    compare([&] { return plain_->last_seen(object()); });
     time("the same, as a query and as text", [&] {
       const memory::Query query{.question = "where",
                                 .arguments = {{"object", memory::object_name(object())}}};
@@ -242,18 +243,18 @@ class Asker {
         });
     time("what is on PLACE",
          [&] { return ask(store_, memory::ContentsQuestion{.place = place()}).places.front().there.size(); });
-    compare([&] { return plain_.at_place(1 + static_cast<memory::Id>(random_.index(places())), last_); });
+    compare([&] { return plain_->at_place(1 + static_cast<memory::Id>(random_.index(places())), last_); });
     time("what was on PLACE at T", [&] {
       return ask(store_, memory::ContentsQuestion{.place = place(), .as_of = {.at = some_time()}})
           .places.front()
           .there.size();
     });
     compare(
-        [&] { return plain_.at_place(1 + static_cast<memory::Id>(random_.index(places())), some_time()); });
+        [&] { return plain_->at_place(1 + static_cast<memory::Id>(random_.index(places())), some_time()); });
     const auto point = [&] { return Vector3d(random_.uniform(-1, 13), random_.uniform(-1, 5), 0.8); };
     time("what was within 0.5 m of a point at T",
          [&] { return store_.objects_near(point(), 0.5, {.at = some_time()}).size(); });
-    compare([&] { return plain_.near(point(), 0.5, some_time()); });
+    compare([&] { return plain_->near(point(), 0.5, some_time()); });
     time("what changed in an hour", [&] {
       const TimeNs from = some_time();
       return ask(store_, memory::ChangesQuestion{.from = from, .to = from + kHour}).changes.size();
@@ -264,7 +265,7 @@ class Asker {
           .objects.size();
     });
     time("what bears the word milk", [&] { return store_.objects_with_text("milk").size(); });
-    compare([&] { return plain_.with_text("milk"); });
+    compare([&] { return plain_->with_text("milk"); });
     return std::move(results_);
   }
 
@@ -309,6 +310,7 @@ class Asker {
   }
   template <class Ask>
   void compare(Ask ask_one) {
+    if (plain_ == nullptr) return;
     size_t most = 0;
     const std::vector<double> times = milliseconds(ask_one, most);
     results_.back().plain_median_ms = median(times);
@@ -317,7 +319,7 @@ class Asker {
 
   const MemoryOptions& options_;
   const memory::Store& store_;
-  PlainTables& plain_;
+  PlainTables* plain_;
   Random random_;
   TimeNs first_ = 0, last_ = 0, asked_at_ = 0;
   uint64_t objects_ = 0;
@@ -332,6 +334,7 @@ void MemoryOptions::declare(OptionTable& table) {
   table.integer("readers", readers, "", "Readers beside the writer.", 0, 100);
   table.number("reader_hz", reader_hz, "Hz", "Questions that each of them asks per second.", 0.1, 10000);
   table.integer("questions", questions, "", "Questions of each kind.", 10, 100000);
+  table.flag("reuse", reuse, "Take nothing in: ask the memory that an earlier run left in the folder.");
   table.integer("kills", kills, "", "Random moments at which a writer is killed.", 0, 10000);
   table.integer("places", home.places, "", "Tables that are looked at one after the other.", 1, 1000);
   table.integer("objects", home.objects, "", "Objects in the home at any time.", 1, 10000);
@@ -343,39 +346,53 @@ void MemoryOptions::declare(OptionTable& table) {
   table.number("noise_m", home.noise_m, "m", "Noise of positions per axis.", 0.0001, 0.1);
 }
 
+namespace {
+
+void take_in(const MemoryOptions& options, const fs::path& file, MemoryFigures& figures, Progress& progress) {
+  Writer writer(options, file);
+  PartialProgress part(progress, 0, 0.7);
+  ingest_all(writer, options, figures, part);
+  if (options.readers > 0) write_beside_readers(writer, options, file, figures, progress);
+  writer.finish();
+}
+
+/// Opens, asks and verifies a memory that nobody writes to.
+void examine(const MemoryOptions& options, const fs::path& file, const fs::path& plain_file,
+             MemoryFigures& figures, Progress& progress) {
+  const double before_open = processor_s();
+  const memory::Store store = memory::Store::open_read(file);
+  ask(store, memory::WhereQuestion{memory::object_name(1), {}});
+  figures.open_ms = 1000 * (processor_s() - before_open);
+  figures.objects = static_cast<size_t>(store.max_object_id());
+  figures.bytes_per_observation = double(fs::file_size(file)) / double(store.max_observation_id());
+  std::optional<PlainTables> plain;
+  if (!options.reuse) figures.plain_rate = plain.emplace(plain_file, file).write_rate();
+  progress.check(0.8, "asking");
+  figures.questions = Asker(options, store, plain ? &*plain : nullptr).run();
+  const double before_rows = processor_s();
+  store.statistics(false);
+  figures.statistics_ms = 1000 * (processor_s() - before_rows);
+  const double before_bytes = processor_s();
+  store.statistics();
+  figures.table_bytes_ms = 1000 * (processor_s() - before_bytes);
+  PartialProgress part(progress, 0.9, 1);
+  const Stopwatch verify;
+  if (const auto problems = store.verify(part).problems; !problems.empty())
+    throw Error("the memory is not sound: " + problems.front(), {file.string(), 0, {}});
+  figures.verify_s = verify.seconds();
+}
+
+}  // namespace
+
 MemoryFigures measure(const MemoryOptions& options, const fs::path& folder, Progress& progress) {
   MemoryFigures figures;
-  size_t stored = 0;
   const fs::path file = folder / "simulated.loci", plain_file = folder / "plain.sqlite";
-  for (const fs::path& old : {file, plain_file}) fs::remove(old);
-  {
-    Writer writer(options, file);
-    PartialProgress part(progress, 0, 0.7);
-    ingest_all(writer, options, figures, part);
-    if (options.readers > 0) write_beside_readers(writer, options, file, figures, progress);
-    writer.finish();
-    stored = writer.observations();
+  fs::remove(plain_file);
+  if (!options.reuse) {
+    fs::remove(file);
+    take_in(options, file, figures, progress);
   }
-  figures.bytes_per_observation = double(fs::file_size(file)) / double(stored);
-  {
-    const memory::Store store = memory::Store::open_read(file);
-    figures.objects = static_cast<size_t>(store.max_object_id());
-    PlainTables plain(plain_file, file);
-    figures.plain_rate = plain.write_rate();
-    progress.check(0.8, "asking");
-    figures.questions = Asker(options, store, plain).run();
-    const double before_rows = processor_s();
-    store.statistics(false);
-    figures.statistics_ms = 1000 * (processor_s() - before_rows);
-    const double before_bytes = processor_s();
-    store.statistics();
-    figures.table_bytes_ms = 1000 * (processor_s() - before_bytes);
-    PartialProgress part(progress, 0.9, 1);
-    const Stopwatch verify;
-    if (const auto problems = store.verify(part).problems; !problems.empty())
-      throw Error("the memory is not sound: " + problems.front(), {file.string(), 0, {}});
-    figures.verify_s = verify.seconds();
-  }
+  examine(options, file, plain_file, figures, progress);
   fs::remove(plain_file);
   if (options.kills > 0) {
     const fs::path killed = folder / "killed.loci";
@@ -386,19 +403,22 @@ MemoryFigures measure(const MemoryOptions& options, const fs::path& folder, Prog
 }
 
 std::string text_of(const MemoryFigures& f) {
-  std::string text = fmt::format(
-      "{} scenes, {} observations, {} objects\n"
-      "  taken in: {:.0f} observations per second of CPU time ({:.0f} in the first tenth, {:.0f} in "
-      "the last), "
-      "{:.0f} per second of the clock\n"
-      "  plain tables without reasoning: {:.0f} per second of the clock\n"
-      "  bytes per observation: {:.0f}\n"
-      "  memory of the writer: {:.0f} MB after a tenth, {:.0f} MB at the end\n"
-      "  rows of all tables: {:.0f} ms, their bytes: {:.0f} ms; verify: {:.1f} s\n",
-      f.scenes, f.observations, f.objects, f.processor_rate, f.first_tenth_rate, f.last_tenth_rate,
-      f.wall_rate, f.plain_rate, f.bytes_per_observation, f.megabytes_first_tenth, f.megabytes_at_end,
-      f.statistics_ms, f.table_bytes_ms, f.verify_s);
-  text += text_of(f.identity);
+  std::string text;
+  if (f.observations > 0)
+    text = fmt::format(
+               "{} scenes, {} observations\n"
+               "  taken in: {:.0f} observations per second of CPU time ({:.0f} in the first tenth, {:.0f} in "
+               "the last), {:.0f} per second of the clock\n"
+               "  plain tables without reasoning: {:.0f} per second of the clock\n"
+               "  memory of the writer: {:.0f} MB after a tenth, {:.0f} MB at the end\n",
+               f.scenes, f.observations, f.processor_rate, f.first_tenth_rate, f.last_tenth_rate, f.wall_rate,
+               f.plain_rate, f.megabytes_first_tenth, f.megabytes_at_end) +
+           text_of(f.identity);
+  text += fmt::format(
+      "  {} objects, {:.0f} bytes per observation\n"
+      "  opened and asked once: {:.0f} ms; rows of all tables: {:.0f} ms, their bytes: {:.0f} ms; verify: "
+      "{:.1f} s\n",
+      f.objects, f.bytes_per_observation, f.open_ms, f.statistics_ms, f.table_bytes_ms, f.verify_s);
   if (f.reader_questions > 0)
     text += fmt::format(
         "  beside readers ({} questions): {:.0f} per second of the clock, alone {:.0f} ({:.0f} %)\n",
@@ -440,6 +460,7 @@ Json json_of(const MemoryFigures& f) {
           {"identity", json_of(f.identity)},
           {"bytes_per_observation", f.bytes_per_observation},
           {"resident_mb", {{"first_tenth", f.megabytes_first_tenth}, {"end", f.megabytes_at_end}}},
+          {"open_ms", f.open_ms},
           {"statistics_ms", f.statistics_ms},
           {"table_bytes_ms", f.table_bytes_ms},
           {"verify_s", f.verify_s},

@@ -15,6 +15,7 @@ struct MemoryOptions {
   int readers = 10;  ///< beside the writer, each asking `reader_hz` questions per second
   double reader_hz = 10;
   int questions = 200;  ///< of each kind
+  bool reuse = false;   ///< the memory of an earlier run; not compared with plain tables
   int kills = 0;        ///< random moments at which the writer is killed
   HomeOptions home;
 
@@ -37,6 +38,7 @@ struct MemoryFigures {
   double plain_rate = 0;  ///< plain indexed tables written scene by scene, without reasoning
   double megabytes_first_tenth = 0, megabytes_at_end = 0;  ///< resident memory of the writer
   double bytes_per_observation = 0;
+  double open_ms = 0;  ///< CPU time to open it and ask where one object is
   double verify_s = 0, statistics_ms = 0, table_bytes_ms = 0;
   double rate_alone = 0, rate_with_readers = 0;  ///< per second of the clock, one after the other
   size_t reader_questions = 0;

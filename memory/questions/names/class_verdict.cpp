@@ -48,7 +48,9 @@ ClassExperts::ClassExperts(const Store& store, const std::vector<FactRow>& facts
   for (const FactRow& fact : facts) {
     if (!fact.object || !fact.value || fact.key != "class" || fact.clock.source == "catalogue") continue;
     const std::string truth = lower_case(*fact.value);
-    for (const auto& [expert, opinion] : votes_of(*fact.object)) {
+    const Votes votes =
+        votes_of(store.latest_observations(*fact.object, kMaxObservations, {kClassType}, as_of));
+    for (const auto& [expert, opinion] : votes) {
       double all = 0;
       for (const auto& [name, confidence] : opinion.names) all += confidence;
       for (const auto& [name, confidence] : opinion.names)
@@ -57,27 +59,27 @@ ClassExperts::ClassExperts(const Store& store, const std::vector<FactRow>& facts
   }
 }
 
-ClassExperts::Votes ClassExperts::votes_of(Id object) const {
-  std::vector<AnnotationRow> rows = store_.latest_annotations(object, kClassType, kMaxObservations, as_of_);
-  std::erase_if(rows, [](const AnnotationRow& row) { return row.value.empty(); });
-  if (rows.empty()) return {};
+ClassExperts::Votes ClassExperts::votes_of(const Store::LatestObservations& latest) const {
+  std::vector<Store::LatestObservations::Annotation> annotations = latest.annotations;
+  std::erase_if(annotations,
+                [](const auto& one) { return one.row.type != kClassType || one.row.value.empty(); });
+  if (annotations.empty()) return {};
   // Who says it matters where names differ; reading it takes longer than all else.
-  const bool agree =
-      std::ranges::all_of(rows, [&](const AnnotationRow& row) { return row.value == rows[0].value; });
-  const std::string last = expert_of(store_, rows.back());
+  const bool agree = std::ranges::all_of(
+      annotations, [&](const auto& one) { return one.row.value == annotations[0].row.value; });
+  const std::string last = expert_of(store_, annotations.back().row);
   Votes votes;
   std::map<std::string, std::set<std::pair<Id, std::optional<Id>>>> named;
-  for (const AnnotationRow& row : rows) {
+  for (const auto& [row, run] : annotations) {
     const std::string expert = agree ? last : expert_of(store_, row);
     Opinion& opinion = votes[expert];
     opinion.names[row.value] += std::max(1e-3, row.confidence.value_or(kDefaultConfidence));
-    opinion.runs.insert(store_.run_of_scene(row.scene));
+    opinion.runs.insert(run);
     named[expert].emplace(row.scene, row.observation);
   }
-  const std::map<Id, size_t> looks = store_.latest_observations_by_run(object, kMaxObservations, as_of_);
   for (auto& [expert, opinion] : votes) {
     opinion.named = static_cast<double>(named[expert].size());
-    for (const auto& [run, count] : looks)
+    for (const auto& [run, count] : latest.by_run)
       if (opinion.runs.contains(run)) opinion.looked += static_cast<double>(count);
     opinion.looked = std::max(opinion.looked, opinion.named);
   }
@@ -90,14 +92,22 @@ double ClassExperts::competence(const std::string& expert) const {
   return (kPriorRight + record.right) / (kPriorRight + kPriorWrong + record.right + record.wrong);
 }
 
-std::optional<ClassVerdict> ClassExperts::verdict(Id object) const {
-  const auto [slot, fresh] = verdicts_.try_emplace(object);
-  if (fresh) slot->second = judge(object);
+const ClassExperts::Judgement& ClassExperts::judgement(Id object) const {
+  const auto [slot, fresh] = judgements_.try_emplace(object);
+  if (!fresh) return slot->second;
+  const Store::LatestObservations latest =
+      store_.latest_observations(object, kMaxObservations, {kProductType, kClassType}, as_of_);
+  std::map<std::string, size_t> products;
+  for (const auto& [row, run] : latest.annotations)
+    if (row.type == kProductType && !row.value.empty()) ++products[row.value];
+  if (!products.empty())
+    slot->second.product =
+        std::ranges::max_element(products, {}, &std::pair<const std::string, size_t>::second)->first;
+  slot->second.verdict = verdict_of(votes_of(latest));
   return slot->second;
 }
 
-std::optional<ClassVerdict> ClassExperts::judge(Id object) const {
-  const Votes votes = votes_of(object);
+std::optional<ClassVerdict> ClassExperts::verdict_of(const Votes& votes) const {
   if (votes.empty()) return std::nullopt;
   ClassVerdict verdict;
   std::map<std::string, double> evidence;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "memory/store/store.h"
@@ -11,6 +12,7 @@
 namespace loci::memory {
 
 inline constexpr const char* kClassType = "loci.annotation.ClassificationAnnotation";
+inline constexpr const char* kProductType = "loci.annotation.ProductAnnotation";
 
 /// What the experts (annotators with their models) together make of the class of an object.
 struct ClassVerdict {
@@ -39,8 +41,12 @@ class ClassExperts {
  public:
   ClassExperts(const Store& store, const std::vector<FactRow>& facts, const AsOf& as_of);
 
-  /// Of the latest observations of an object; unset when no expert says anything.
-  std::optional<ClassVerdict> verdict(Id object) const;
+  /// What the latest observations of an object are annotated with.
+  struct Judgement {
+    std::optional<std::string> product = {};   ///< of most of them
+    std::optional<ClassVerdict> verdict = {};  ///< unset when no expert says anything
+  };
+  const Judgement& judgement(Id object) const;
 
  private:
   /// Of one expert: the sum of its confidences by class, and the views that it looked at and named.
@@ -51,8 +57,8 @@ class ClassExperts {
     double looked = 0;
   };
   using Votes = std::map<std::string, Opinion>;  ///< by expert
-  Votes votes_of(Id object) const;
-  std::optional<ClassVerdict> judge(Id object) const;
+  Votes votes_of(const Store::LatestObservations& latest) const;
+  std::optional<ClassVerdict> verdict_of(const Votes& votes) const;
   double competence(const std::string& expert) const;
 
   struct Record {
@@ -62,7 +68,7 @@ class ClassExperts {
   const Store& store_;
   AsOf as_of_;
   std::map<std::string, Record> records_;
-  mutable std::map<Id, std::optional<ClassVerdict>> verdicts_;  ///< that were asked for
+  mutable std::unordered_map<Id, Judgement> judgements_;  ///< that were asked for
 };
 
 }  // namespace loci::memory

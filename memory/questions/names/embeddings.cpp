@@ -65,7 +65,8 @@ std::optional<Embedding> embedding_of(const Store& store, const AnnotationRow& r
 std::vector<Embedding> embeddings_of(const Snapshot& snapshot, Id object) {
   const Store& store = snapshot.store();
   std::vector<Embedding> embeddings;
-  for (const AnnotationRow& row : store.latest_annotations(object, kType, kLatestViews, snapshot.as_of()))
+  const auto latest = store.latest_observations(object, kLatestViews, {kType}, snapshot.as_of());
+  for (const auto& [row, run] : latest.annotations)
     if (auto embedding = embedding_of(store, row)) embeddings.push_back(std::move(*embedding));
   return embeddings;
 }

@@ -9,37 +9,14 @@
 #include "mapping/base/text/text.h"
 
 namespace loci::memory {
-namespace {
-
-bool is_gone(const Snapshot& snapshot, Id object) {
-  const BeliefRow* belief = snapshot.belief(object);
-  return belief == nullptr || belief->status == ObjectStatus::gone;
-}
-
-/// Objects that the name may mean as well; those that have gone only where `object` has.
-std::vector<Id> namesakes(const Snapshot& snapshot, const std::string& name, Id object) {
-  std::vector<Id> all;
-  try {
-    all = snapshot.find_objects(name);
-  } catch (const UnknownName&) {
-    return {};  // a name that is not a word of a question
-  }
-  const bool gone = is_gone(snapshot, object);
-  std::erase_if(all, [&](Id other) { return other == object || (is_gone(snapshot, other) && !gone); });
-  return all;
-}
-
-}  // namespace
-
 std::string Names::of(const ObjectRef& object) const {
   if (!object.label && !object.color) return object.name;
   const std::string word = object.label ? *object.label : *object.color;
   std::string name = object.label ? *object.label : *object.color + " object";
-  const std::vector<Id> others = namesakes(snapshot_, word, object.id);
-  const auto none_is = [&](auto same) {
-    return std::ranges::none_of(others, [&](Id other) { return same(*snapshot_.belief(other)); });
+  const auto none_is = [&](const std::function<bool(const BeliefRow&)>& such) {
+    return !snapshot_.has_namesake(word, object.id, such);
   };
-  if (others.empty()) return name;
+  if (none_is([](const BeliefRow&) { return true; })) return name;
   if (object.label && object.color &&
       none_is([&](const BeliefRow& row) { return row.color == object.color; }))
     return *object.color + " " + name;

@@ -1,5 +1,9 @@
 // A memory in a database is asked through a local copy, which is the robot's memory row for row.
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include "memory/edits/edits.h"
 #include "memory/questions/location.h"
 #include "memory/recorder/checkpoint.h"
@@ -153,6 +157,34 @@ TEST_F(Replica, IsNotAskedForAgainAtOnce) {
   sql("DROP SCHEMA loci CASCADE");
   EXPECT_EQ(replica.update(silent, 60), file);
   EXPECT_THROW(replica.update(silent), Error);
+}
+
+TEST_F(Replica, OfSeveralRobotsShareAConnection) {
+  push();
+  const fs::path other = folder_ / "other.loci";
+  RandomMemory(other, 9);
+  push(other, {"home", "other"});
+  NoProgress silent;
+  const auto connections = std::make_shared<FleetConnections>();
+  FleetReplica first(url("&robot=robot"), folder_ / "cache", connections);
+  FleetReplica second(url("&robot=other"), folder_ / "cache", connections);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(answers(first.update(silent)), answers(file_));
+    EXPECT_EQ(answers(second.update(silent)), answers(other));
+  }
+  EXPECT_EQ(&connections->to(parse_fleet_url(url("&robot=robot"))),
+            &connections->to(parse_fleet_url(url("&robot=other"))));
+}
+
+TEST_F(Replica, WhileFreshIsNotWaitedFor) {
+  push();
+  NoProgress silent;
+  FleetReplica replica(url(), folder_ / "cache");
+  const fs::path file = replica.update(silent, 60);
+  const int updating = ::open((file.parent_path() / "lock").c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(::flock(updating, LOCK_EX), 0);  // as another program does while it updates
+  EXPECT_EQ(replica.update(silent, 60), file);
+  ::close(updating);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <limits>
 #include <set>
 
 #include "mapping/base/math/random.h"
@@ -11,6 +12,7 @@
 #include "memory/questions/contents.h"
 #include "memory/questions/location.h"
 #include "memory/questions/objects.h"
+#include "memory/questions/snapshot.h"
 #include "tests/memory/store/temporary_folder.h"
 
 namespace loci::memory {
@@ -18,6 +20,7 @@ namespace {
 
 class Agreement : public testing_support::TemporaryFolder, public testing::WithParamInterface<uint64_t> {
  protected:
+  static constexpr TimeNs kEverKnown = std::numeric_limits<TimeNs>::max();
   static constexpr int kScenes = 30, kObjects = 5, kPlaces = 3;
 
   /// A day of detections: the camera looks at one place after the other, and objects are moved or taken away.
@@ -118,6 +121,45 @@ TEST_P(Agreement, HoldsAtTheTimeOfEveryScene) {
       EXPECT_EQ(on.places[0].gone_in_all, gone[place.name].size()) << place.name;
     }
   }
+}
+
+TEST_P(Agreement, NamesakesAreWhatTheNameFinds) {
+  generate(GetParam());
+  const Store store = Store::open_read(file_);
+  size_t gone = 0, namesakes = 0;
+  for (const SceneRow& scene : store.scenes()) {
+    // All objects are searched where a transaction time is given.
+    const Snapshot snapshot(store, {.at = scene.time}), searched(store, {scene.time, kEverKnown});
+    std::vector<std::string> names = snapshot.known_names();
+    names.insert(names.end(), {"small", "small thing", "unheard-of"});
+    std::vector<Id> present;
+    for (const BeliefRow& belief : snapshot.beliefs()) {
+      const bool there = belief.status != ObjectStatus::gone;
+      if (there) present.push_back(belief.object);
+      gone += there ? 0 : 1;
+      for (const std::string& name : names) {
+        std::vector<const BeliefRow*> others;
+        try {
+          for (const Id id : searched.find_objects(name))
+            if (const BeliefRow* other = searched.belief(id);
+                id != belief.object && !(there && other->status == ObjectStatus::gone))
+              others.push_back(other);
+        } catch (const UnknownName&) {  // has no namesakes
+        }
+        namesakes += others.size();
+        for (const auto such : {+[](const BeliefRow&) { return true; },
+                                +[](const BeliefRow& row) { return row.place == Id{1}; },
+                                +[](const BeliefRow& row) { return row.object % 2 == 0; }})
+          EXPECT_EQ(snapshot.has_namesake(name, belief.object, such),
+                    std::ranges::any_of(others, [&](const BeliefRow* other) { return such(*other); }))
+              << name << " " << belief.object;
+      }
+    }
+    EXPECT_EQ(snapshot.present_objects(), present);
+    EXPECT_EQ(searched.present_objects(), present);
+  }
+  EXPECT_GT(gone, 0U);
+  EXPECT_GT(namesakes, 0U);
 }
 
 INSTANTIATE_TEST_SUITE_P(GeneratedDays, Agreement, testing::Range<uint64_t>(1, 9));

@@ -79,7 +79,7 @@ TEST_F(StoreTest, TellsTheTimesOfItsFirstAndLastScenes) {
   EXPECT_THAT(store.scene_times_at_ends(1), testing::ElementsAre(1000, 5000));
   EXPECT_THAT(store.scene_times_at_ends(2), testing::ElementsAre(1000, 2000, 4000, 5000));
   EXPECT_THAT(store.scene_times_at_ends(4), testing::ElementsAre(1000, 2000, 3000, 4000, 5000));
-  EXPECT_EQ(store.run_of_scene(last), run);
+  EXPECT_EQ(store.scene(last).run, run);
 }
 
 TEST_F(StoreTest, TheSchemaHasItsDigest) {

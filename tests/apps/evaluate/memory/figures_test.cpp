@@ -52,6 +52,11 @@ TEST_F(MemoryAtSize, KnowsTheThingsOfTheHomeAndWritesLittleForWhatDoesNotChange)
   for (const memory::Store::TableSize& size : store.statistics())
     if (size.table == "belief") beliefs = static_cast<size_t>(size.rows);
   EXPECT_LT(beliefs, figures.observations) << "a tenth of one row per object and scene";
+  options.reuse = true;
+  const MemoryFigures again = measure(options, folder, silent);
+  EXPECT_EQ(again.scenes, 0U);
+  EXPECT_EQ(again.objects, figures.objects);
+  EXPECT_EQ(again.questions.size(), figures.questions.size());
 }
 
 TEST_F(MemoryAtSize, LearnsHowMuchLooksVaryAndTellsFalseDetectionsFromThings) {
