@@ -9,12 +9,14 @@
 #include "mapping/base/files.h"
 #include "mapping/base/math/math.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/base/text/html.h"
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
 #include "mapping/exchange/formats/gltf.h"
 #include "mapping/exchange/formats/ply.h"
 #include "mapping/exchange/map_colors.h"
 #include "mapping/exchange/map_report.h"
+#include "mapping/exchange/model_view.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/fusion/room_mesh.h"
 #include "mapping/image/image_io.h"
@@ -300,7 +302,7 @@ void write_map(mapping::InterpretedMap& map, const mapping::ScanSet& scans, cons
                const Session& session) {
   color_links(scans, session.flags().threads, map);
   const std::map<std::string, std::string> textures = add_textures(map);
-  for (const auto& [name, bytes] : textures) session.check_outputs(out, {name});
+  for (const auto& [name, bytes] : textures) session.check_outputs(out, {name});  // known only now
   make_folder(out);
   const std::filesystem::path folder = out;
   if (!textures.empty()) make_folder(folder / "textures");
@@ -308,6 +310,14 @@ void write_map(mapping::InterpretedMap& map, const mapping::ScanSet& scans, cons
   map.world.name = mapping::map_name(out);
   write_urdf(map.world, folder / "map.urdf");
   write_semantic_map(map.semantics, mapping::sidecar_path(folder / "map.urdf"));
+}
+
+void write_report(const mapping::InterpretedMap& map, const mapping::ScanSet& scans,
+                  const InterpretArguments& arguments, Session& session) {
+  const std::filesystem::path folder = arguments.out;
+  const std::string glb = glb_bytes(map.world, {{}, folder}, session.warnings());
+  write_file_atomically(folder / "report.html", html_with_section(map_report(map, scans, arguments.scans),
+                                                                  "model", mapping::model_section(glb)));
 }
 
 }  // namespace
@@ -353,8 +363,7 @@ Command interpret_command() {
               }
               write_map(map, scans, arguments->out, session);
               move_room(arguments->scans, map.semantics, arguments->out);
-              write_file_atomically(std::filesystem::path(arguments->out) / "report.html",
-                                    map_report(map, scans, arguments->scans));
+              write_report(map, scans, *arguments, session);
               session.answer(answer_text(map, arguments->out), map.report());
             };
           }};

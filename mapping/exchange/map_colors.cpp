@@ -16,6 +16,7 @@
 #include "mapping/image/image_io.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/world/kinematics.h"
+#include "mapping/world/mesh_files.h"
 
 namespace loci::mapping {
 namespace {
@@ -198,7 +199,7 @@ std::map<std::string, std::string> add_textures(InterpretedMap& map) {
     paint(link, {bgr[2], bgr[1], bgr[0], 1});
     std::string name = file_name(front.name);
     while (files.contains("textures/" + name + ".obj")) name += '_';
-    link.visuals.push_back({"photo", link_from_photo(*panel, link.visuals.front(), map_from_link[index]),
+    link.visuals.push_back({kPhotoVisual, link_from_photo(*panel, link.visuals.front(), map_from_link[index]),
                             Mesh{"textures/" + name + ".obj"}, std::nullopt});
     files["textures/" + name + ".obj"] = rectangle_obj(name, panel->width, panel->height);
     files["textures/" + name + ".jpg"] = bytes_of_jpeg(image);

@@ -23,7 +23,7 @@ constexpr double kSameDirection = 0.98;  ///< cosine
 constexpr double kPlanScale = 140;       ///< pixels per metre
 constexpr double kElevationScale = 220;
 constexpr int kMaxPhotoSide = 1600;  ///< pixels
-constexpr double kMargin = 46;       ///< around a drawing, pixels, for dimensions
+constexpr double kMargin = 64;       ///< around a drawing, pixels, for dimensions
 
 /// A drawing in metres, y upwards.
 class Drawing {

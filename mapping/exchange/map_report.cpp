@@ -127,9 +127,9 @@ std::string remarks_html(const std::vector<Remark>& remarks) {
       texts.push_back(remark.text);
       continue;
     }
-    views += fmt::format("<figure style=\"width:16rem\">{}<figcaption>{}</figcaption></figure>\n",
-                         html_image(encode_image(remark.view, ".jpg"), "image/jpeg", remark.text),
-                         html_escape(remark.text));
+    views += fmt::format(
+        "<figure style=\"width:16rem\">{}<figcaption style=\"font-weight:400\">{}</figcaption></figure>\n",
+        html_image(encode_image(remark.view, ".jpg"), "image/jpeg", remark.text), html_escape(remark.text));
   }
   if (!views.empty()) views = "<div style=\"display:flex;flex-wrap:wrap;gap:.75rem\">" + views + "</div>\n";
   return views + (texts.empty() ? "" : html_list(texts));

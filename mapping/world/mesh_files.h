@@ -12,6 +12,9 @@
 
 namespace loci::mapping {
 
+/// Name of the visual with which a map shows a photo of a front, before the panel of the front's mean colour.
+inline constexpr const char* kPhotoVisual = "photo";
+
 /// Triangles of one material of a mesh file, in the frame of their visual, metres.
 struct MeshPart {
   std::vector<Eigen::Vector3f> vertices;
