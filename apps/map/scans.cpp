@@ -9,14 +9,12 @@
 #include "mapping/base/files.h"
 #include "mapping/base/math/math.h"
 #include "mapping/base/stopwatch.h"
-#include "mapping/base/text/html.h"
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
 #include "mapping/exchange/formats/gltf.h"
 #include "mapping/exchange/formats/ply.h"
 #include "mapping/exchange/map_colors.h"
 #include "mapping/exchange/map_report.h"
-#include "mapping/exchange/model_view.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/fusion/room_mesh.h"
 #include "mapping/image/image_io.h"
@@ -312,14 +310,6 @@ void write_map(mapping::InterpretedMap& map, const mapping::ScanSet& scans, cons
   write_semantic_map(map.semantics, mapping::sidecar_path(folder / "map.urdf"));
 }
 
-void write_report(const mapping::InterpretedMap& map, const mapping::ScanSet& scans,
-                  const InterpretArguments& arguments, Session& session) {
-  const std::filesystem::path folder = arguments.out;
-  const std::string glb = glb_bytes(map.world, {{}, folder}, session.warnings());
-  write_file_atomically(folder / "report.html", html_with_section(map_report(map, scans, arguments.scans),
-                                                                  "model", mapping::model_section(glb)));
-}
-
 }  // namespace
 
 Command interpret_command() {
@@ -363,7 +353,9 @@ Command interpret_command() {
               }
               write_map(map, scans, arguments->out, session);
               move_room(arguments->scans, map.semantics, arguments->out);
-              write_report(map, scans, *arguments, session);
+              const std::filesystem::path folder = arguments->out;
+              const std::string glb = glb_bytes(map.world, {{}, folder}, session.warnings());
+              write_file_atomically(folder / "report.html", map_report(map, scans, arguments->scans, glb));
               session.answer(answer_text(map, arguments->out), map.report());
             };
           }};

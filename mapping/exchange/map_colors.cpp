@@ -91,12 +91,6 @@ void paint(Link& link, const Rgba& color) {
   for (Visual& visual : link.visuals) visual.material = Material{link.name + "_color", color, ""};
 }
 
-cv::Mat seen_pixels(const cv::Mat& photo) {
-  cv::Mat sum;
-  cv::transform(photo, sum, cv::Matx13f(1, 1, 1));
-  return sum > 0;
-}
-
 /// The rectangle of a front in a photo of its plane; empty when the photo is of another plane.
 cv::Mat crop(const FacePhoto& photo, const Front& front, double margin_m) {
   const Vector3d at = photo.face.coordinates(front.centre);
@@ -165,6 +159,12 @@ void color_links(const ScanSet& scans, int threads, InterpretedMap& map) {
     if (entry == map.semantics.links.end() || !is_seen(entry->second)) return;
     if (const auto color = color_on(link, map_from_link[i], points)) paint(link, *color);
   });
+}
+
+cv::Mat seen_pixels(const cv::Mat& photo) {
+  cv::Mat unseen;
+  cv::inRange(photo, cv::Scalar::all(0), cv::Scalar::all(0), unseen);
+  return ~unseen;
 }
 
 cv::Mat photo_of(const InterpretedMap& map, const Front& front, double margin_m) {

@@ -19,6 +19,9 @@ void color_links(const ScanSet& scans, int threads, InterpretedMap& map);
 /// nothing was seen); empty when they show less than half of it.
 cv::Mat photo_of(const InterpretedMap& map, const Front& front, double margin_m = 0);
 
+/// Mask of the pixels of a photo that were seen (CV_8U, 0 or 255).
+cv::Mat seen_pixels(const cv::Mat& photo);
+
 /// Gives the fronts that photos of the map show a second visual, the mesh of a rectangle a millimetre before
 /// the panel with the photo as its texture; the panel gets the mean colour. Returns the files to write: bytes
 /// by name, relative to the URDF's folder ("textures/door_1.obj", "textures/door_1.jpg",

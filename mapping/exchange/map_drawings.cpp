@@ -11,6 +11,7 @@
 #include "mapping/base/text/base64.h"
 #include "mapping/base/text/html.h"
 #include "mapping/base/text/json.h"
+#include "mapping/exchange/map_colors.h"
 #include "mapping/image/image_io.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/world/furniture_classes.h"
@@ -149,9 +150,7 @@ bool draw_photos(Drawing& drawing, const InterpretedMap& map, const FurnitureRun
         cv::Rect({}, photo.color.size());
     if (pixels.empty()) continue;
     cv::Mat shown = photo.color(pixels).clone();
-    cv::Mat unseen;
-    cv::inRange(shown, cv::Scalar::all(0), cv::Scalar::all(0), unseen);
-    shown.setTo(cv::Scalar::all(235), unseen);
+    shown.setTo(kUnseenColor, ~seen_pixels(shown));
     const double scale = static_cast<double>(kMaxPhotoSide) / std::max(shown.cols, shown.rows);
     if (scale < 1) cv::resize(shown, shown, {}, scale, scale, cv::INTER_AREA);
     drawing.image(part.min(), part.max(), shown);

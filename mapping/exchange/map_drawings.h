@@ -1,5 +1,6 @@
 #pragma once
 
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,9 @@ namespace loci::mapping {
 
 /// Of what is found with less, the report says that it is unsure.
 inline constexpr double kUnsureConfidence = 0.6;
+
+/// Drawn in photos where nothing was seen, BGR.
+inline const cv::Scalar kUnseenColor(235, 235, 235);
 
 /// Fronts in one vertical plane, as someone sees them who stands before it.
 struct FurnitureRun {

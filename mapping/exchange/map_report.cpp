@@ -11,6 +11,7 @@
 #include "mapping/base/text/json.h"
 #include "mapping/exchange/map_drawings.h"
 #include "mapping/exchange/map_views.h"
+#include "mapping/exchange/model_view.h"
 #include "mapping/image/image_io.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 
@@ -188,7 +189,8 @@ std::string elevations(const InterpretedMap& map) {
 
 }  // namespace
 
-std::string map_report(const InterpretedMap& map, const ScanSet& scans, const std::string& input) {
+std::string map_report(const InterpretedMap& map, const ScanSet& scans, const std::string& input,
+                       const std::string& glb) {
   const bool furnished = std::ranges::any_of(
       map.semantics.links, [](const auto& entry) { return entry.second.geometry.contains("width"); });
   const std::vector<Remark> unsure = doubts(map, scans);
@@ -197,6 +199,7 @@ std::string map_report(const InterpretedMap& map, const ScanSet& scans, const st
       "plan", "Plan",
       plan_svg(map) + "<p class=\"faint\">Lengths in cm; fronts blue.</p>\n" +
           details("Points in their colours, seen from above (below 1.9 m)", top_view_svg(map, scans)));
+  if (!glb.empty()) sections += model_section(glb);
   if (furnished) {
     sections += html_section("elevations", "Fronts", elevations(map));
     sections += html_section("openings", "What opens, and how", openings_table(map));

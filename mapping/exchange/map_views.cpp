@@ -13,6 +13,7 @@
 #include "mapping/base/text/html.h"
 #include "mapping/base/text/json.h"
 #include "mapping/exchange/map_colors.h"
+#include "mapping/exchange/map_drawings.h"
 #include "mapping/image/image_io.h"
 
 namespace loci::mapping {
@@ -152,7 +153,10 @@ Isometry3d view_from_map(const Front& front) {
 /// What photos, or else the points show of a front with the space around.
 cv::Mat image_before(const InterpretedMap& map, const ScanSet& scans, const Front& front, double margin) {
   cv::Mat image = photo_of(map, front, margin);
-  if (!image.empty()) return image;
+  if (!image.empty()) {
+    image.setTo(kUnseenColor, ~seen_pixels(image));
+    return image;
+  }
   TopView view;
   view.high = Vector2d(front.width, front.height) / 2 + Vector2d::Constant(margin);
   view.low = -view.high;

@@ -106,7 +106,7 @@ constexpr const char* kViewer = R"js(
     high[i] = Math.max(high[i], value);
   }));
   const centre = low.map((value, i) => (value + high[i]) / 2);
-  let yaw = 0.5, pitch = 0.6, distance = 1.3 * Math.hypot(...low.map((value, i) => high[i] - value));
+  let yaw = 0.5, pitch = 0.6, distance = Math.hypot(...low.map((value, i) => high[i] - value));
   const redraw = () => {
     const out = [Math.sin(yaw) * Math.cos(pitch), Math.sin(pitch), Math.cos(yaw) * Math.cos(pitch)];
     const eye = centre.map((value, i) => value + distance * out[i]);

@@ -84,6 +84,14 @@ TEST(MapReport, DrawsFrontsOverThePhotoAndShowsWhatIsUnsureAndLeftOut) {
   EXPECT_THAT(page, testing::HasSubstr("<li>no walls were recognised"));
 }
 
+TEST(MapReport, HoldsTheModelThatItIsGiven) {
+  const InterpretedMap map = test::photographed_map();
+  EXPECT_THAT(map_report(map, {}, "scans", "glTF bytes"),
+              testing::AllOf(testing::HasSubstr("data:model/gltf-binary;base64,Z2xURiBieXRlcw=="),
+                             testing::HasSubstr("<canvas")));
+  EXPECT_THAT(map_report(map, {}, "scans"), testing::Not(testing::HasSubstr("<canvas")));
+}
+
 TEST(MapReport, ShowsAtMostSoManyImagesOfWhatWasLeftOut) {
   InterpretedMap map = test::photographed_map();
   map.notes.assign(100, "the object before the face at (0.50, 1.38, 0.50) is no fixture: it is large");
