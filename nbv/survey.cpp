@@ -10,6 +10,7 @@
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/text/html.h"
 #include "mapping/base/text/json.h"
+#include "mapping/exchange/map_colors.h"
 #include "mapping/exchange/map_report.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/world/urdf.h"
@@ -166,6 +167,7 @@ SurveyResult survey(mapping::Robot& robot, const mapping::PlanarPose& start,
 
   progress.check(0.98, "writes the map");
   result.seconds = watch.seconds();
+  color_links(result.scans, checked.exploration.threads, result.map);
   result.map.world.name = mapping::map_name(folder);
   write_urdf(result.map.world, folder / "map.urdf");
   write_semantic_map(result.map.semantics, folder / "map.semantic.json");

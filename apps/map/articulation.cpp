@@ -4,6 +4,7 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
+#include "mapping/world/mesh_files.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 
@@ -72,6 +73,8 @@ void articulate_map(const ArticulateArguments& arguments, Session& session) {
         arguments.front.empty() ? "the map has no fronts" : "the map has no front '" + arguments.front + "'",
         {arguments.map, 0, ""});
   if (!arguments.out.empty()) {
+    move_mesh_names(world, std::filesystem::path(arguments.map).parent_path(),
+                    std::filesystem::path(arguments.out).parent_path());
     write_urdf(world, arguments.out);
     write_semantic_map(semantics, mapping::sidecar_path(arguments.out));
   }

@@ -7,6 +7,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/text/json.h"
 #include "mapping/exchange/comparison/compare.h"
+#include "mapping/exchange/formats/gltf.h"
 #include "mapping/exchange/formats/mjcf.h"
 #include "mapping/exchange/formats/occupancy_grid.h"
 #include "mapping/exchange/formats/owl.h"
@@ -14,6 +15,7 @@
 #include "mapping/exchange/formats/sdf.h"
 #include "mapping/exchange/link_graph.h"
 #include "mapping/world/inspection.h"
+#include "mapping/world/mesh_files.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::apps {
@@ -86,12 +88,12 @@ struct ExportArguments {
 std::string format_of(const ExportArguments& arguments) {
   if (!arguments.format.empty()) return arguments.format;
   const std::string ending = std::filesystem::path(arguments.out).extension();
-  for (const char* format : {"sdf", "mjcf", "owl", "ply", "bt", "svg"})
+  for (const char* format : {"glb", "sdf", "mjcf", "owl", "ply", "bt", "svg"})
     if (ending == std::string(".") + format) return format;
   if (ending == ".xml") return "mjcf";
   if (ending == ".pgm" || ending == ".yaml") return "grid";
   throw Error("the ending of '" + arguments.out + "' names no format", {},
-              "give --format: sdf, mjcf, owl, ply, grid, bt, svg");
+              "give --format: glb, sdf, mjcf, owl, ply, grid, bt, svg");
 }
 
 /// PGM and YAML side by side. Returns what to tell.
@@ -119,25 +121,29 @@ int64_t modified_ns(const std::filesystem::path& file) {
 }
 
 Json export_map(const ExportArguments& arguments, const std::string& format, Session& session) {
-  const mapping::World world = mapping::read_urdf(arguments.input);
+  mapping::World world = mapping::read_urdf(arguments.input);
+  const std::filesystem::path folder = std::filesystem::path(arguments.input).parent_path();
   const std::filesystem::path sidecar = mapping::sidecar_path(arguments.input);
   const bool described = std::filesystem::exists(sidecar);
   const mapping::SemanticMap semantics =
       described ? mapping::read_semantic_map(sidecar) : mapping::SemanticMap{};
-  if (format == "sdf") return write_text(sdf_text(world, session.warnings()), arguments.out);
+  if (format == "sdf") {
+    move_mesh_names(world, folder, std::filesystem::path(arguments.out).parent_path());
+    return write_text(sdf_text(world, session.warnings()), arguments.out);
+  }
   if (format == "svg") return write_text(link_graph_svg(world, semantics, arguments.root), arguments.out);
   if (format == "owl") {
     if (!described)
       throw Error("what the links are is not known", {arguments.input, 0, ""},
                   "OWL needs the sidecar " + sidecar.string());
-    const std::string name = world.name.empty() || world.name == "map"
-                                 ? mapping::map_name(std::filesystem::path(arguments.input).parent_path())
-                                 : world.name;
+    const std::string name =
+        world.name.empty() || world.name == "map" ? mapping::map_name(folder) : world.name;
     return write_text(owl_text(world, semantics, name, modified_ns(arguments.input)), arguments.out);
   }
   mapping::MeshSearch search;
   search.package_paths.assign(arguments.package_paths.begin(), arguments.package_paths.end());
-  search.urdf_folder = std::filesystem::path(arguments.input).parent_path();
+  search.urdf_folder = folder;
+  if (format == "glb") return write_text(glb_bytes(world, search, session.warnings()), arguments.out);
   if (format == "mjcf") return write_text(mjcf_text(world, search, session.warnings()), arguments.out);
   const std::vector<mapping::WorldTriangle> triangles = triangles_of(world, search, session.warnings());
   if (format == "ply") return write_text(ply_text(triangles), arguments.out);
@@ -178,28 +184,30 @@ void run(const ExportArguments& arguments, Session& session) {
 }  // namespace
 
 Command export_command() {
-  return {"export",
-          "Export a map as SDF, MJCF, OWL, PLY, grid, OctoMap or link graph; scans as PLY, grid or OctoMap",
-          {"loci-map export apps/samples/kitchen.urdf -o demo-output/kitchen.sdf",
-           "loci-map export demo-output/map.urdf --format mjcf -o demo-output/kitchen.xml",
-           "loci-map export apps/samples/kitchen.urdf --format grid --resolution-m 0.02 -o "
-           "demo-output/floor.yaml"},
-          [](ArgumentTable& table) {
-            auto arguments = std::make_shared<ExportArguments>();
-            table.positional("MAP", &arguments->input,
-                             "URDF of the map (the sidecar is found beside it), or a folder of scans");
-            table.output("FILE", &arguments->out, "File to write", {.replaces = true});
-            table.option("--format FORMAT", &arguments->format, "Format",
-                         {.default_text = "by the file name",
-                          .choices = {"sdf", "mjcf", "owl", "ply", "grid", "bt", "svg"}});
-            table.option("--root LINK", &arguments->root, "Link with which the link graph begins");
-            table.package_path(&arguments->package_paths);
-            table.options(table_of(arguments->grid), "Grid");
-            return [arguments](Session& session) {
-              table_of(arguments->grid).validate({"", 0, "export"});
-              run(*arguments, session);
-            };
-          }};
+  return {
+      "export",
+      "Export a map as GLB, SDF, MJCF, OWL, PLY, grid, OctoMap or link graph; scans as PLY, grid or OctoMap",
+      {"loci-map export apps/samples/kitchen.urdf -o demo-output/kitchen.sdf",
+       "loci-map export demo-output/map.urdf -o demo-output/kitchen.glb",
+       "loci-map export demo-output/map.urdf --format mjcf -o demo-output/kitchen.xml",
+       "loci-map export apps/samples/kitchen.urdf --format grid --resolution-m 0.02 -o "
+       "demo-output/floor.yaml"},
+      [](ArgumentTable& table) {
+        auto arguments = std::make_shared<ExportArguments>();
+        table.positional("MAP", &arguments->input,
+                         "URDF of the map (the sidecar is found beside it), or a folder of scans");
+        table.output("FILE", &arguments->out, "File to write", {.replaces = true});
+        table.option("--format FORMAT", &arguments->format, "Format",
+                     {.default_text = "by the file name",
+                      .choices = {"glb", "sdf", "mjcf", "owl", "ply", "grid", "bt", "svg"}});
+        table.option("--root LINK", &arguments->root, "Link with which the link graph begins");
+        table.package_path(&arguments->package_paths);
+        table.options(table_of(arguments->grid), "Grid");
+        return [arguments](Session& session) {
+          table_of(arguments->grid).validate({"", 0, "export"});
+          run(*arguments, session);
+        };
+      }};
 }
 
 }  // namespace loci::apps

@@ -13,6 +13,7 @@
 #include "mapping/base/text/text.h"
 #include "mapping/exchange/formats/gltf.h"
 #include "mapping/exchange/formats/ply.h"
+#include "mapping/exchange/map_colors.h"
 #include "mapping/exchange/map_report.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/fusion/room_mesh.h"
@@ -294,6 +295,21 @@ void add_photos(const InterpretArguments& arguments, mapping::InterpretedMap& ma
   }
 }
 
+/// The map with the colours of scans and photos, and its textures.
+void write_map(mapping::InterpretedMap& map, const mapping::ScanSet& scans, const std::string& out,
+               const Session& session) {
+  color_links(scans, session.flags().threads, map);
+  const std::map<std::string, std::string> textures = add_textures(map);
+  for (const auto& [name, bytes] : textures) session.check_outputs(out, {name});  // known only now
+  make_folder(out);
+  const std::filesystem::path folder = out;
+  if (!textures.empty()) make_folder(folder / "textures");
+  for (const auto& [name, bytes] : textures) write_file_atomically(folder / name, bytes);
+  map.world.name = mapping::map_name(out);
+  write_urdf(map.world, folder / "map.urdf");
+  write_semantic_map(map.semantics, mapping::sidecar_path(folder / "map.urdf"));
+}
+
 }  // namespace
 
 Command interpret_command() {
@@ -335,14 +351,11 @@ Command interpret_command() {
                 for (const std::string& name : names.vanished)
                   session.warnings().add("'" + name + "' of the older map was not found again");
               }
-              make_folder(arguments->out);
-              const std::filesystem::path urdf = std::filesystem::path(arguments->out) / "map.urdf";
-              map.world.name = mapping::map_name(arguments->out);
-              write_urdf(map.world, urdf);
-              write_semantic_map(map.semantics, mapping::sidecar_path(urdf));
+              write_map(map, scans, arguments->out, session);
               move_room(arguments->scans, map.semantics, arguments->out);
-              write_file_atomically(std::filesystem::path(arguments->out) / "report.html",
-                                    map_report(map, scans, arguments->scans));
+              const std::filesystem::path folder = arguments->out;
+              const std::string glb = glb_bytes(map.world, {{}, folder}, session.warnings());
+              write_file_atomically(folder / "report.html", map_report(map, scans, arguments->scans, glb));
               session.answer(answer_text(map, arguments->out), map.report());
             };
           }};

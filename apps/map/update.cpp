@@ -1,6 +1,7 @@
 // A map and new scans of the same room: update.
 
-#include "mapping/update/update.h"
+#include <set>
+
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
 #include "mapping/base/text/json.h"
@@ -9,6 +10,7 @@
 #include "mapping/recording/posed_recording.h"
 #include "mapping/tracking/known_poses.h"
 #include "mapping/update/placement.h"
+#include "mapping/update/update.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::apps {
@@ -63,9 +65,26 @@ mapping::ScanSet read_earlier(const UpdateArguments& arguments, const mapping::S
   return read_scans_of_map(folder, semantics, session.warnings());
 }
 
-void write_update(const mapping::UpdateResult& result, const std::string& out) {
+/// The textures of a map that its update still names.
+std::set<std::string> textures_of(const mapping::World& world, const fs::path& folder) {
+  std::set<std::string> names;
+  for (const mapping::Link& link : world.links)
+    for (const mapping::Visual& visual : link.visuals) {
+      const auto* mesh = std::get_if<mapping::Mesh>(&visual.geometry);
+      if (mesh == nullptr || fs::path(mesh->uri).parent_path() != "textures") continue;
+      for (const char* ending : {".obj", ".jpg"}) names.insert(fs::path(mesh->uri).replace_extension(ending));
+      names.insert("textures/textures.mtl");
+    }
+  std::erase_if(names, [&](const std::string& name) { return !fs::exists(folder / name); });
+  return names;
+}
+
+void write_update(const mapping::UpdateResult& result, const fs::path& before,
+                  const std::set<std::string>& textures, const std::string& out) {
   const fs::path folder = out;
   make_folder(folder);
+  if (!textures.empty()) make_folder(folder / "textures");
+  for (const std::string& name : textures) write_file_atomically(folder / name, read_file(before / name));
   write_urdf(result.map.world, folder / "map.urdf");
   write_semantic_map(result.map.semantics, mapping::sidecar_path(folder / "map.urdf"));
   write_scan_set(result.scans, folder / "scans");
@@ -89,7 +108,10 @@ void run(UpdateArguments& arguments, Session& session) {
              session.progress());
   session.timing("update", result.seconds);
   for (const std::string& note : result.notes) session.warnings().add(note);
-  write_update(result, arguments.out);
+  const fs::path before = fs::path(arguments.map).parent_path();
+  const std::set<std::string> textures = textures_of(result.map.world, before);
+  session.check_outputs(arguments.out, {textures.begin(), textures.end()});
+  write_update(result, before, textures, arguments.out);
   session.answer(result.text() + "in " + arguments.out + "/map.urdf, see " + arguments.out + "/changes.svg\n",
                  result.report());
 }

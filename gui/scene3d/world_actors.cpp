@@ -10,6 +10,7 @@
 
 #include "gui/scene3d/vtk_convert.h"
 #include "mapping/world/kinematics.h"
+#include "mapping/world/mesh_files.h"
 
 namespace loci::gui {
 namespace {
@@ -31,9 +32,12 @@ std::vector<MeshPart> parts_of(const mapping::Link& link, const mapping::MeshSea
   const mapping::Rgba plain(static_cast<float>(colors.world[0]), static_cast<float>(colors.world[1]),
                             static_cast<float>(colors.world[2]), 1);
   std::vector<MeshPart> parts;
+  Warnings ignored;
   for (const mapping::Visual& visual : link.visuals) {
     MeshPart part;
-    part.mesh = triangulate(visual.geometry, search, warnings);
+    // A memory keeps the map without its photos; the panels behind have their colours.
+    const bool photo = visual.name == mapping::kPhotoVisual;
+    part.mesh = triangulate(visual.geometry, search, photo ? ignored : warnings);
     part.target_from_mesh = visual.link_from_visual;
     part.color = plain;
     if (visual.material && visual.material->color) {

@@ -6,9 +6,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
+#include "mapping/base/text/base64.h"
 #include "mapping/base/text/html.h"
 #include "mapping/base/text/json.h"
+#include "mapping/exchange/map_colors.h"
+#include "mapping/image/image_io.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/world/furniture_classes.h"
 
@@ -19,7 +23,8 @@ constexpr double kSameRun_m = 0.1;
 constexpr double kSameDirection = 0.98;  ///< cosine
 constexpr double kPlanScale = 140;       ///< pixels per metre
 constexpr double kElevationScale = 220;
-constexpr double kMargin = 46;  ///< around a drawing, pixels, for dimensions
+constexpr int kMaxPhotoSide = 1600;  ///< pixels
+constexpr double kMargin = 64;       ///< around a drawing, pixels, for dimensions
 
 /// A drawing in metres, y upwards.
 class Drawing {
@@ -40,6 +45,15 @@ class Drawing {
   }
   void rectangle(const Vector2d& low, const Vector2d& high, const std::string& style) {
     polygon({low, {high.x(), low.y()}, high, {low.x(), high.y()}}, style);
+  }
+  void image(const Vector2d& low, const Vector2d& high, const cv::Mat& pixels) {
+    const std::vector<unsigned char> jpeg = encode_image(pixels, ".jpg");
+    const Vector2d corner = at({low.x(), high.y()}), size = (high - low) * scale_;
+    text_ += fmt::format(
+        "<image x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" preserveAspectRatio=\"none\" "
+        "href=\"data:image/jpeg;base64,{}\"/>\n",
+        corner.x(), corner.y(), size.x(), size.y(),
+        base64_from_bytes({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}));
   }
   void write(const Vector2d& middle, const std::string& words, double size = 12, double lines_down = 0) {
     const Vector2d p = at(middle);
@@ -113,11 +127,44 @@ void draw_opening(Drawing& drawing, const Front& front, const Vector2d& middle) 
   }
 }
 
-void draw_front(Drawing& drawing, const FurnitureRun& run, const Front& front) {
+/// Draws the part within a box of what the photos show of a run. False when they show nothing.
+bool draw_photos(Drawing& drawing, const InterpretedMap& map, const FurnitureRun& run,
+                 const Eigen::AlignedBox2d& box) {
+  bool any = false;
+  for (const FacePhoto& photo : map.photos) {
+    if (photo.face.normal3().dot(run.normal) < kSameDirection ||
+        std::abs(photo.face.offset - run.offset) > kSameRun_m)
+      continue;
+    const Vector3d right = Vector3d::UnitZ().cross(run.normal);
+    // From the photo's columns to the run's: their directions differ by a little.
+    const double shift = photo.face.at(photo.u0, 0).dot(right) - photo.u0;
+    const Eigen::AlignedBox2d whole(
+        Vector2d(photo.u0 + shift, photo.v0),
+        Vector2d(photo.u0 + shift, photo.v0) + photo.pixel_m * Vector2d(photo.color.cols, photo.color.rows));
+    const Eigen::AlignedBox2d part = whole.intersection(box);
+    if (part.isEmpty()) continue;
+    const Vector2d from = (part.min() - whole.min()) / photo.pixel_m, size = part.sizes() / photo.pixel_m;
+    const cv::Rect pixels =
+        cv::Rect(static_cast<int>(from.x()), static_cast<int>(photo.color.rows - from.y() - size.y()),
+                 static_cast<int>(size.x()), static_cast<int>(size.y())) &
+        cv::Rect({}, photo.color.size());
+    if (pixels.empty()) continue;
+    cv::Mat shown = photo.color(pixels).clone();
+    shown.setTo(kUnseenColor, ~seen_pixels(shown));
+    const double scale = static_cast<double>(kMaxPhotoSide) / std::max(shown.cols, shown.rows);
+    if (scale < 1) cv::resize(shown, shown, {}, scale, scale, cv::INTER_AREA);
+    drawing.image(part.min(), part.max(), shown);
+    any = true;
+  }
+  return any;
+}
+
+void draw_front(Drawing& drawing, const FurnitureRun& run, const Front& front, bool over_photo) {
   const Vector3d right = Vector3d::UnitZ().cross(run.normal);
   const auto in_plane = [&](const Vector3d& p) { return Vector2d(p.dot(right), p.z()); };
   const Vector2d middle = in_plane(front.centre), half(front.width / 2, front.height / 2);
-  drawing.rectangle(middle - half, middle + half, "fill=\"#e5edf5\" " + stroke_of(front.confidence));
+  drawing.rectangle(middle - half, middle + half,
+                    (over_photo ? "fill=\"none\" " : "fill=\"#e5edf5\" ") + stroke_of(front.confidence));
   draw_opening(drawing, front, middle);
   drawing.write(middle, front.name, 11);
   if (front.height > 0.12)
@@ -180,6 +227,7 @@ std::string elevation_svg(const InterpretedMap& map, const FurnitureRun& run) {
   box.extend(Vector2d(box.min().x(), 0));
   box.extend(Vector2d(box.min().x(), top + 0.1));
   Drawing drawing(box, kElevationScale, "Elevation");
+  const bool over_photos = draw_photos(drawing, map, run, box);
   drawing.line({box.min().x() - 0.2, 0}, {box.max().x() + 0.2, 0}, "stroke=\"#111\" stroke-width=\"3\"");
   for (const auto& [name, link] : map.semantics.links) {
     const std::vector<Vector2d> outline = outline_of(link);
@@ -198,7 +246,7 @@ std::string elevation_svg(const InterpretedMap& map, const FurnitureRun& run) {
     drawing.write({(from + to) / 2, height + 0.05}, fmt::format("{}, {:.0f} cm high", name, 100 * height),
                   11);
   }
-  for (const Front& front : run.fronts) draw_front(drawing, run, front);
+  for (const Front& front : run.fronts) draw_front(drawing, run, front, over_photos);
   drawing.dimension({box.min().x(), -0.18}, {box.max().x(), -0.18});
   drawing.dimension({box.max().x() + 0.18, 0}, {box.max().x() + 0.18, top});
   return drawing.svg();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,9 @@ namespace loci::mapping {
 
 /// Of what is found with less, the report says that it is unsure.
 inline constexpr double kUnsureConfidence = 0.6;
+
+/// Drawn in photos where nothing was seen, BGR.
+inline const cv::Scalar kUnseenColor(235, 235, 235);
 
 /// Fronts in one vertical plane, as someone sees them who stands before it.
 struct FurnitureRun {
@@ -24,9 +28,9 @@ HingeSide hinge_side(const Front& front);  ///< of one with a revolute joint
 /// The runs of a map's furniture, widest first. Fronts less than 10 cm behind each other are one run.
 std::vector<FurnitureRun> furniture_runs(const InterpretedMap& map);
 
-/// One run drawn to scale, in centimetres: fronts with their names, sizes and handles, the floor and the
-/// supports above them. Lines of doors and flaps meet at the hinge, drawers have an arrow; what was found
-/// with little confidence is dashed.
+/// One run drawn to scale, in centimetres, over the map's photos of it: fronts with their names, sizes and
+/// handles, the floor and the supports above them. Lines of doors and flaps meet at the hinge, drawers have
+/// an arrow; what was found with little confidence is dashed.
 std::string elevation_svg(const InterpretedMap& map, const FurnitureRun& run);
 
 /// The room from above with dimensions: walls, supports with their heights, fronts with the way they open.

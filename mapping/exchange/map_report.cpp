@@ -7,124 +7,16 @@
 #include <opencv2/core.hpp>
 
 #include "mapping/base/math/math.h"
-#include "mapping/base/text/base64.h"
 #include "mapping/base/text/html.h"
 #include "mapping/base/text/json.h"
 #include "mapping/exchange/map_drawings.h"
+#include "mapping/exchange/map_views.h"
+#include "mapping/exchange/model_view.h"
 #include "mapping/image/image_io.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 
 namespace loci::mapping {
 namespace {
-
-constexpr double kMaxShownHeight = 1.9;  // m; what hangs higher would hide the furniture
-constexpr double kPointMargin = 0.2;     // m around the points
-constexpr double kMaxPixels = 1400;
-
-struct TopView {
-  Vector2d low = Vector2d::Constant(1e9);
-  Vector2d high = Vector2d::Constant(-1e9);
-  double pixel = 0.01;  ///< metres
-
-  int width() const { return static_cast<int>((high - low).x() / pixel) + 1; }
-  int height() const { return static_cast<int>((high - low).y() / pixel) + 1; }
-  /// Pixels: x to the right, y of the map upwards.
-  Vector2d at(const Vector2d& point) const {
-    return {(point.x() - low.x()) / pixel, (high.y() - point.y()) / pixel};
-  }
-};
-
-template <class Visit>
-void each_point(const InterpretedMap& map, const ScanSet& scans, Visit visit) {
-  const Isometry3d map_from_input = map.semantics.map_from_input.value_or(Isometry3d::Identity());
-  for (const Scan& scan : scans.scans) {
-    const Isometry3d map_from_scan = map_from_input * scan.map_from_scan;
-    for (const ScanPoint& point : scan.points) {
-      if (!point.returned) continue;
-      const Vector3d position = map_from_scan * point.position.cast<double>();
-      if (position.z() < kMaxShownHeight) visit(position, point);
-    }
-  }
-}
-
-/// The box of the points but for the few farthest on each side.
-TopView view_of(const InterpretedMap& map, const ScanSet& scans) {
-  std::vector<double> x, y;
-  each_point(map, scans, [&](const Vector3d& position, const ScanPoint&) {
-    x.push_back(position.x());
-    y.push_back(position.y());
-  });
-  TopView view;
-  const auto spread = [](std::vector<double>& values, double& low, double& high) {
-    if (values.empty()) values = {0, 1};
-    low = quantile(values, 0.001) - kPointMargin;
-    high = quantile(values, 0.999) + kPointMargin;
-  };
-  spread(x, view.low.x(), view.high.x());
-  spread(y, view.low.y(), view.high.y());
-  view.pixel = std::max(0.01, (view.high - view.low).maxCoeff() / kMaxPixels);
-  return view;
-}
-
-/// The points seen from above in their colours (grey by height where they have none), the highest on top.
-cv::Mat image_of(const InterpretedMap& map, const ScanSet& scans, const TopView& view) {
-  cv::Mat image(view.height(), view.width(), CV_8UC3, cv::Scalar(255, 255, 255));
-  cv::Mat heights(view.height(), view.width(), CV_32F, cv::Scalar(-1e9));
-  each_point(map, scans, [&](const Vector3d& position, const ScanPoint& point) {
-    const Vector2d pixel = view.at(position.head<2>());
-    const int u = static_cast<int>(std::floor(pixel.x()));
-    const int v = static_cast<int>(std::floor(pixel.y()));
-    if (u < 0 || v < 0 || u >= image.cols || v >= image.rows) return;
-    auto& height = heights.at<float>(v, u);
-    if (static_cast<float>(position.z()) <= height) return;
-    height = static_cast<float>(position.z());
-    const bool colored = point.r != 0 || point.g != 0 || point.b != 0;
-    const auto grey = static_cast<uint8_t>(std::clamp(200 - 80 * position.z(), 40.0, 220.0));
-    image.at<cv::Vec3b>(v, u) = colored ? cv::Vec3b(point.b, point.g, point.r) : cv::Vec3b(grey, grey, grey);
-  });
-  return image;
-}
-
-const char* outline_color(const std::string& class_name) {
-  if (class_name == "wall") return "#1f4fd8";
-  if (class_name == "table") return "#c2410c";
-  if (class_name == "counter") return "#047857";
-  if (class_name == "floor" || class_name == "ceiling") return "#9ca3af";
-  return "#9d174d";
-}
-
-/// Room beside the image for names of what stands at its edge, pixels.
-constexpr int kLabelMargin = 60;
-
-std::string points_text(const Json& outline, const TopView& view) {
-  std::string text;
-  for (const Json& corner : outline) {
-    const Vector2d at = view.at({corner.at(0).get<double>(), corner.at(1).get<double>()});
-    text += fmt::format("{:.1f},{:.1f} ", at.x(), at.y());
-  }
-  return text;
-}
-
-std::string drawing_of(const std::string& name, const SemanticLink& link, const TopView& view) {
-  const Json& outline = link.geometry.at("outline");
-  const char* color = outline_color(link.class_name);
-  Vector2d middle = Vector2d::Zero();
-  for (const Json& corner : outline)
-    middle += view.at({corner.at(0).get<double>(), corner.at(1).get<double>()});
-  middle /= static_cast<double>(outline.size());
-  const bool level = link.class_name == "floor" || link.class_name == "ceiling";
-  std::string svg = fmt::format(
-      "<polygon points=\"{}\" fill=\"{}\" fill-opacity=\"{}\" stroke=\"{}\" stroke-width=\"{}\"{}/>\n",
-      points_text(outline, view), color, level || link.class_name == "wall" ? 0.0 : 0.15, color,
-      link.class_name == "wall" ? 5 : 2.5, level ? " stroke-dasharray=\"6 6\"" : "");
-  if (level) return svg;
-  return svg + fmt::format(
-                   "<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"{}\" stroke=\"#fff\" stroke-width=\"4\" "
-                   "paint-order=\"stroke\" "
-                   "font-family=\"sans-serif\" font-size=\"16\" font-weight=\"600\" "
-                   "text-anchor=\"middle\">{}</text>\n",
-                   middle.x(), middle.y(), color, html_escape(name));
-}
 
 std::string evidence_text(const Json& evidence) {
   std::string text;
@@ -219,27 +111,67 @@ std::string openings_table(const InterpretedMap& map) {
       rows);
 }
 
-/// What a person should look at before relying on the map.
-std::vector<std::string> doubts(const InterpretedMap& map) {
+constexpr size_t kMaxViews = 24;  // of one list; each takes about 8 KB
+
+/// What a person should look at, with an image where there is one.
+struct Remark {
+  std::string text;
+  cv::Mat view;
+};
+
+/// Remarks with images side by side, the others as a list.
+std::string remarks_html(const std::vector<Remark>& remarks) {
+  std::string views;
   std::vector<std::string> texts;
-  for (const Front& front : fronts_of(map.world, map.semantics)) {
-    if (front.confidence < kUnsureConfidence)
-      texts.push_back(
-          fmt::format("{}: its edges are unsure (confidence {:.2f})", front.name, front.confidence));
-    if (front.joint && front.joint->evidence == "prior" && probability_of(*front.joint) < kUnsureJoint)
-      texts.push_back(
-          fmt::format("{}: that it is a {} follows from its shape alone ({:.0f} %); nobody saw it move",
-                      front.name, front.class_name, 100 * probability_of(*front.joint)));
+  for (const Remark& remark : remarks) {
+    if (remark.view.empty()) {
+      texts.push_back(remark.text);
+      continue;
+    }
+    views += fmt::format(
+        "<figure style=\"width:16rem\">{}<figcaption style=\"font-weight:400\">{}</figcaption></figure>\n",
+        html_image(encode_image(remark.view, ".jpg"), "image/jpeg", remark.text), html_escape(remark.text));
   }
+  if (!views.empty()) views = "<div style=\"display:flex;flex-wrap:wrap;gap:.75rem\">" + views + "</div>\n";
+  return views + (texts.empty() ? "" : html_list(texts));
+}
+
+/// What is unsure about a front; empty when nothing is.
+std::string doubts_about(const Front& front) {
+  std::string text;
+  if (front.confidence < kUnsureConfidence)
+    text = fmt::format("{}: its edges are unsure (confidence {:.2f})", front.name, front.confidence);
+  if (front.joint && front.joint->evidence == "prior" && probability_of(*front.joint) < kUnsureJoint)
+    text += fmt::format("{} that it is a {} follows from its shape alone ({:.0f} %); nobody saw it move",
+                        text.empty() ? front.name + ":" : ";", front.class_name,
+                        100 * probability_of(*front.joint));
+  return text;
+}
+
+std::vector<Remark> doubts(const InterpretedMap& map, const ScanSet& scans) {
+  std::vector<Remark> remarks;
+  for (const Front& front : fronts_of(map.world, map.semantics))
+    if (const std::string text = doubts_about(front); !text.empty())
+      remarks.push_back({text, remarks.size() < kMaxViews ? view_of_front(map, scans, front) : cv::Mat()});
   for (const auto& [name, link] : map.semantics.links) {
     if (link.class_name != "wall" && link.geometry.contains("outline") && link.confidence < kUnsureConfidence)
-      texts.push_back(fmt::format("{}: confidence {:.2f}", name, link.confidence));
+      remarks.push_back({fmt::format("{}: confidence {:.2f}", name, link.confidence), {}});
     const Json edges = link.evidence.is_object() ? link.evidence.value("edges", Json::object()) : Json();
     const auto unseen = std::ranges::count(edges, Json("unseen"));
     if (edges.is_object() && link.geometry.contains("outline") && unseen > 0)
-      texts.push_back(fmt::format("{}: {} of its edges were not seen", name, unseen));
+      remarks.push_back({fmt::format("{}: {} of its edges were not seen", name, unseen), {}});
   }
-  return texts;
+  return remarks;
+}
+
+std::vector<Remark> left_out(const InterpretedMap& map, const ScanSet& scans) {
+  std::vector<Remark> remarks;
+  size_t views = 0;
+  for (const std::string& note : map.notes) {
+    remarks.push_back({note, views < kMaxViews ? view_of_note(map, scans, note) : cv::Mat()});
+    views += remarks.back().view.empty() ? 0 : 1;
+  }
+  return remarks;
 }
 
 std::string elevations(const InterpretedMap& map) {
@@ -251,47 +183,30 @@ std::string elevations(const InterpretedMap& map) {
         elevation_svg(map, run), run.fronts.size(), run.fronts.size() == 1 ? "" : "s");
   return text +
          "<p class=\"faint\">Sizes in cm. Dashed lines of a door meet at its hinge, drawers have an arrow, "
-         "handles are red. What is outlined dashed in brown is unsure.</p>\n";
+         "handles are red. What is outlined dashed in brown is unsure. Photos are put together from many "
+         "frames.</p>\n";
 }
 
 }  // namespace
 
-std::string top_view_svg(const InterpretedMap& map, const ScanSet& scans) {
-  const TopView view = view_of(map, scans);
-  const std::vector<unsigned char> png = encode_image(image_of(map, scans, view), ".png");
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{4} 0 {3} {1}\" width=\"{3}\" height=\"{1}\" "
-      "role=\"img\" "
-      "aria-label=\"Top view\">\n<image width=\"{0}\" height=\"{1}\" href=\"data:image/png;base64,{2}\"/>\n",
-      view.width(), view.height(), base64_from_bytes({reinterpret_cast<const char*>(png.data()), png.size()}),
-      view.width() + 2 * kLabelMargin, -kLabelMargin);
-  for (const auto& [name, link] : map.semantics.links)
-    if (link.geometry.contains("outline")) svg += drawing_of(name, link, view);
-  const Vector2d left = {20, view.height() - 20.0};
-  svg += fmt::format(
-      "<path d=\"M{0} {1}h{2}\" stroke=\"#111\" stroke-width=\"3\"/><text x=\"{0}\" y=\"{3}\" "
-      "font-family=\"sans-serif\" "
-      "font-size=\"14\" fill=\"#111\">1 m</text>\n</svg>\n",
-      left.x(), left.y(), 1 / view.pixel, left.y() - 6);
-  return svg;
-}
-
-std::string map_report(const InterpretedMap& map, const ScanSet& scans, const std::string& input) {
+std::string map_report(const InterpretedMap& map, const ScanSet& scans, const std::string& input,
+                       const std::string& glb) {
   const bool furnished = std::ranges::any_of(
       map.semantics.links, [](const auto& entry) { return entry.second.geometry.contains("width"); });
-  const std::vector<std::string> unsure = doubts(map);
+  const std::vector<Remark> unsure = doubts(map, scans);
   std::string sections = fmt::format("<p>{} from {}.</p>\n", html_escape(map.summary()), html_escape(input));
   sections += html_section(
       "plan", "Plan",
       plan_svg(map) + "<p class=\"faint\">Lengths in cm; fronts blue.</p>\n" +
           details("Points in their colours, seen from above (below 1.9 m)", top_view_svg(map, scans)));
+  if (!glb.empty()) sections += model_section(glb);
   if (furnished) {
     sections += html_section("elevations", "Fronts", elevations(map));
     sections += html_section("openings", "What opens, and how", openings_table(map));
   }
-  if (!unsure.empty()) sections += html_section("unsure", "What is uncertain", html_list(unsure));
+  if (!unsure.empty()) sections += html_section("unsure", "What is uncertain", remarks_html(unsure));
   if (!map.notes.empty())
-    sections += html_section("notes", "What was left out, and why", html_list(map.notes));
+    sections += html_section("notes", "What was left out, and why", remarks_html(left_out(map, scans)));
   sections += html_section("links", "Details",
                            details("Every link", links_table(map)) +
                                details("Configuration", configuration_table(map)) +

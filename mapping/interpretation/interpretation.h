@@ -2,6 +2,7 @@
 
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"
+#include "mapping/interpretation/face_photo.h"
 #include "mapping/interpretation/fronts/furniture_face.h"
 #include "mapping/sensor/scan.h"
 #include "mapping/world/furniture.h"
@@ -33,6 +34,7 @@ struct InterpretedMap {
   World world;                       ///< floor, walls, supports as links with visual, collision and inertia
   std::vector<Front> fronts;         ///< furniture fronts with fixtures and joints, as in their links
   std::vector<FurnitureFace> faces;  ///< vertical planes that may be furniture, with or without fronts
+  std::vector<FacePhoto> photos;     ///< of faces that the frames of a recording show
   std::vector<Fixture> ribs;         ///< bars in rows, as of radiators: no handles
   double room_yaw = 0;               ///< of the room's main directions in the map, radians
   std::vector<Link> whole_supports;  ///< supports before room for fronts was cut out of them

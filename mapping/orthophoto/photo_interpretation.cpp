@@ -174,6 +174,22 @@ std::vector<Front> all_fronts(std::vector<Front> from_scans, const std::vector<P
   return all;
 }
 
+/// The orthophoto with its rows level in the map.
+FacePhoto level_photo(const Orthophoto& photo) {
+  FacePhoto level{photo.face, photo.pixel_m, photo.u0, photo.v0, photo.color};
+  if (photo.roll == 0) return level;
+  cv::Mat from(photo.color.size(), CV_32FC2);
+  for (int row = 0; row < from.rows; ++row)
+    for (int column = 0; column < from.cols; ++column) {
+      const Vector2d at = photo.turned({photo.u(column), photo.v(row)});
+      from.at<cv::Vec2f>(row, column) = {static_cast<float>(photo.column(at.x())),
+                                         static_cast<float>(photo.row(at.y()))};
+    }
+  level.color.release();
+  cv::remap(photo.color, level.color, from, cv::noArray(), cv::INTER_LINEAR);
+  return level;
+}
+
 }  // namespace
 
 std::vector<PhotographedFace> interpret_photos(const Recording& recording, int threads, Progress& progress,
@@ -190,7 +206,10 @@ std::vector<PhotographedFace> interpret_photos(const Recording& recording, int t
     one.fronts = std::move(found.fronts);
     ribs.insert(ribs.end(), found.ribs.begin(), found.ribs.end());
     one.photo.drop_evidence();
-    if (!one.photo.frames.empty()) faces.push_back(std::move(one));
+    if (!one.photo.frames.empty()) {
+      map.photos.push_back(level_photo(one.photo));
+      faces.push_back(std::move(one));
+    }
     progress.check(0.1 + 0.9 * static_cast<double>(i + 1) / static_cast<double>(planes.size()),
                    "orthophotos");
   }

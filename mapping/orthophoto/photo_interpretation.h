@@ -20,8 +20,8 @@ struct PhotographedFace {
 /// orthophoto of each furniture face (not of walls), cuts it into fronts around the handles that it shows and
 /// the certain ones of the map, and replaces the map's fronts there. Fronts with certain handles that no
 /// rectangle explains stay, and all on faces that no frame shows. Notes say what could not be used. Returns
-/// the faces that were photographed. Same result on any number of threads. Error when no frame of the
-/// recording has both a pose and colour.
+/// the faces that were photographed; the map keeps their photos. Same result on any number of threads. Error
+/// when no frame of the recording has both a pose and colour.
 std::vector<PhotographedFace> interpret_photos(const Recording& recording, int threads, Progress& progress,
                                                InterpretedMap& map);
 

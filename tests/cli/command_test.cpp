@@ -97,7 +97,7 @@ TEST(Commands, ExplainWrongUsageInOneLine) {
       {"loci-map check a.urdf --threads 2000",
        "loci-map check: --threads: 2000 is not allowed (0 to 1024); see loci-map check --help\n"},
       {"loci-map export a.urdf -o b --format stl",
-       "loci-map export: --format: 'stl' is not one of sdf, mjcf, owl, ply, grid, bt, svg; see loci-map "
+       "loci-map export: --format: 'stl' is not one of glb, sdf, mjcf, owl, ply, grid, bt, svg; see loci-map "
        "export --help\n"},
       {"loci-memory was cup on table_1 --between 9 -m a.loci",
        "loci-memory was: --between needs 2 values; see loci-memory was --help\n"},

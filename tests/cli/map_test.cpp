@@ -95,5 +95,30 @@ TEST(MapCommands, CompareOfAMapWithItselfIsPerfect) {
   EXPECT_EQ(json.at("walls").at("matched"), 4);
 }
 
+TEST(MapCommands, ExportedSdfNamesMeshesFromItsOwnFolder) {
+  const std::string folder = fresh_folder();
+  fs::create_directories(folder + "/map/textures");
+  fs::create_directories(folder + "/sdf");
+  write_file_atomically(folder + "/map/map.urdf",
+                        "<robot name=\"m\"><link name=\"map\"><visual><geometry><mesh "
+                        "filename=\"textures/door_1.obj\"/></geometry></visual></link></robot>");
+  const Outcome outcome = run("loci-map export " + folder + "/map/map.urdf -o " + folder + "/sdf/map.sdf");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_THAT(read_file(folder + "/sdf/map.sdf"), HasSubstr("<uri>../map/textures/door_1.obj</uri>"));
+}
+
+TEST(MapCommands, ScansCannotBeExportedAsGlb) {
+  const std::string folder = fresh_folder();
+  write_file_atomically(
+      folder + "/one.pcd",
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\n"
+      "HEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n");
+  const Outcome outcome = run("loci-map export " + folder + "/one.pcd -o " + folder + "/one.glb");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(lines_of(outcome.error), 1) << outcome.error;
+  EXPECT_THAT(outcome.error, HasSubstr("export the map for glb"));
+  EXPECT_FALSE(fs::exists(folder + "/one.glb"));
+}
+
 }  // namespace
 }  // namespace loci::apps::test

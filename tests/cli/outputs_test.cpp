@@ -84,6 +84,7 @@ TEST_P(Outputs, WhatLociWroteIsReplaced) {
 INSTANTIATE_TEST_SUITE_P(
     Cli, Outputs,
     testing::Values(Writer{"sdf", "loci-map export kitchen.urdf --format sdf -o OUT", "kitchen.urdf"},
+                    Writer{"glb", "loci-map export kitchen.urdf --format glb -o OUT", "kitchen.urdf"},
                     Writer{"owl", "loci-map export kitchen.urdf --format owl -o OUT", "kitchen.urdf"},
                     Writer{"ply", "loci-map export kitchen.urdf --format ply -o OUT", "kitchen.urdf"},
                     Writer{"svg", "loci-map export kitchen.urdf --format svg -o OUT", "kitchen.urdf"},

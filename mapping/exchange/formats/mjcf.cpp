@@ -162,6 +162,7 @@ class MjcfWriter {
 
   void add_mesh(XMLElement& geom, const Isometry3d& pose, const Geometry& geometry) {
     const TriangleMesh mesh = triangulate(geometry, search_, warnings_);
+    if (!mesh.colors.empty()) set(geom, "rgba", numbers(mesh.colors.front().cast<double>()));
     Eigen::AlignedBox3f bounds;
     for (const Eigen::Vector3f& vertex : mesh.vertices) bounds.extend(vertex);
     if (mesh.vertices.empty() || mesh_volume(mesh) < kMinVolume) {

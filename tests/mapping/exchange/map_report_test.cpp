@@ -6,6 +6,7 @@
 #include "mapping/base/text/html.h"
 #include "mapping/exchange/map_drawings.h"
 #include "tests/mapping/exchange/furnished_map.h"
+#include "tests/mapping/exchange/photographed_map.h"
 
 namespace loci::mapping {
 namespace {
@@ -61,6 +62,40 @@ TEST(MapReport, DrawsEachRunOfFurnitureAndSaysWhatOpensAndWhatIsUnsure) {
                                    testing::HasSubstr("door_1: its edges are unsure"),
                                    testing::HasSubstr("0.160 m long")));
   EXPECT_THAT(page, testing::Not(testing::HasSubstr("offset 0.000 m")));
+}
+
+/// Times that a part stands in a text.
+size_t count_of(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(MapReport, DrawsFrontsOverThePhotoAndShowsWhatIsUnsureAndLeftOut) {
+  InterpretedMap map = test::photographed_map();
+  const std::vector<FurnitureRun> runs = furniture_runs(map);
+  EXPECT_THAT(elevation_svg(map, runs.at(0)), testing::HasSubstr("<image"));
+  map.semantics.links.at("front_1").confidence = 0.4;
+  map.notes = {"the object before the face at (0.50, 1.38, 0.50) is no fixture: it is large",
+               "horizontal surface of 0.50 x 0.50 m at (0.10, 0.20), 0.46 m high left out: a seat",
+               "no walls were recognised"};
+  const std::string page = map_report(map, {}, "scans");
+  EXPECT_EQ(count_of(page, "<img"), 3U) << "of the front, the object and the surface";
+  EXPECT_THAT(page, testing::HasSubstr("<li>no walls were recognised"));
+}
+
+TEST(MapReport, HoldsTheModelThatItIsGiven) {
+  const InterpretedMap map = test::photographed_map();
+  EXPECT_THAT(map_report(map, {}, "scans", "glTF bytes"),
+              testing::AllOf(testing::HasSubstr("data:model/gltf-binary;base64,Z2xURiBieXRlcw=="),
+                             testing::HasSubstr("<canvas")));
+  EXPECT_THAT(map_report(map, {}, "scans"), testing::Not(testing::HasSubstr("<canvas")));
+}
+
+TEST(MapReport, ShowsAtMostSoManyImagesOfWhatWasLeftOut) {
+  InterpretedMap map = test::photographed_map();
+  map.notes.assign(100, "the object before the face at (0.50, 1.38, 0.50) is no fixture: it is large");
+  EXPECT_LT(count_of(map_report(map, {}, "scans"), "<img"), 40U);
 }
 
 }  // namespace

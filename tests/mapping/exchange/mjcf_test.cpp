@@ -6,8 +6,10 @@
 #include <memory>
 
 #include "mapping/base/files.h"
+#include "mapping/exchange/map_colors.h"
 #include "mapping/world/kinematics.h"
 #include "tests/mapping/exchange/furnished_map.h"
+#include "tests/mapping/exchange/photographed_map.h"
 #include "tests/mapping/exchange/scanned_kitchens.h"
 
 namespace loci::mapping::test {
@@ -124,6 +126,16 @@ TEST(Mjcf, MuJoCoReadsAKitchenOfMeshes) {
   Simulation simulation(read_urdf(urdf), {{kitchens}, urdf.parent_path()});
   EXPECT_GE(simulation.model().njnt, 18);
   EXPECT_GT(simulation.model().nmesh, 0);
+}
+
+TEST(Mjcf, TexturesAreSheetsThatTouchNothing) {
+  InterpretedMap map = photographed_map();
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "mjcf_textures";
+  std::filesystem::create_directories(folder / "textures");
+  for (const auto& [name, bytes] : add_textures(map)) write_file_atomically(folder / name, bytes);
+  Simulation simulation(map.world, {{}, folder});
+  EXPECT_EQ(simulation.contacts(), 0);
+  EXPECT_NEAR(simulation.open("door_1_joint", 4), map.world.find_joint("door_1_joint")->limits->upper, 0.1);
 }
 
 }  // namespace

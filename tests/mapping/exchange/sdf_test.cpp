@@ -5,8 +5,9 @@
 #include <filesystem>
 #include <sdf/sdf.hh>
 
+#include "mapping/exchange/map_colors.h"
 #include "mapping/world/kinematics.h"
-#include "tests/mapping/exchange/furnished_map.h"
+#include "tests/mapping/exchange/photographed_map.h"
 
 namespace loci::mapping::test {
 namespace {
@@ -95,6 +96,21 @@ TEST(Sdf, SdformatAcceptsTheUrdf) {
   ASSERT_NE(root.Model(), nullptr);
   for (const char* joint : {"drawer_1_front_joint", "door_1_joint"})
     EXPECT_NE(root.Model()->JointByName(joint), nullptr) << joint;
+}
+
+TEST(Sdf, SdformatAcceptsTexturesInUrdfAndSdf) {
+  InterpretedMap map = photographed_map();
+  ASSERT_FALSE(add_textures(map).empty());
+  Warnings warnings;
+  for (const std::string& text : {urdf_text(map.world), sdf_text(map.world, warnings)}) {
+    sdf::Root root;
+    ASSERT_EQ(complaints(root.LoadSdfString(text)), "");
+    const sdf::Link& door = *root.Model()->LinkByName("door_1");
+    std::vector<std::string> meshes;  // sdformat joins the fixed handle to the door
+    for (uint64_t i = 0; i < door.VisualCount(); ++i)
+      if (const sdf::Mesh* mesh = door.VisualByIndex(i)->Geom()->MeshShape()) meshes.push_back(mesh->Uri());
+    EXPECT_EQ(meshes, std::vector<std::string>{"textures/door_1.obj"});
+  }
 }
 
 }  // namespace

@@ -340,6 +340,8 @@ TEST(PhotoInterpretation, ReplacesTheFrontsOfAFace) {
             2);
   const cv::Mat image = drawn(faces[0]);
   EXPECT_EQ(image.rows, 2 * faces[0].photo.height());
+  ASSERT_EQ(map.photos.size(), 1U);
+  EXPECT_EQ(map.photos[0].color.size(), faces[0].photo.color.size());
 }
 
 /// A front of the scans with a bar, on the painted face or elsewhere.

@@ -7,6 +7,8 @@
 #include <map>
 
 #include "mapping/base/files.h"
+#include "mapping/image/image_io.h"
+#include "mapping/world/mesh_files.h"
 
 namespace loci::mapping {
 namespace {
@@ -69,6 +71,39 @@ TEST(Mesh, ObjIsReadWithItsMaterialsAndScale) {
   ASSERT_EQ(mesh.colors.size(), 4u);
   EXPECT_EQ(std::ranges::count(mesh.colors, Rgba(1, 0, 0, 1)), 2);
   EXPECT_EQ(std::ranges::count(mesh.colors, Rgba(0, 0, 1, 1)), 2);
+}
+
+TEST(Mesh, ATexturedMaterialHasTheMeanColourOfItsImage) {
+  folder_with("t.mtl", "newmtl red\nKd 1 1 1\nmap_Kd t.png\n");
+  const fs::path folder = folder_with(
+      "t.obj",
+      "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl red\nf 1/1 2/2 3/3\n");
+  cv::Mat image(2, 2, CV_8UC3, cv::Scalar(0, 0, 255));
+  image.row(1).setTo(cv::Scalar(0, 0, 0));
+  write_image(folder / "t.png", image);
+  Warnings warnings;
+  const std::vector<MeshPart> parts = load_mesh_parts({"t.obj"}, {{}, folder}, warnings);
+  ASSERT_EQ(parts.size(), 1U);
+  EXPECT_EQ(parts[0].texture, folder / "t.png");
+  ASSERT_EQ(parts[0].texture_coordinates.size(), 3U);
+  EXPECT_EQ(parts[0].texture_coordinates[2], Eigen::Vector2f(0, 1)) << "v upwards";
+  const TriangleMesh mesh = load_mesh({"t.obj"}, {{}, folder}, warnings);
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_LT((mesh.colors.at(0) - Rgba(0.5F, 0, 0, 1)).norm(), 0.01F);
+  fs::remove(folder / "t.png");
+  EXPECT_EQ(load_mesh({"t.obj"}, {{}, folder}, warnings).colors.at(0), Rgba(1, 1, 1, 1));
+}
+
+TEST(Mesh, NamesOfFilesFollowTheUrdf) {
+  World world;
+  Link& link = world.links.emplace_back();
+  for (const char* uri : {"textures/a.obj", "package://p/b.dae", "/c.stl"})
+    link.visuals.push_back({"", Isometry3d::Identity(), Mesh{uri}, {}});
+  move_mesh_names(world, "maps/old", "maps");
+  const auto uri = [&](size_t i) { return std::get<Mesh>(world.links[0].visuals[i].geometry).uri; };
+  EXPECT_EQ(uri(0), "old/textures/a.obj");
+  EXPECT_EQ(uri(1), "package://p/b.dae");
+  EXPECT_EQ(uri(2), "/c.stl");
 }
 
 TEST(Mesh, MirroredMeshStaysWoundOutwards) {

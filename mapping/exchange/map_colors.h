@@ -1,0 +1,31 @@
+#pragma once
+
+#include <map>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "mapping/interpretation/interpretation.h"
+
+namespace loci::mapping {
+
+/// Longest side of a texture, pixels.
+inline constexpr int kMaxTextureSide = 1024;
+
+/// Gives the links of a map that coloured points of its scans lie on the median of their colours. Links that
+/// nobody saw, handles and knobs keep the colours of their classes. Same result on any number of threads.
+void color_links(const ScanSet& scans, int threads, InterpretedMap& map);
+
+/// The part of the map's photos that shows a front with `margin_m` around it (CV_8UC3, BGR; black where
+/// nothing was seen); empty when they show less than half of it.
+cv::Mat photo_of(const InterpretedMap& map, const Front& front, double margin_m = 0);
+
+/// Mask of the pixels of a photo that were seen (CV_8U, 0 or 255).
+cv::Mat seen_pixels(const cv::Mat& photo);
+
+/// Gives the fronts that photos of the map show a second visual, the mesh of a rectangle a millimetre before
+/// the panel with the photo as its texture; the panel gets the mean colour. Returns the files to write: bytes
+/// by name, relative to the URDF's folder ("textures/door_1.obj", "textures/door_1.jpg",
+/// "textures/textures.mtl"); none without photos.
+std::map<std::string, std::string> add_textures(InterpretedMap& map);
+
+}  // namespace loci::mapping
