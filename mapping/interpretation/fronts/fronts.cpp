@@ -118,6 +118,7 @@ bool is_accepted(const PlacedFront& front, const std::vector<FaceFixture>& fixtu
   if (std::min(rect.width(), rect.height()) <
       (front.fixture < 0 && !is_plinth_drawer(front) ? kFronts.min_bare_side_m : kFronts.min_side_m))
     return false;
+  if (rect.height() > rect.width() && rect.width() < kFronts.min_upright_m) return false;
   if (!wall) return true;
   return front.fixture >= 0 && resolved_edges(front) >= kFronts.min_wall_edges &&
          fixtures[static_cast<size_t>(front.fixture)].fixture.confidence >
@@ -181,6 +182,17 @@ double covered(const Front& a, const Front& b) {
          std::min(a.width * a.height, b.width * b.height);
 }
 
+/// Whether a front begins behind an edge of another one and goes back from there.
+bool is_beside(const Front& front, const Front& other) {
+  if (std::abs(front.normal.dot(other.normal)) > kFronts.max_corner_cosine) return false;
+  const Vector3d off = front.centre - other.centre;
+  const double gap = off.dot(front.normal) - other.width / 2,
+               begin = -off.dot(other.normal) - front.width / 2,
+               shared = (front.height + other.height) / 2 - std::abs(off.z());
+  return std::abs(gap) < kFronts.max_corner_m && std::abs(begin) < kFronts.max_corner_m &&
+         shared > std::min(front.height, other.height) / 2;
+}
+
 /// Where scans lie apart by more than their noise, a face is found twice, and so are its fronts: the one with
 /// more evidence stays.
 void drop_duplicates(std::vector<Front>& fronts) {
@@ -226,7 +238,18 @@ FrontSearch find_fronts(const Surface& surface, double floor_height, const WallS
     search.notes.insert(search.notes.end(), result.notes.begin(), result.notes.end());
   }
   drop_duplicates(search.fronts);
+  drop_side_panels(search.fronts);
   return search;
+}
+
+void drop_side_panels(std::vector<Front>& fronts) {
+  std::vector<Front> kept;
+  std::ranges::copy_if(fronts, std::back_inserter(kept), [&](const Front& front) {
+    return std::ranges::none_of(fronts, [&](const Front& other) {
+      return other.confidence > front.confidence && is_beside(front, other);
+    });
+  });
+  fronts = std::move(kept);
 }
 
 }  // namespace loci::mapping

@@ -24,4 +24,8 @@ struct FrontSearch {
 FrontSearch find_fronts(const Surface& surface, double floor_height, const WallSearch& vertical,
                         const InterpretationOptions& options, Progress& progress);
 
+/// Of fronts that meet at an outer corner of furniture, takes out the less certain one: it is the side of
+/// what the other one opens.
+void drop_side_panels(std::vector<Front>& fronts);
+
 }  // namespace loci::mapping

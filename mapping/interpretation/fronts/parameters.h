@@ -162,22 +162,25 @@ inline constexpr DivisionParameters kDivision;
 
 /// Which faces and fronts are accepted.
 struct FrontParameters {
-  uint64_t seed = 7;                     ///< of the sample consensus
-  double same_wall_m = 0.08;             ///< between a face and the wall it is a piece of
-  double in_wall_m = 0.01;               ///< a front that faces elsewhere is so far behind a wall's face …
-  double behind_wall_m = 0.3;            ///< … but no farther: there may be another room
-  double max_width_m = 1.4;              ///< wider is no front
-  double max_area_m2 = 2.2;              ///< larger is no front
-  double min_side_m = 0.07;              ///< a narrow drawer front
-  double min_bare_side_m = 0.12;         ///< narrower ones without fixture are filler strips …
-  double min_plinth_m = 0.01;            ///< … but for drawers that the plinth recedes below by so much
-  double max_sigma_m = 3 * kRangeSigma;  ///< more are corners and clutter, in which handles disappear
-  double min_fixture_confidence = 0.4;   ///< on furniture
+  uint64_t seed = 7;              ///< of the sample consensus
+  double same_wall_m = 0.08;      ///< between a face and the wall it is a piece of
+  double in_wall_m = 0.01;        ///< a front that faces elsewhere is so far behind a wall's face …
+  double behind_wall_m = 0.3;     ///< … but no farther: there may be another room
+  double max_width_m = 1.4;       ///< wider is no front
+  double max_area_m2 = 2.2;       ///< larger is no front
+  double min_side_m = 0.07;       ///< a narrow drawer front
+  double min_upright_m = 0.12;    ///< of an upright one: pull-outs are 15 cm wide, ribs of radiators less
+  double min_bare_side_m = 0.12;  ///< narrower ones without fixture are filler strips …
+  double min_plinth_m = 0.01;     ///< … but for drawers that the plinth recedes below by so much
+  double max_sigma_m = 3 * kRangeSigma;       ///< more are corners and clutter, in which handles disappear
+  double min_fixture_confidence = 0.4;        ///< on furniture
   double min_wall_fixture_confidence = 0.75;  ///< on a possible wall
   size_t min_wall_fronts = 2;                 ///< on a possible wall
   int min_wall_edges = 3;                     ///< resolved, on a possible wall
   double same_front_m = 0.08;                 ///< between the planes of one front that was found twice …
   double same_front_cover = 0.5;              ///< … and of the smaller one that the other covers
+  double max_corner_cosine = 0.3;             ///< between the normals of fronts at a corner …
+  double max_corner_m = 0.06;                 ///< … and from one to the edge of the other
   double depth_inset_m = -0.01;               ///< edges and seams are left out
   size_t min_rays = 50;                       ///< of a front and of the rest of its face
   double dark = 0.4;                          ///< an oven's pane returns less of the others' intensity

@@ -278,6 +278,42 @@ TEST(Fronts, TwoScansThatLieApartDoNotDoubleAFront) {
     }
 }
 
+TEST(Fronts, TheSideOfACupboardIsNoFrontOfItsOwn) {
+  const auto front = [](const Vector3d& centre, const Vector3d& normal, double width, double confidence) {
+    Front one;
+    one.centre = centre;
+    one.normal = normal;
+    one.width = width;
+    one.height = 0.7;
+    one.confidence = confidence;
+    return one;
+  };
+  const Front door = front({0, 0, 0.5}, Vector3d::UnitX(), 0.6, 0.9);
+  const Front side = front({-0.3, 0.3, 0.5}, Vector3d::UnitY(), 0.58, 0.5);
+  const Front inner = front({0.3, 0.3, 0.5}, -Vector3d::UnitY(), 0.58, 0.5);  // of an L
+  const Front above = front({-0.3, 0.3, 1.5}, Vector3d::UnitY(), 0.58, 0.5);
+  std::vector<Front> fronts = {side, door, inner, above};
+  drop_side_panels(fronts);
+  ASSERT_EQ(fronts.size(), 3U);
+  EXPECT_EQ(fronts[0].centre, door.centre);
+  EXPECT_EQ(fronts[1].centre, inner.centre);
+  EXPECT_EQ(fronts[2].centre, above.centre);
+}
+
+TEST(Fronts, AStripNarrowerThanAnyPullOutIsNoFront) {
+  for (const double width : {0.1, 0.2}) {
+    Furniture furniture;
+    furniture.add_body(-0.5, 0.5, 0.1, 0.8);
+    for (const double u : {-0.5, -0.5 + width}) furniture.add_panel(u + 0.003, u + width - 0.003, 0.1, 0.8);
+    furniture.add_upright_bar(-0.5 + width / 2, 0.6, 0.14);
+    furniture.add_upright_bar(-0.5 + 1.5 * width, 0.6, 0.14);
+    const std::vector<Front> fronts = fronts_of_furniture(furniture, 4);
+    const auto narrow =
+        std::ranges::count_if(fronts, [&](const Front& one) { return std::abs(one.width - width) < 0.02; });
+    EXPECT_EQ(narrow, width < 0.12 ? 0 : 2);
+  }
+}
+
 TEST(Fronts, ConfidenceFollowsTheEdges) {
   PlacedFront front;
   for (FrontEdge& edge : front.edges) edge = {FrontEdge::Kind::seam, 20, true, 0};
