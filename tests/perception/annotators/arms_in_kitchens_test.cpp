@@ -5,13 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 
 #include "mapping/recording/gravity.h"
 #include "mapping/recording/recording.h"
 #include "perception/detection/arms.h"
-#include "perception/detection/lift.h"
 #include "tests/support/drawn_arm.h"
+#include "tests/support/people_frame.h"
 
 namespace loci::perception {
 namespace {
@@ -19,10 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kData = fs::path(LOCI_SHARED_DIR) / "data";
-
-PeopleFrame frame_for_people(const mapping::RgbdFrame& frame) {
-  return {frame.color, points_of(frame.depth, frame.camera.depth), {}, frame.camera, frame.map_from_camera};
-}
 
 /// Every `step`-th frame; with a pose in which z is up where the recording has none.
 std::vector<mapping::RgbdFrame> frames_of(const std::string& name, size_t step) {
@@ -47,7 +44,7 @@ TEST(ArmsInKitchens, NoneIsFoundWhereNobodyReachesIn) {
                                    {"osd_changes_2", 1},
                                    {"shelf_bin", 1}})
     for (const mapping::RgbdFrame& frame : frames_of(name, static_cast<size_t>(step))) {
-      arms += find_arms(frame_for_people(frame)).size();
+      arms += find_arms(people_frame(frame)).size();
       ++frames;
     }
   std::printf("frames without arms: %zu, arms reported: %zu\n", frames, arms);
@@ -63,7 +60,7 @@ struct FoundArm {
 
 FoundArm look_for(const mapping::RgbdFrame& frame, const cv::Mat& truth) {
   FoundArm found;
-  for (const Person& person : find_arms(frame_for_people(frame))) {
+  for (const Person& person : find_arms(people_frame(frame))) {
     double same = 0;
     for (const int pixel : person.pixels) same += truth.data[pixel] != 0 ? 1 : 0;
     const bool of_arm = 2 * same > static_cast<double>(person.pixels.size());

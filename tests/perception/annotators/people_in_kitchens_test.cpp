@@ -10,9 +10,8 @@
 
 #include "mapping/recording/recording.h"
 #include "perception/annotators/scene_data.h"
-#include "perception/detection/lift.h"
-#include "perception/detection/people_detector.h"
 #include "tests/support/pedestrians.h"
+#include "tests/support/people_frame.h"
 
 namespace loci::perception {
 namespace {
@@ -20,10 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kData = fs::path(LOCI_SHARED_DIR) / "data";
-
-PeopleFrame people_frame(const mapping::RgbdFrame& frame) {
-  return {frame.color, points_of(frame.depth, frame.camera.depth), {}, frame.camera, frame.map_from_camera};
-}
 
 TEST(PeopleInKitchens, NobodyIsFoundWhereNobodyIs) {
   if (!fs::exists(kData)) GTEST_SKIP() << "no shared data";
