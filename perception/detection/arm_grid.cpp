@@ -88,7 +88,7 @@ void ArmGrid::find_surfaces() {
   for (size_t bin = 1; bin + 1 < areas.size(); ++bin)
     if (areas[bin - 1] + areas[bin] + areas[bin + 1] > kSurfaceArea)
       surfaces_.push_back(static_cast<float>(kLowest + (static_cast<double>(bin) + 0.5) * kBin));
-  for (size_t cell = 0; cell < size(); cell += 3) {
+  for (size_t cell = 0; cell < size(); cell += 3) {  // a plan of this resolution needs no more
     const Eigen::Vector3f& point = points_[cell];
     if (!is_on_a_surface(point)) continue;
     float& highest = plan_.try_emplace(below(point), height(point)).first->second;

@@ -97,17 +97,18 @@ Front front_of(const PlacedFront& placed, const FaceRays& rays, const std::vecto
   return front;
 }
 
+bool is_resolved(const FrontEdge& edge) {
+  return edge.kind == FrontEdge::Kind::seam || edge.kind == FrontEdge::Kind::step;
+}
+
 int resolved_edges(const PlacedFront& front) {
-  return static_cast<int>(std::count_if(front.edges.begin(), front.edges.end(), [](const FrontEdge& edge) {
-    return edge.kind == FrontEdge::Kind::seam || edge.kind == FrontEdge::Kind::step;
-  }));
+  return static_cast<int>(std::ranges::count_if(front.edges, is_resolved));
 }
 
 /// Whether a front is the low drawer over the plinth (below an oven): the plinth recedes from it.
 bool is_plinth_drawer(const PlacedFront& front) {
   const FrontEdge& below = front.edges[2];
-  const bool resolved = below.kind == FrontEdge::Kind::seam || below.kind == FrontEdge::Kind::step;
-  return front.rect.height() < front.rect.width() && resolved && below.rise > kFronts.min_plinth_m;
+  return front.rect.height() < front.rect.width() && is_resolved(below) && below.rise > kFronts.min_plinth_m;
 }
 
 /// Whether a front is accepted. On walls (tall furniture may hide the wall and be taken for it) it needs a

@@ -166,8 +166,8 @@ struct FrontParameters {
   double same_wall_m = 0.08;      ///< between a face and the wall it is a piece of
   double in_wall_m = 0.01;        ///< a front that faces elsewhere is so far behind a wall's face …
   double behind_wall_m = 0.3;     ///< … but no farther: there may be another room
-  double max_width_m = 1.4;       ///< wider is no front
-  double max_area_m2 = 2.2;       ///< larger is no front
+  double max_width_m = 1.4;       ///< no front is wider
+  double max_area_m2 = 2.2;       ///< none is larger
   double min_side_m = 0.07;       ///< a narrow drawer front
   double min_upright_m = 0.12;    ///< of an upright one: pull-outs are 15 cm wide, ribs of radiators less
   double min_bare_side_m = 0.12;  ///< narrower ones without fixture are filler strips …

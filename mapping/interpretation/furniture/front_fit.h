@@ -11,7 +11,7 @@ namespace loci::mapping {
 /// What is solid of a front, in its frame: x outward, y to the right of a person before it, z up.
 struct FrontBody {
   Eigen::AlignedBox2d panel;   ///< y and z: the measured rectangle less its gaps
-  Eigen::AlignedBox1d drawer;  ///< y of a drawer's box with the runners beside it
+  Eigen::AlignedBox1d drawer;  ///< y of a drawer's box with its runners; empty of others
   double drawer_depth = 0;     ///< of that box behind the panel, m
 };
 

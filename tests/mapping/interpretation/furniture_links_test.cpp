@@ -300,39 +300,27 @@ TEST(FurnitureLinks, FrontsKeepTheGapsOfFurnitureWhateverTheirExtents) {
   EXPECT_EQ(map.semantics.links.at("door_2").geometry.at("width").get<double>(), 0.6);
 }
 
-TEST(FurnitureLinks, ADrawerThatMeetsSomethingOpensUpToIt) {
-  Map map;
-  const Front front = a_drawer();
-  Link post;
-  post.name = "post";
-  post.collisions.push_back(
-      {"", Isometry3d(Eigen::Translation3d(front.centre + 0.3 * front.normal)), Cylinder{0.02, 1}});
-  map.world.links.push_back(post);
-  Joint joint;
-  joint.name = "post_joint";
-  joint.parent = "map";
-  joint.child = "post";
-  map.world.joints.push_back(joint);
-  add_front(front, "map", map.world, map.semantics);
-  EXPECT_EQ(map.semantics.links.at("drawer_3_front").extra.at("blocked_by"), "post");
-  EXPECT_NEAR(map.world.find_joint("drawer_3_front_joint")->limits->upper, 0.3 - 0.02 - 0.04, 0.01);
-}
-
-/// A map with a link of one box, and a drawer behind whose front it stands.
-Map with_box(const Isometry3d& front_from_box, const Vector3d& size) {
+/// A map of a drawer and something that stands at a pose in the frame of its front.
+Map with_obstacle(const Isometry3d& front_from_obstacle, const Geometry& shape) {
   const Front front = a_drawer();
   Map map;
-  Link box;
-  box.name = "box";
-  box.collisions.push_back({"", map_from_front(front) * front_from_box, Box{size}});
-  map.world.links.push_back(box);
+  Link obstacle;
+  obstacle.name = "obstacle";
+  obstacle.collisions.push_back({"", map_from_front(front) * front_from_obstacle, shape});
+  map.world.links.push_back(obstacle);
   Joint joint;
-  joint.name = "box_joint";
+  joint.name = "obstacle_joint";
   joint.parent = "map";
-  joint.child = "box";
+  joint.child = "obstacle";
   map.world.joints.push_back(joint);
   add_front(front, "map", map.world, map.semantics);
   return map;
+}
+
+TEST(FurnitureLinks, ADrawerThatMeetsSomethingOpensUpToIt) {
+  const Map map = with_obstacle(Isometry3d(Eigen::Translation3d(0.3, 0, 0)), Cylinder{0.02, 1});
+  EXPECT_EQ(map.semantics.links.at("drawer_3_front").extra.at("blocked_by"), "obstacle");
+  EXPECT_NEAR(map.world.find_joint("drawer_3_front_joint")->limits->upper, 0.3 - 0.02 - 0.04, 0.01);
 }
 
 double depth_of_drawer(const Map& map) {
@@ -343,7 +331,7 @@ TEST(FurnitureLinks, ADrawerEndsBeforeAWallThatStandsAskew) {
   // The face of the wall is 0.3 m behind the front in its middle, and nearer on one side.
   const Isometry3d askew = Eigen::Translation3d(-0.3, 0, 0) * Eigen::AngleAxisd(0.5, Vector3d::UnitZ()) *
                            Eigen::Translation3d(-0.025, 0, 0);
-  const Map map = with_box(askew, {0.05, 4, 2});
+  const Map map = with_obstacle(askew, Box{{0.05, 4, 2}});
   EXPECT_TRUE(closed_contacts(map.world).empty());
   EXPECT_NEAR(depth_of_drawer(map), 0.3 - 0.02 - 0.3 * std::tan(0.5), 0.03);
 }
@@ -351,7 +339,7 @@ TEST(FurnitureLinks, ADrawerEndsBeforeAWallThatStandsAskew) {
 TEST(FurnitureLinks, ADrawerBesideACornerIsNarrower) {
   // The panel of the next face begins behind the end of the drawer's front.
   const Isometry3d corner(Eigen::Translation3d(-0.32, 0.285, 0));
-  const Map map = with_box(corner, {0.6, 0.02, 0.6});
+  const Map map = with_obstacle(corner, Box{{0.6, 0.02, 0.6}});
   EXPECT_TRUE(closed_contacts(map.world).empty());
   EXPECT_NEAR(depth_of_drawer(map), 0.43, 0.01) << "it is as deep as it was";
 }
