@@ -69,13 +69,17 @@ std::optional<Rgba> diffuse_color(const aiScene& scene, unsigned material_index)
   return Rgba(color.r, color.g, color.b, color.a);
 }
 
-/// The image of a material, beside the mesh file that names it; empty for none.
+/// The image of a material in the package of the mesh that names it: relative, and at most two folders up
+/// (meshes/x/a.dae and materials/a.png), so that no foreign mesh brings this machine's pictures into an
+/// export; empty for none.
 fs::path diffuse_texture(const aiScene& scene, unsigned material_index, const fs::path& folder) {
   aiString name;
   if (material_index >= scene.mNumMaterials ||
       scene.mMaterials[material_index]->GetTexture(aiTextureType_DIFFUSE, 0, &name) != aiReturn_SUCCESS)
     return {};
-  return existing(folder / name.C_Str()).value_or(fs::path());
+  const fs::path relative = fs::path(name.C_Str()).lexically_normal();
+  if (relative.is_absolute() || relative.string().starts_with("../../../")) return {};
+  return existing(folder / relative).value_or(fs::path());
 }
 
 class SceneReader {

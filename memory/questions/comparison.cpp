@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 
 #include "memory/questions/contents.h"
 #include "memory/questions/events.h"
@@ -28,6 +29,10 @@ bool is_of_time(const std::string& by) {
   return by == "left-before" || by == "moved-before";
 }
 
+bool of_distance(const std::string& by) {
+  return by == "distance" || by == "nearer";
+}
+
 /// The most probable object that words mean, which has not gone.
 Compared compared_object(const Snapshot& snapshot, const std::string& subject) {
   const std::vector<Id> found = snapshot.find_objects(subject);
@@ -42,6 +47,21 @@ Compared compared_object(const Snapshot& snapshot, const std::string& subject) {
 std::optional<Vector3d> position_of(const Snapshot& snapshot, const Compared& one) {
   const BeliefRow* belief = snapshot.belief(*one.object);
   return belief == nullptr || belief->status == ObjectStatus::gone ? std::nullopt : belief->position;
+}
+
+std::optional<double> distance_between(const Snapshot& snapshot, const Compared& a, const Compared& b) {
+  const auto from = position_of(snapshot, a), to = position_of(snapshot, b);
+  return from && to ? std::optional((*to - *from).norm()) : std::nullopt;
+}
+
+/// Over the floor: 0 over the place, unset where its outline is not known.
+std::optional<double> distance_to_place(const Vector3d& point, const PlaceRow& place) {
+  if (place.outline.size() < 3) return std::nullopt;
+  std::vector<cv::Point2f> outline;
+  for (const Vector2d& corner : place.outline)
+    outline.emplace_back(static_cast<float>(corner.x()), static_cast<float>(corner.y()));
+  const cv::Point2f at(static_cast<float>(point.x()), static_cast<float>(point.y()));
+  return std::max(0.0, -cv::pointPolygonTest(outline, at, true));
 }
 
 /// Its height, else its volume.
@@ -157,18 +177,21 @@ ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question) {
       answer.compared.back().value = static_cast<double>(number_of(snapshot, subject));
       continue;
     }
+    if (const auto places = snapshot.places_called(subject);
+        of_distance(question.by) && !answer.compared.empty() && !places.empty()) {
+      answer.compared.push_back({.name = places.front().name});
+      if (const auto from = position_of(snapshot, answer.compared[0]))
+        answer.compared.back().value = distance_to_place(*from, places.front());
+      continue;
+    }
     Compared one = compared_object(snapshot, subject);
     if (is_of_size(question.by)) one.value = size_of(snapshot, one, is_of_height(question.by));
     if (is_of_time(question.by))
       one.time =
           last_change(store, subject, question.by == "left-before" ? "left" : "handled", question.as_of);
+    if (of_distance(question.by) && !answer.compared.empty())
+      one.value = distance_between(snapshot, answer.compared[0], one);
     answer.compared.push_back(std::move(one));
-  }
-  if (question.by == "distance" || question.by == "nearer") {
-    const auto from = position_of(snapshot, answer.compared[0]);
-    for (size_t i = 1; i < answer.compared.size(); ++i)
-      if (const auto to = position_of(snapshot, answer.compared[i]); from && to)
-        answer.compared[i].value = (*to - *from).norm();
   }
   answer.verdict = verdict_of(answer);
   return answer;
@@ -241,19 +264,23 @@ std::vector<Question> comparison_questions() {
       {.name = "compare",
        .description =
            "Two objects against each other: distance, size, what left or moved first; or two places",
-       .parameters =
-           {{.name = "object",
-             .type = ParameterType::spot,
-             .help = "An object; for more a place",
-             .positional = true,
-             .required = true},
-            {.name = "with", .type = ParameterType::spot, .help = "The other one", .required = true},
-            {.name = "than", .type = ParameterType::object, .help = "Nearer than to this object"},
-            {.name = "by",
-             .help = "What is compared",
-             .default_text = "distance",
-             .choices = {"distance", "nearer", "bigger", "smaller", "taller", "shorter", "left-before",
-                         "moved-before", "more", "more-objects"}}},
+       .parameters = {{.name = "object",
+                       .type = ParameterType::spot,
+                       .help = "An object; for more a place",
+                       .positional = true,
+                       .required = true},
+                      {.name = "with",
+                       .type = ParameterType::spot,
+                       .help = "The other one; for distances a place, too",
+                       .required = true},
+                      {.name = "than",
+                       .type = ParameterType::spot,
+                       .help = "Nearer than to this object or place"},
+                      {.name = "by",
+                       .help = "What is compared",
+                       .default_text = "distance",
+                       .choices = {"distance", "nearer", "bigger", "smaller", "taller", "shorter",
+                                   "left-before", "moved-before", "more", "more-objects"}}},
        .asks = verdict,
        .examples = {"green --with red", "green --with red --by bigger --json"},
        .answer = format::schema_by<comparison_record>,

@@ -14,8 +14,8 @@ namespace loci::memory {
 /// Two objects or places against each other.
 struct ComparisonQuestion {
   std::string subject = {};  ///< an object; for "more" a place
-  std::string with = {};     ///< likewise
-  std::string than = {};     ///< "nearer" to `with` than to this object
+  std::string with = {};     ///< likewise; of distances also a place: from the nearest point of its outline
+  std::string than = {};     ///< "nearer" to `with` than to this
   /// "distance" between them; whether the first is "nearer", "bigger" (by volume), "smaller", "left-before"
   /// or "moved-before" (the last time), or whether "more" is on it.
   std::string by = "distance";

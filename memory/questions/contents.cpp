@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -79,16 +80,38 @@ const Record<PlaceContents>& place_contents_record() {
   return record;
 }
 
+constexpr std::array<std::pair<const char*, Relation>, 7> kRelations = {{{"near", Relation::near},
+                                                                         {"on", Relation::on},
+                                                                         {"under", Relation::under},
+                                                                         {"left", Relation::left},
+                                                                         {"right", Relation::right},
+                                                                         {"behind", Relation::behind},
+                                                                         {"in-front", Relation::in_front}}};
+
+Relation relation_called(const std::string& name) {
+  const auto found = std::ranges::find(kRelations, name, [](const auto& one) { return one.first; });
+  return found == kRelations.end() ? Relation::near : found->second;
+}
+
+std::string name_of(Relation relation) {
+  return std::ranges::find(kRelations, relation, [](const auto& one) { return one.second; })->first;
+}
+
+bool depends_on_view(Relation relation) {
+  return relation != Relation::near && relation != Relation::on && relation != Relation::under;
+}
+
 /// What the point may be, one answer for each: of objects that are called so those that have not gone, else
 /// one that has.
 std::vector<NearAnswer> located(const Snapshot& snapshot, const std::string& subject, NearAnswer answer) {
   if (const auto numbers = read_point(subject); !numbers.empty()) {
     answer.level = numbers.size() == 2;
     answer.point = {numbers[0], numbers[1], answer.level ? 0 : numbers[2]};
+    if (!snapshot.scenes().empty()) answer.seen = snapshot.scene_ref(snapshot.scenes().back());
     return {answer};
   }
   const std::vector<PlaceRow> places = snapshot.places_called(subject);
-  if (answer.on_top && !places.empty())
+  if (answer.relation == Relation::on && !places.empty())
     throw UnknownName(UnknownName::Kind::object, fmt::format("'{}' is a place, not an object", subject), {},
                       "");
   if (!places.empty()) {
@@ -97,6 +120,8 @@ std::vector<NearAnswer> located(const Snapshot& snapshot, const std::string& sub
     answer.around = places[0].name;
     answer.point = *centre;
     answer.level = true;
+    if (const auto view = snapshot.store().last_visibility(places[0].id, snapshot.as_of()))
+      answer.seen = snapshot.scene_ref(view->scene);
     return {answer};
   }
   std::vector<NearAnswer> answers;
@@ -107,32 +132,66 @@ std::vector<NearAnswer> located(const Snapshot& snapshot, const std::string& sub
       if (!belief.position || (belief.status == ObjectStatus::gone) != gone) continue;
       answer.around = object_name(object);
       answer.point = *belief.position;
+      answer.seen = snapshot.scene_ref(belief.last_scene);
       if (!gone || answers.empty()) answers.push_back(answer);
     }
   if (answers.empty()) throw Error(fmt::format("the position of '{}' is not known", subject));
   return answers;
 }
 
-/// Whether what is `offset` away stands on the object asked about.
-bool is_on_top(const Vector3d& offset, const BeliefRow& belief, const Snapshot& snapshot,
-               const NearAnswer& answer) {
-  const auto below = object_id(answer.around);
-  const BeliefRow* support = below ? snapshot.belief(*below) : nullptr;
-  return support != nullptr && support->size && support->place == belief.place && offset.z() > 0 &&
-         offset.head<2>().norm() <= support->size->head<2>().maxCoeff() / 2;
+/// Over the footprint of the lower one, and higher.
+bool stands_on(const BeliefRow& upper, const BeliefRow& lower) {
+  const Vector3d offset = *upper.position - *lower.position;
+  return lower.size && lower.place == upper.place && offset.z() > 0 &&
+         offset.head<2>().norm() <= lower.size->head<2>().maxCoeff() / 2;
 }
+
+/// Relations to the point of an answer.
+class RelationTest {
+ public:
+  /// Error where the view decides and is not known.
+  RelationTest(const Snapshot& snapshot, const NearAnswer& answer) : relation_(answer.relation) {
+    if (const auto around = object_id(answer.around)) around_ = snapshot.belief(*around);
+    if (!depends_on_view(relation_)) return;
+    const SceneRow* scene = answer.seen ? snapshot.scene(answer.seen->scene) : nullptr;
+    if (scene == nullptr || !scene->map_from_camera)
+      throw Error(fmt::format("from where '{}' was seen is not known", answer.asked), {},
+                  "ask what is near it");
+    forward_ = (answer.point - scene->map_from_camera->translation()).normalized().head<2>();
+    // To a camera that looks down, what is further up in the image is behind.
+    constexpr double kSteep = 0.35;  // horizontal part of a view 70 degrees down
+    if (forward_.norm() < kSteep) forward_ = -scene->map_from_camera->linear().col(1).head<2>();
+  }
+
+  bool holds(const BeliefRow& belief, const Vector3d& offset) const {
+    if (relation_ == Relation::near) return true;
+    if (relation_ == Relation::on) return around_ != nullptr && stands_on(belief, *around_);
+    if (relation_ == Relation::under) return around_ != nullptr && stands_on(*around_, belief);
+    if (around_ != nullptr && around_->place != belief.place) return false;
+    const double back = forward_.dot(offset.head<2>());
+    const double left = forward_.x() * offset.y() - forward_.y() * offset.x();
+    if (std::abs(back) >= std::abs(left))
+      return relation_ == (back > 0 ? Relation::behind : Relation::in_front);
+    return relation_ == (left > 0 ? Relation::left : Relation::right);
+  }
+
+ private:
+  Relation relation_;
+  const BeliefRow* around_ = nullptr;
+  Vector2d forward_ = Vector2d::Zero();  ///< from the camera, over the floor
+};
 
 /// Adds what is near the point. `meant`: only these; unset = all.
 void add_near(const Snapshot& snapshot, const NearQuestion& question,
               const std::optional<std::set<Id>>& meant, NearAnswer& answer) {
+  const RelationTest relation(snapshot, answer);
   for (const Id object : snapshot.present_objects()) {
     if (meant && !meant->contains(object)) continue;
     const BeliefRow& belief = *snapshot.belief(object);
     if (!belief.position || object_name(object) == answer.around) continue;
     Vector3d offset = *belief.position - answer.point;
-    if (question.on_top && !is_on_top(offset, belief, snapshot, answer)) continue;
     if (answer.level) offset.z() = 0;
-    if (offset.norm() <= question.radius_m)
+    if (offset.norm() <= question.radius_m && relation.holds(belief, offset))
       answer.objects.push_back({snapshot.object_belief(belief), offset.norm()});
   }
   std::ranges::stable_sort(answer.objects, {}, &NearObject::distance_m);
@@ -206,7 +265,7 @@ NearAnswer ask(const Store& store, const NearQuestion& question) {
   }
   std::vector<NearAnswer> answers =
       located(snapshot, question.subject,
-              {.asked = question.subject, .radius_m = question.radius_m, .on_top = question.on_top});
+              {.asked = question.subject, .radius_m = question.radius_m, .relation = question.relation});
   for (NearAnswer& answer : answers) {
     add_near(snapshot, question, meant, answer);
     // Of several boxes the one with something on it is meant.
@@ -242,6 +301,13 @@ const Record<NearAnswer>& near_record() {
           .value("radius", &NearAnswer::radius_m)
           .value("around", [](const NearAnswer& answer) { return unless_empty(answer.around); })
           .value("level", [](const NearAnswer& answer) { return if_true(answer.level); })
+          .value("relation", [](const NearAnswer& answer) { return name_of(answer.relation); })
+          .record(
+              "seen",
+              [](const NearAnswer& answer) {
+                return depends_on_view(answer.relation) ? answer.seen : std::nullopt;
+              },
+              scene_record())
           .record("objects", &NearAnswer::objects, near_object_record());
   return record;
 }
@@ -348,10 +414,28 @@ std::vector<SentenceForm> near_sentences() {
       {"yes|bare: thing near<around> [stand]", exists, "Is there anything next to the milk?"},
       {"yes|bare: <object> near<around> [stand|put|keep]", verdict, "Is the oil next to the pot?"},
       {"yes|bare: there|any <object> near<around> [stand]", exists},
-      {"what|yes|bare: pos<around> [thing|stand|see|find]", agent, "What is behind the milk?"},
+      {"what|yes|bare: pos<around> [thing|stand|see|find]", agent},
       {"yes|bare: <any> pos<around> [stand]", agent},
       {"what: which<any> pos<around> [stand]", agent},
   };
+  for (const auto& [word, relation] : std::map<std::string, std::string>{{"behind", "behind"},
+                                                                         {"infront", "in-front"},
+                                                                         {"leftof", "left"},
+                                                                         {"rightof", "right"},
+                                                                         {"under", "under"}}) {
+    const std::map<std::string, std::string> so = {{"relation", relation}};
+    const bool first = word == "behind";
+    forms.push_back({"what: " + word + "<around> [thing|stand|see|find|put|keep]", objects,
+                     first              ? "What is behind the milk?"
+                     : word == "leftof" ? "What is to the left of the pot?"
+                                        : "",
+                     so});
+    forms.push_back({"what: which<object> " + word + "<around> [stand|see]", objects, "", so});
+    forms.push_back({"yes|bare: thing " + word + "<around> [stand|see]", exists, "", so});
+    forms.push_back({"yes|bare: there|any <object> " + word + "<around> [stand|see]", exists, "", so});
+    forms.push_back({"yes|bare: <object> " + word + "<around> [stand|put|keep]", verdict,
+                     first ? "Is the oil behind the pot?" : "", so});
+  }
   // On an object: places of these names come first.
   // What is in it is not recorded.
   for (const std::string at : {"on", "in"}) {
@@ -363,6 +447,12 @@ std::vector<SentenceForm> near_sentences() {
                      on ? "Is there an apple on the plate?" : "", on_top});
   }
   return forms;
+}
+
+std::vector<std::string> relation_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, relation] : kRelations) names.emplace_back(name);
+  return names;
 }
 
 Question contents_question(const char* name, const char* description, const std::string& example,
@@ -392,31 +482,34 @@ std::vector<Question> contents_questions() {
       contents_question("in", "What is in a place", "drawer_1", "in"),
       {.name = "near",
        .description = "What is within a radius of a point, object or place",
-       .parameters = {{.name = "around",
-                       .type = ParameterType::spot,
-                       .help = "x,y or x,y,z in the map, an object, or a place",
-                       .positional = true,
-                       .required = true},
-                      {.name = "radius",
-                       .type = ParameterType::length,
-                       .help = "Between centres: metres, or \"50 cm\"",
-                       .default_text = "0.5 m"},
-                      {.name = "relation",
-                       .help = "on: only what stands on the object",
-                       .default_text = "near",
-                       .choices = {"near", "on"}},
-                      {.name = "count",
-                       .type = ParameterType::number,
-                       .help = "Only so many, the nearest",
-                       .default_text = "all"},
-                      only_object_parameter()},
+       .parameters =
+           {{.name = "around",
+             .type = ParameterType::spot,
+             .help = "x,y or x,y,z in the map, an object, or a place",
+             .positional = true,
+             .required = true},
+            {.name = "radius",
+             .type = ParameterType::length,
+             .help = "Between centres: metres, or \"50 cm\"",
+             .default_text = "0.5 m"},
+            {.name = "relation",
+             .help = "Only what stands on the object or under it, or is beside it as the camera saw it last",
+             .default_text = "near",
+             .choices = relation_names()},
+            {.name = "count",
+             .type = ParameterType::number,
+             .help = "Only so many, the nearest",
+             .default_text = "all"},
+            only_object_parameter()},
        .examples = {"red --radius 0.4", "2.0,1.0,0.8 --radius 1 --json"},
        .answer = format::schema_by<near_record>,
        .run = [](const Arguments& given) -> Answer {
          NearQuestion question{.subject = given.text("around"), .as_of = given.as_of()};
-         question.radius_m = given.length("radius").value_or(question.radius_m);
          question.only = given.text("object");
-         question.on_top = given.text("relation") == "on";
+         question.relation = relation_called(given.text("relation"));
+         // Whether this is left of that does not end at half a metre.
+         const bool anywhere = depends_on_view(question.relation) && !question.only.empty();
+         question.radius_m = given.length("radius").value_or(anywhere ? 10 : question.radius_m);
          question.count = static_cast<size_t>(std::max<Id>(0, given.number("count").value_or(0)));
          return ask(given.store(), question);
        },

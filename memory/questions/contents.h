@@ -44,13 +44,17 @@ Json to_json(const ContentsAnswer& answer);
 
 // ---- near
 
+/// Where an object is of what is asked about. The last four are quarters of the horizontal plane, as the
+/// camera saw it in the last scene that showed it.
+enum class Relation { near, on, under, left, right, behind, in_front };
+
 struct NearQuestion {
   std::string subject = {};  ///< "1.2,0.4" or "1.2,0.4,0.9" (map frame, metres), an object or a place
   double radius_m = 0.5;
   AsOf as_of = {};
   std::string only = {};  ///< only these objects; empty = all
-  bool on_top = false;    ///< only what stands on the object: over its footprint, and higher
-  size_t count = 0;       ///< only so many, the nearest; 0 = all
+  Relation relation = Relation::near;
+  size_t count = 0;  ///< only so many, the nearest; 0 = all
 };
 struct NearObject {
   ObjectBelief object = {};
@@ -62,7 +66,8 @@ struct NearAnswer {
   Vector3d point = Vector3d::Zero();
   bool level = false;  ///< the point has no height
   double radius_m = 0;
-  bool on_top = false;
+  Relation relation = Relation::near;
+  std::optional<SceneRef> seen = {};  ///< the scene whose camera says what is left, right, behind, in front
   std::vector<NearObject> objects = {};  ///< nearest first; gone objects are left out
 };
 NearAnswer ask(const Store& store, const NearQuestion& question);

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <set>
 
 #include "mapping/base/math/math.h"
 #include "mapping/base/text/text.h"
+#include "mapping/world/contacts.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
@@ -30,7 +32,17 @@ struct StoredMap {
   std::string name, urdf, sidecar;
   mapping::World world = {};
   mapping::SemanticMap semantic = {};
+  std::map<std::string, Vector3d> sizes = {};  ///< by link
 };
+
+std::map<std::string, Vector3d> sizes_of(const mapping::World& world) {
+  std::map<std::string, Eigen::AlignedBox3d> bounds;
+  for (const mapping::SolidBox& box : mapping::solid_boxes(world))
+    bounds[world.links[box.link].name].extend(bounds_of(box, Isometry3d::Identity()));
+  std::map<std::string, Vector3d> sizes;
+  for (const auto& [link, box] : bounds) sizes[link] = box.sizes();
+  return sizes;
+}
 
 /// The map at the time asked about; nullptr = there is none. A sentence looks it up several times, and
 /// parsing takes longer than all else that it needs: the last one is kept.
@@ -48,6 +60,7 @@ std::shared_ptr<const StoredMap> map_of(const Snapshot& snapshot) {
   map.world = mapping::parse_urdf(map.urdf, map.name);
   if (row->sidecar)
     map.semantic = mapping::semantic_map_from_json(parse_json(map.sidecar, map.name), map.name);
+  map.sizes = sizes_of(map.world);
   return last = std::make_shared<const StoredMap>(std::move(map));
 }
 
@@ -102,6 +115,7 @@ std::vector<EnvironmentPart> parts_of_map(const Snapshot& snapshot, const Stored
                          .map_name = link.name,
                          .class_name = class_of(map, link.name),
                          .position = poses[i].translation()};
+    if (const auto size = map.sizes.find(link.name); size != map.sizes.end()) part.size = size->second;
     if (const auto known = map.semantic.links.find(link.name); known != map.semantic.links.end()) {
       part.aliases = known->second.aliases;
       if (!known->second.appliance.empty()) part.aliases.push_back(known->second.appliance);
@@ -139,6 +153,35 @@ std::vector<EnvironmentPart> all_parts(const Snapshot& snapshot, const StoredMap
   return parts;
 }
 
+/// Where a word says at which height a part is among its like: 0 = lowest, 1 = highest.
+std::optional<double> level_called(const std::string& word) {
+  static const std::map<std::string, double> levels = {
+      {"top", 1},       {"upper", 1},  {"uppermost", 1}, {"topmost", 1}, {"highest", 1},  {"middle", 0.5},
+      {"central", 0.5}, {"bottom", 0}, {"lower", 0},     {"lowest", 0},  {"lowermost", 0}};
+  const auto found = levels.find(word);
+  return found == levels.end() ? std::nullopt : std::optional(found->second);
+}
+
+/// Keeps the parts at one level, all where they are at the same; none where there is none between the others,
+/// or a height is not known.
+void keep_level(double level, std::vector<EnvironmentPart>& parts) {
+  constexpr double kSameLevel = 0.05;
+  std::vector<double> heights;
+  for (const EnvironmentPart& part : parts)
+    heights.push_back(part.position ? part.position->z() : std::numeric_limits<double>::quiet_NaN());
+  if (std::ranges::any_of(heights, [](double height) { return std::isnan(height); })) return parts.clear();
+  std::vector<double> levels;
+  std::ranges::sort(heights);
+  for (const double height : heights)
+    if (levels.empty() || height > levels.back() + kSameLevel) levels.push_back(height);
+  const double index = level * static_cast<double>(levels.size() - 1);
+  if (levels.empty() || index != std::floor(index)) return parts.clear();
+  const double bottom = levels[static_cast<size_t>(index)];
+  std::erase_if(parts, [&](const EnvironmentPart& part) {
+    return part.position->z() < bottom || part.position->z() > bottom + kSameLevel;
+  });
+}
+
 /// "the kitchen drawers" → "drawer" of a class drawer; "drawer 1" → the beginning of drawer_1_front.
 std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& parts,
                                           const std::string& asked) {
@@ -168,8 +211,10 @@ std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& pa
   take([&](const EnvironmentPart& part) {
     return part.class_name == joined || part.class_name + "s" == joined;
   });
-  if (const size_t space = name.find(' '); found.empty() && space != std::string::npos)
-    return parts_called(parts, name.substr(space + 1));
+  if (const size_t space = name.find(' '); found.empty() && space != std::string::npos) {
+    found = parts_called(parts, name.substr(space + 1));
+    if (const auto level = level_called(name.substr(0, space))) keep_level(*level, found);
+  }
   return found;
 }
 
@@ -300,6 +345,7 @@ const Record<EnvironmentPart>& part_record() {
                  })
           .value("aliases", [](const EnvironmentPart& part) { return unless_empty(part.aliases); })
           .value("position", &EnvironmentPart::position)
+          .value("size", &EnvironmentPart::size)
           .record("joint", &EnvironmentPart::motion, motion_record())
           .value("place", &EnvironmentPart::place)
           .value("objects",
@@ -329,6 +375,14 @@ std::string find_part_without_place(const Snapshot& snapshot, const std::string&
   const bool has_place =
       std::ranges::any_of(parts, [](const EnvironmentPart& part) { return part.place.has_value(); });
   return parts.empty() || has_place ? "" : parts[0].name;
+}
+
+std::vector<Id> find_places_by_level(const Snapshot& snapshot, const std::string& name) {
+  std::vector<Id> places;
+  if (!level_called(name.substr(0, name.find(' ')))) return places;
+  for (const EnvironmentPart& part : parts_called(all_parts(snapshot, map_of(snapshot).get()), name))
+    if (part.place) places.push_back(part.place->id);
+  return places;
 }
 
 std::set<std::string> joints_called(const Snapshot& snapshot, const std::string& name) {
@@ -465,6 +519,7 @@ std::vector<Question> environment_questions() {
                      {"what: which<part> [room|know]", Asks::objects, "Which drawers are there?"},
                      {"what: furniture [know|room]"},
                      {"where: <part> [room|location]", Asks::place, "Where is the table?"},
+                     {"howbig: <part>", Asks::property, "How big is the table?"},
                      {"what: which<part> empty [every|leave]", Asks::objects, "Which drawers are empty?",
                       empty},
                      {"howmany: empty <part>", Asks::number, "", empty},

@@ -23,6 +23,8 @@ std::vector<Question> environment_questions();
 std::optional<mapping::World> world_of(const Snapshot& snapshot);
 /// The part of the map of this name that is no place; "" = none.
 std::string find_part_without_place(const Snapshot& snapshot, const std::string& name);
+/// Places by their height among those of their kind: "top drawer", "middle shelf"; empty for other names.
+std::vector<Id> find_places_by_level(const Snapshot& snapshot, const std::string& name);
 /// The map's joints that move the parts of this name.
 std::set<std::string> joints_called(const Snapshot& snapshot, const std::string& name);
 
@@ -44,6 +46,7 @@ struct EnvironmentPart {
   std::string class_name = {};
   std::vector<std::string> aliases = {};  ///< with its appliance
   std::optional<Vector3d> position = {};  ///< map frame, as the map was made
+  std::optional<Vector3d> size = {};      ///< of its solid shapes along the axes of its link, metres
   std::optional<PartMotion> motion = {};
   // Where objects can be on or in it.
   std::optional<PlaceRef> place = {};

@@ -154,6 +154,10 @@ std::vector<PlaceRow> Snapshot::places_meant(const std::string& asked) const {
   const bool restricted =
       std::ranges::any_of(words, [](const std::string& word) { return restricting.contains(word); });
   if (found.empty() && words.size() > 1 && !restricted) found = places_called(words.back());
+  if (found.empty() && restricted)
+    for (const Id id : find_places_by_level(*this, phrase(words, 0)))
+      std::ranges::copy_if(reads_->places, std::back_inserter(found),
+                           [&](const PlaceRow& place) { return place.id == id; });
   if (found.empty() && !words.empty()) {  // "the drawers", "shelves"
     std::string& last = words.back();
     if (last.ends_with("ves"))

@@ -47,10 +47,7 @@ bool is_answered_later(const Store& store, Query query, AsOf as_of) {
 }
 
 NoAnswer why_not(const Store& store, const Query& query, const AsOf& as_of, const UnknownName& error) {
-  const auto sentence = [](std::string text) {
-    if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
-    return text + ".";
-  };
+  const auto sentence = [](std::string text) { return capitalised(std::move(text)) + "."; };
   if (error.kind() == UnknownName::Kind::place)
     return {"unknown_place", sentence(error.message()), error.hint()};
   if ((as_of.at || query.arguments.contains("at")) && is_answered_later(store, query, as_of))

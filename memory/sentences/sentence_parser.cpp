@@ -88,14 +88,13 @@ const std::set<std::string>& grammar_concepts() {
 }
 
 bool fits_relation(const std::string& wanted, const std::string& given) {
-  static const std::map<std::string, std::set<std::string>> wider = {
-      {"on", {"on", "at"}},
-      {"at", {"on", "in", "at"}},
-      {"to", {"to", "into", "on", "in", "at"}},
-      {"into", {"to", "into"}},
-      {"pos", {"behind", "under", "infront", "above", "over", "between"}},
-      {"like", {"like", "to"}},
-      {"from", {"from", "of"}}};
+  static const std::map<std::string, std::set<std::string>> wider = {{"on", {"on", "at"}},
+                                                                     {"at", {"on", "in", "at"}},
+                                                                     {"to", {"to", "into", "on", "in", "at"}},
+                                                                     {"into", {"to", "into"}},
+                                                                     {"pos", {"above", "over", "between"}},
+                                                                     {"like", {"like", "to"}},
+                                                                     {"from", {"from", "of"}}};
   const auto found = wider.find(wanted);
   return found == wider.end() ? wanted == given : found->second.contains(given);
 }

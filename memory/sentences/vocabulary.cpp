@@ -298,8 +298,10 @@ constexpr Compound kCompounds[] = {
     {"which of", "which"},
     {"which one [of the]", "which"},
     // Relations.
-    {"(to|on) the (left|right) [side] of", "behind"},
-    {"(left|right) of", "behind"},
+    {"(to|on) the left [hand] [side] of", "leftof"},
+    {"(to|on) the right [hand] [side] of", "rightof"},
+    {"left of", "leftof"},
+    {"right of", "rightof"},
     {"on top of", "on"},
     {"(next to|close to|adjacent to|right by|in the vicinity of|in the neighbourhood of|close by|hard by)",
      "near"},
@@ -380,7 +382,8 @@ constexpr ClassWords kClasses[] = {
      "somehow likely perchance around altogether such kind sort own's very meanwhile though although sat "
      "accessible reachable own's yes"},
     {WordClass::relation,
-     "on in at to into from of near with behind under infront above about for and or like within between "
+     "on in at to into from of near with behind under infront leftof rightof above about for and or like "
+     "within between "
      "than as over except repeated"},
     {WordClass::ordinary,
      "because if whether unless while much nice good bad better worse best nicest old young tomorrow "

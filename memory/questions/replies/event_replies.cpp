@@ -55,14 +55,6 @@ std::string happened(const Change& change, const Names& names) {
   }
 }
 
-std::string between_text(const Change& change, const TimeWriter& times) {
-  return change.since
-             ? (times.text(*change.since) == times.text(change.time)
-                    ? "At " + times.text(change.time)
-                    : fmt::format("Between {} and {}", times.text(*change.since), times.text(change.time)))
-             : "By " + times.text(change.time);
-}
-
 /// Whether the memory would know of a change: whether what was asked about was seen in the period.
 bool was_watched(const Snapshot& snapshot, const ReplyContext& context, const ChangesAnswer& answer) {
   const Query& query = context.query;
@@ -149,24 +141,16 @@ void how_long_open(const ChangesAnswer& answer, bool open, const ReplyContext& c
                                           : fmt::format("{} by {}", open ? "closed" : "opened", at(*end)));
 }
 
-/// What the most changes are of.
-void most_often(const ChangesAnswer& answer, const Names& names, Reply& reply) {
+/// The changes of what changed most often.
+ChangesAnswer of_most_changed(const ChangesAnswer& all, size_t& times) {
+  const auto subject = [](const Change& change) {
+    return change.object ? change.object->name : joint_in_words(change);
+  };
   std::map<std::string, size_t> counts;
-  for (const Change& change : answer.changes)
-    ++counts[change.object ? without_place(names.of(*change.object)) : joint_in_words(change)];
-  size_t most = 0;
-  for (const auto& [name, count] : counts) most = std::max(most, count);
-  std::vector<std::string> list;
-  reply.objects.clear();
-  reply.places.clear();
-  for (const Change& change : answer.changes) {
-    const std::string name = change.object ? without_place(names.of(*change.object)) : joint_in_words(change);
-    if (counts[name] != most || std::ranges::count(list, name) > 0) continue;
-    list.push_back(name);
-    if (change.object) reply.objects.push_back(change.object->id);
-    if (!change.object) reply.places.push_back(change.place ? change.place->name : name);
-  }
-  reply.text = fmt::format("{}, {}.", list_in_words(list), counted(most, "time"));
+  for (const Change& change : all.changes) times = std::max(times, ++counts[subject(change)]);
+  ChangesAnswer most = all;
+  std::erase_if(most.changes, [&](const Change& change) { return counts[subject(change)] < times; });
+  return most;
 }
 
 /// What the first or the last changes are of: several where they were seen within a minute.
@@ -210,9 +194,13 @@ const Change& last_of(const std::vector<Change>& changes) {
 
 }  // namespace
 
-void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply& reply) {
+void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
+  size_t most = 0;  // times that one of them changed
+  std::optional<ChangesAnswer> most_changed;
+  if (context.query.asks == Asks::most) most_changed = of_most_changed(all, most);
+  const ChangesAnswer& answer = most_changed ? *most_changed : all;
   if (answer.changes.empty()) return no_changes(answer, snapshot, context, reply);
   const Change& last = last_of(answer.changes);
   std::vector<std::string> list;
@@ -220,9 +208,9 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
     const std::string name = change.object ? without_place(names.of(*change.object)) : joint_in_words(change);
     if (change.object && std::ranges::count(reply.objects, change.object->id) == 0)
       reply.objects.push_back(change.object->id);
-    if (std::ranges::count(list, name) == 0) list.push_back(name);
-    const std::string part = change.place ? change.place->name : joint_in_words(change);
-    if (!change.object && std::ranges::count(reply.places, part) == 0) reply.places.push_back(part);
+    if (std::ranges::count(list, name) > 0) continue;
+    list.push_back(name);
+    if (!change.object) reply.places.push_back(change.place ? change.place->name : name);
   }
   const std::string what = happened(last, names);
   switch (context.query.asks) {
@@ -253,7 +241,7 @@ void write_reply(const ChangesAnswer& answer, const ReplyContext& context, Reply
       how_long_open(answer, context.query.asks == Asks::duration, context, reply);
       break;
     case Asks::most:
-      most_often(answer, names, reply);
+      reply.text = fmt::format("{}, {}.", list_in_words(list), counted(most, "time"));
       break;
     case Asks::earliest:
     case Asks::latest:
@@ -377,98 +365,6 @@ void write_reply(const DigestAnswer& answer, const ReplyContext& context, Reply&
   list("Out of the usual place", answer.misplaced,
        [&](const MisplacedObject& object) { return names.of(object.now.object); });
   list("Missing", answer.missing, [&](const ObjectBelief& belief) { return names.of(belief.object); });
-}
-
-// ---- room, opens
-
-namespace {
-
-void state_evidence(const std::vector<EnvironmentPart>& parts, const ReplyContext& context, Reply& reply) {
-  for (const EnvironmentPart& part : parts) {
-    if (!part.motion) continue;
-    std::vector<std::string> known;
-    if (part.motion->seen)
-      known.push_back(fmt::format("{} at {}", part.motion->open() ? "open" : "closed",
-                                  context.times.text(part.motion->seen->time)));
-    if (part.motion->opened)
-      known.push_back("last opened by " + context.times.text(part.motion->opened->time));
-    if (part.motion->closed)
-      known.push_back("last closed by " + context.times.text(part.motion->closed->time));
-    if (!known.empty()) reply.evidence.push_back(fmt::format("{}: {}", part.name, fmt::join(known, ", ")));
-  }
-}
-
-/// "Drawer_1 and drawer_2": as people call parts.
-std::string list_of(const std::vector<std::string>& parts) {
-  std::vector<std::string> names;
-  for (const std::string& name : parts) names.push_back(joint_in_words({.joint = name + "_joint"}));
-  return list_in_words(names);
-}
-
-void last_opened(const OpensAnswer& answer, const ReplyContext& context, Reply& reply) {
-  const EnvironmentPart* last = nullptr;
-  for (const EnvironmentPart& part : answer.parts)
-    if (part.motion->opened && (last == nullptr || part.motion->opened->time > last->motion->opened->time))
-      last = &part;
-  reply.not_known = last == nullptr;
-  if (last == nullptr) {
-    reply.text = fmt::format("'{}' was never seen to open.", answer.asked);
-    return;
-  }
-  const Change& opened = *last->motion->opened;
-  reply.time = TimeSpan{opened.since.value_or(opened.time), opened.time};
-  reply.text = fmt::format("{}: {} opened.", between_text(opened, context.times), last->name);
-}
-
-/// Whether one is open, or all are closed.
-void opens_verdict(const OpensAnswer& answer, bool asks_open, const ReplyContext& context, Reply& reply) {
-  std::vector<std::string> open, closed, unknown;
-  for (const EnvironmentPart& part : answer.parts)
-    (!part.motion->position ? unknown : part.motion->open() ? open : closed).push_back(part.name);
-  if (open.empty() && !unknown.empty()) {
-    reply.verdict = Verdict::not_observed;
-    reply.text = fmt::format("Not observed: no look showed how {} {}.", list_of(unknown),
-                             unknown.size() == 1 ? "stands" : "stand");
-    return;
-  }
-  reply.verdict = open.empty() == asks_open ? Verdict::no : Verdict::yes;
-  reply.places = open;
-  const std::vector<std::string>& named = open.empty() ? closed : open;
-  const std::optional<SceneRef>& seen = answer.parts.front().motion->seen;
-  reply.text = fmt::format("{}: {} {} {}{}.", *reply.verdict == Verdict::yes ? "Yes" : "No", list_of(named),
-                           named.size() == 1 ? "is" : "are", open.empty() ? "closed" : "open",
-                           seen ? ", as of " + context.times.text(seen->time) : "");
-}
-
-}  // namespace
-
-void write_reply(const OpensAnswer& answer, const ReplyContext& context, Reply& reply) {
-  const Asks asks = context.query.asks;
-  std::vector<std::string> parts;
-  for (const EnvironmentPart& part : answer.parts) parts.push_back(part.name);
-  state_evidence(answer.parts, context, reply);
-  if (!answer.state.empty()) {
-    reply.places = parts;
-    reply.number = parts.size();
-    reply.text = parts.empty() ? fmt::format("None of '{}' is {}.", answer.asked, answer.state)
-                               : fmt::format("{} {} {}.", list_of(parts), parts.size() == 1 ? "is" : "are",
-                                             answer.state);
-  } else if (parts.empty() && asks == Asks::property &&
-             !Snapshot(context.store, context.as_of).places_meant(answer.asked).empty()) {
-    // The state of what does not move is what is on it.
-    write_reply(ask(context.store, ContentsQuestion{answer.asked, context.as_of}), context, reply);
-  } else if (parts.empty()) {
-    reply.not_known = true;
-    reply.text = answer.asked.empty() ? "Nothing is known to open."
-                                      : fmt::format("'{}' has no part that moves.", answer.asked);
-  } else if (asks == Asks::last_time) {
-    last_opened(answer, context, reply);
-  } else if (asks == Asks::open || asks == Asks::closed || asks == Asks::property) {
-    opens_verdict(answer, asks != Asks::closed, context, reply);
-  } else {
-    reply.number = parts.size();
-    reply.text = fmt::format("{} can be opened: {}.", counted(parts.size(), "part"), list_of(parts));
-  }
 }
 
 // ---- together, missing, search, tasks

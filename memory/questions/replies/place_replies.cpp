@@ -233,6 +233,49 @@ void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Repl
   if (contents.sure.size() == 1) add_sightings(contents.sure, names, context, reply);
 }
 
+namespace {
+
+/// "behind the pot, as seen at 20:30:01".
+std::string relation_in_words(const NearAnswer& answer, const std::string& around, const TimeWriter& times) {
+  const auto as_seen = [&](const char* relation) {
+    return fmt::format("{} {}{}", relation, around,
+                       answer.seen ? ", as seen at " + times.text(answer.seen->time) : "");
+  };
+  switch (answer.relation) {
+    case Relation::near:
+      return fmt::format("within {:.0f} cm of {}", 100 * answer.radius_m, around);
+    case Relation::on:
+      return "on " + around;
+    case Relation::under:
+      return "under " + around;
+    case Relation::left:
+      return as_seen("left of");
+    case Relation::right:
+      return as_seen("right of");
+    case Relation::behind:
+      return as_seen("behind");
+    case Relation::in_front:
+      return as_seen("in front of");
+  }
+  return {};
+}
+
+/// What hides its neighbours cannot be said to have none.
+void write_hidden(const NearAnswer& answer, const std::string& around, const BeliefRow* object,
+                  const Snapshot& snapshot, const ReplyContext& context, Reply& reply) {
+  const auto place = object != nullptr ? snapshot.place_ref(object->place) : std::nullopt;
+  reply.not_known = true;
+  if (answer.relation == Relation::under && place) {
+    reply.places = {place->name};
+    reply.text = fmt::format("Not seen: {} hides what is under it; it is {}.", around, in_words(*place));
+  } else {
+    reply.text =
+        fmt::format("Not seen: nothing is known to be {}.", relation_in_words(answer, around, context.times));
+  }
+}
+
+}  // namespace
+
 void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
@@ -252,22 +295,32 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
                                          names.of(near.object.object),
                                          spot_in_words(near.object.place, near.object.position)));
   }
-  const std::string within =
-      answer.on_top ? "on " + around : fmt::format("within {:.0f} cm of {}", 100 * answer.radius_m, around);
+  const std::string only = context.query.argument("object");
+  const std::vector<Id> asked = only.empty() ? std::vector<Id>{} : snapshot.find_objects(only);
   const std::string found =
-      fmt::format("{} {} {}.", list_in_words(list), list.size() > 1 ? "are" : "is", within);
-  const BeliefRow* support = answer.on_top && object ? snapshot.belief(*object) : nullptr;
-  if (support != nullptr && support->status == ObjectStatus::gone) {
+      fmt::format("{} {}.",
+                  !list.empty()       ? list_in_words(list) + (list.size() > 1 ? " are" : " is")
+                  : asked.size() == 1 ? names.subject(snapshot.object_ref(asked[0])) + " is not"
+                  : only.empty()      ? "nothing is"
+                                      : fmt::format("no '{}' is", only),
+                  relation_in_words(answer, around, context.times));
+  const BeliefRow* belief = object ? snapshot.belief(*object) : nullptr;
+  const bool hides = answer.relation == Relation::under || answer.relation == Relation::behind;
+  if (answer.relation != Relation::near && belief != nullptr && belief->status == ObjectStatus::gone) {
     reply = {};
     reply.not_known = true;
     reply.text = fmt::format("Not known: {} has gone.", around);
   } else if (context.query.asks == Asks::agent) {
     reply.not_known = true;
     reply.objects.clear();
-    reply.text = answer.on_top ? fmt::format("Not recorded: what is in {}; on it: {}.", around,
-                                             list.empty() ? "nothing" : list_in_words(list, 3))
-                               : fmt::format("Not recorded: what is behind or under {}; near it: {}.", around,
-                                             list_in_words(list, 3));
+    reply.text = answer.relation == Relation::on
+                     ? fmt::format("Not recorded: what is in {}; on it: {}.", around,
+                                   list.empty() ? "nothing" : list_in_words(list, 3))
+                     : fmt::format("Not recorded: what is over or between {}; near it: {}.", around,
+                                   list_in_words(list, 3));
+  } else if (hides && list.empty() && only.empty()) {
+    write_hidden(answer, object ? names.subject(snapshot.object_ref(*object)) : around, belief, snapshot,
+                 context, reply);
   } else if (context.query.asks == Asks::verdict || context.query.asks == Asks::exists) {
     reply.verdict = list.empty() ? Verdict::no : Verdict::yes;
     reply.text = fmt::format("{}: {}", list.empty() ? "No" : "Yes", found);
@@ -471,80 +524,6 @@ void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& contex
     reply.number = list.size();
     reply.text = asks == Asks::number ? fmt::format("{}: {}", list.size(), seen) : seen;
   }
-}
-
-// ---- room
-
-namespace {
-
-/// "counter_1 is at (1.60, 2.70) in the map, 1.4 m from shelf_1": beside the nearest other place.
-std::string where_part_is(const EnvironmentPart& part, const RoomAnswer& room) {
-  const EnvironmentPart* nearest = nullptr;
-  const auto distance = [&](const EnvironmentPart& other) {
-    return (*other.position - *part.position).norm();
-  };
-  for (const EnvironmentPart& other : room.parts)
-    if (other.place && other.position && other.name != part.name &&
-        (nearest == nullptr || distance(other) < distance(*nearest)))
-      nearest = &other;
-  std::string text =
-      fmt::format("{} is at ({:.2f}, {:.2f}) in the map", part.name, part.position->x(), part.position->y());
-  if (nearest != nullptr) text += fmt::format(", {:.1f} m from {}", distance(*nearest), nearest->name);
-  return text;
-}
-
-/// The places with the most objects.
-void with_most_objects(const RoomAnswer& answer, Reply& reply) {
-  size_t most = 0;
-  std::vector<std::string> list;
-  for (const EnvironmentPart& part : answer.parts)
-    if (part.place) most = std::max(most, part.objects);
-  for (const EnvironmentPart& part : answer.parts) {
-    if (!part.place || most == 0) continue;
-    if (part.objects == most) {
-      reply.places.push_back(part.place->name);
-      list.push_back(name_in_words(part.place->name));
-    }
-    reply.evidence.push_back(fmt::format("{}: {}", in_words(*part.place), counted(part.objects, "object")));
-  }
-  reply.not_known = list.empty();
-  reply.text = list.empty() ? "Not known: nothing is known to be at a place."
-                            : fmt::format("{}: {}{}.", list_in_words(list), counted(most, "object"),
-                                          list.size() > 1 ? " each" : "");
-}
-
-}  // namespace
-
-void write_reply(const RoomAnswer& answer, const ReplyContext& context, Reply& reply) {
-  if (context.query.asks == Asks::most) return with_most_objects(answer, reply);
-  if (context.query.asks == Asks::place) {
-    const RoomAnswer room = ask(context.store, RoomQuestion{.as_of = context.as_of});
-    std::vector<std::string> list;
-    for (const EnvironmentPart& part : answer.parts) {
-      reply.places.push_back(part.name);
-      if (part.position) list.push_back(where_part_is(part, room));
-    }
-    reply.not_known = list.empty();
-    reply.text = list.empty() ? "Not known: the map has no position of it."
-                              : shortened(fmt::format("{}.", fmt::join(list, "; ")));
-    return;
-  }
-  std::vector<std::string> counts, parts;
-  for (const auto& [name, count] : answer.classes) counts.push_back(counted(count, name));
-  for (const EnvironmentPart& part : answer.parts)
-    parts.push_back(joint_in_words({.joint = part.name + "_joint"}));
-  reply.number = answer.parts.size();
-  if (!answer.state.empty()) {
-    for (const EnvironmentPart& part : answer.parts) reply.places.push_back(part.place->name);
-    if (context.query.asks == Asks::exists) reply.verdict = answer.parts.empty() ? Verdict::no : Verdict::yes;
-    const char* verdict = !reply.verdict ? "" : answer.parts.empty() ? "No: " : "Yes: ";
-    reply.text = fmt::format("{}{} {} {}.", verdict, answer.parts.empty() ? "none" : list_in_words(parts),
-                             answer.parts.size() > 1 ? "are" : "is", answer.state);
-    return;
-  }
-  reply.text = answer.asked.empty() || answer.asked == "room"
-                   ? fmt::format("{}.", list_in_words(counts, 8))
-                   : fmt::format("{}: {}.", answer.parts.size(), list_in_words(parts));
 }
 
 }  // namespace loci::memory

@@ -87,13 +87,16 @@ std::string shortened(const std::string& text, size_t length) {
   return cut + " ...";
 }
 
+std::string capitalised(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z' && !text.starts_with("object_"))
+    text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
 Reply Answer::reply(const ReplyContext& context) const {
   Reply reply;
   if (!model_->write_reply(context, reply)) shorten(to_text(context.times), reply);
-  if (!reply.text.empty() && reply.text[0] >= 'a' && reply.text[0] <= 'z' &&
-      !reply.text.starts_with("object_"))
-    reply.text[0] = static_cast<char>(reply.text[0] - 'a' + 'A');
-  reply.text = with_agreement(reply.text);
+  reply.text = with_agreement(capitalised(std::move(reply.text)));
   divide(reply);
   reply.text = shortened(reply.text);
   if (reply.evidence.size() > kMaxEvidenceLines) reply.evidence.resize(kMaxEvidenceLines);

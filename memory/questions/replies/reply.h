@@ -40,6 +40,8 @@ struct ReplyContext {
   std::vector<Id> except = {};  ///< "else": objects that are left out
 };
 
+/// With a capital letter, as a sentence begins; names of objects stay as they are.
+std::string capitalised(std::string text);
 /// A text in at most `length` characters, cut between words.
 std::string shortened(const std::string& text, size_t length = kMaxReplyLength);
 

@@ -79,6 +79,14 @@ std::string reason_of(const ObjectBelief& object, const Names& names, const Repl
   return fmt::format("Because {} was last seen {} at {}.", bare_subject(object.object, names), spot, when);
 }
 
+std::string between_text(const Change& change, const TimeWriter& times) {
+  return change.since
+             ? (times.text(*change.since) == times.text(change.time)
+                    ? "At " + times.text(change.time)
+                    : fmt::format("Between {} and {}", times.text(*change.since), times.text(change.time)))
+             : "By " + times.text(change.time);
+}
+
 std::string joint_in_words(const Change& change) {
   if (change.place) return name_in_words(change.place->name);
   std::string name = change.joint.value_or("a joint");

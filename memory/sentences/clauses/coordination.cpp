@@ -124,8 +124,11 @@ Reply combined(const std::vector<Reply>& replies, const Coordination& coordinati
     });
   // "On the table or on the counter?" is answered by the place where it is.
   const auto is_so = [](const Reply& reply) { return reply.verdict == Verdict::yes; };
-  if (coordination.joint == "or" && std::ranges::count_if(replies, is_so) == 1)
-    return *std::ranges::find_if(replies, is_so);
+  if (coordination.joint == "or" && std::ranges::count_if(replies, is_so) == 1) {
+    Reply one = *std::ranges::find_if(replies, is_so);
+    one.text = capitalised(body_of(one)) + ".";
+    return one;
+  }
   Reply all;
   std::vector<std::string> bodies;
   all.not_known = std::ranges::all_of(replies, &Reply::not_known);

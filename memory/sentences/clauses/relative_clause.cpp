@@ -112,9 +112,22 @@ std::vector<Id> objects_of(const RelativeClause& clause, const Snapshot& snapsho
   }
 }
 
+/// "Everything that is red" as "red objects".
+Words with_attributes_first(Words words, const Snapshot& snapshot) {
+  static const std::set<std::string> all = {"everything", "anything", "things", "objects", "ones"};
+  static const std::set<std::string> pronouns = {"that", "which"},
+                                     verbs = {"is", "are", "was", "were", "looks"};
+  for (size_t i = 0; i + 3 < words.size(); ++i)
+    if (all.contains(words[i]) && pronouns.contains(words[i + 1]) && verbs.contains(words[i + 2]) &&
+        class_of(words[i + 3]) == WordClass::name && snapshot.means_objects(words[i + 3]))
+      replace_words(words, i, 4, {words[i + 3], "objects"});
+  return words;
+}
+
 }  // namespace
 
 Words without_relative_clauses(Words words, const Snapshot& snapshot, const TimeReader& times) {
+  words = with_attributes_first(std::move(words), snapshot);
   const Tokens tokens = tokens_of(words);
   const auto clause = find_clause(tokens, snapshot, times);
   if (!clause) return words;

@@ -38,7 +38,7 @@ bool closed(const TriangleMesh& mesh) {
 
 fs::path folder_with(const std::string& name, const std::string& text) {
   const fs::path folder = fs::path(testing::TempDir()) / "loci_mesh_test" / "shapes";
-  fs::create_directories(folder);
+  fs::create_directories((folder / name).parent_path());
   write_file_atomically(folder / name, text);
   return folder;
 }
@@ -92,6 +92,23 @@ TEST(Mesh, ATexturedMaterialHasTheMeanColourOfItsImage) {
   EXPECT_LT((mesh.colors.at(0) - Rgba(0.5F, 0, 0, 1)).norm(), 0.01F);
   fs::remove(folder / "t.png");
   EXPECT_EQ(load_mesh({"t.obj"}, {{}, folder}, warnings).colors.at(0), Rgba(1, 1, 1, 1));
+}
+
+TEST(Mesh, ImagesOutsideOfThePackageAreNotRead) {
+  const fs::path folder = folder_with(
+      "a/b/c/t.obj",
+      "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl red\nf 1/1 2/2 3/3\n");
+  const cv::Mat image(2, 2, CV_8UC3, cv::Scalar(0, 0, 255));
+  for (const char* name : {"private.png", "a/shared.png"}) write_image(folder / name, image);
+  const auto texture = [&](const std::string& name) {
+    folder_with("a/b/c/t.mtl", "newmtl red\nKd 1 1 1\nmap_Kd " + name + "\n");
+    Warnings warnings;
+    return load_mesh_parts({"a/b/c/t.obj"}, {{}, folder}, warnings).at(0).texture;
+  };
+  EXPECT_EQ(texture("../../shared.png").filename(), "shared.png");
+  EXPECT_EQ(texture("../../../private.png"), "");
+  EXPECT_EQ(texture("../c/../../../private.png"), "");
+  EXPECT_EQ(texture((folder / "private.png").string()), "");
 }
 
 TEST(Mesh, NamesOfFilesFollowTheUrdf) {

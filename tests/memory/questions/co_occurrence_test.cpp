@@ -1,6 +1,8 @@
 #include "memory/questions/routines/co_occurrence.h"
 
 #include "memory/questions/contents.h"
+#include "memory/questions/question.h"
+#include "memory/questions/replies/reply.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {
@@ -27,6 +29,38 @@ TEST_F(CoOccurrenceQuestions, NearKnowsWhereObjectsWere) {
   ASSERT_EQ(near.objects.size(), 2U);
   EXPECT_EQ(near.objects[0].object.object.id, 2);
   EXPECT_THROW(ask(*store_, NearQuestion{"red", -1, {}}), Error);
+}
+
+TEST_F(CoOccurrenceQuestions, BesideAndBehindAreAsTheCameraSawThem) {
+  // Its image has x to the right and y up.
+  const auto found = [&](const char* subject, Relation relation) {
+    std::vector<Id> objects;
+    for (const NearObject& near :
+         ask(*store_, NearQuestion{.subject = subject, .relation = relation}).objects)
+      objects.push_back(near.object.object.id);
+    return objects;
+  };
+  EXPECT_THAT(found("red", Relation::left), testing::ElementsAre(3));
+  EXPECT_THAT(found("green", Relation::right), testing::ElementsAre(1));
+  for (const Relation relation : {Relation::right, Relation::behind, Relation::in_front, Relation::under})
+    EXPECT_THAT(found("red", relation), testing::IsEmpty());
+  EXPECT_EQ(ask(*store_, NearQuestion{.subject = "red", .relation = Relation::left}).seen->time,
+            testing_support::day_time("10:30"));
+
+  const auto reply = [&](std::map<std::string, std::string> arguments, Asks asks) {
+    const Query query{.question = "near", .arguments = std::move(arguments), .asks = asks};
+    return ask(*store_, query).reply({*store_, query, {}, TimeWriter(*store_)});
+  };
+  EXPECT_EQ(reply({{"around", "red"}, {"object", "green"}, {"relation", "left"}}, Asks::verdict).verdict,
+            Verdict::yes);
+  const Reply not_right =
+      reply({{"around", "red"}, {"object", "green"}, {"relation", "right"}}, Asks::verdict);
+  EXPECT_EQ(not_right.verdict, Verdict::no);
+  EXPECT_THAT(not_right.text, HasSubstr("is not right of"));
+  const Reply hidden = reply({{"around", "red"}, {"relation", "behind"}}, Asks::objects);
+  EXPECT_TRUE(hidden.not_known) << "what it hides may be there";
+  EXPECT_EQ(reply({{"around", "red"}, {"relation", "under"}}, Asks::objects).places,
+            std::vector<std::string>{"counter_1"});
 }
 
 TEST_F(CoOccurrenceQuestions, CountsScenesWithBoth) {

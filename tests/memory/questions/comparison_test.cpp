@@ -22,6 +22,12 @@ TEST_F(Comparison, DistancesAreThoseOfNear) {
   EXPECT_THROW(compare("red", "green", "nearer"), Error);
 }
 
+TEST_F(Comparison, DistancesToPlacesAreToTheirNearestPoint) {
+  EXPECT_NEAR(*compare("red", "table_1", "distance").compared.at(1).value, 2.6, 1e-6);
+  EXPECT_EQ(compare("red", "counter_1", "distance").compared.at(1).value, 0) << "it stands there";
+  EXPECT_EQ(compare("red", "counter_1", "nearer", "table_1").verdict, Verdict::yes);
+}
+
 TEST_F(Comparison, BiggerAndSmallerExcludeEachOther) {
   const Verdict bigger = compare("red", "green", "bigger").verdict;
   EXPECT_NE(bigger, Verdict::not_observed);

@@ -1,8 +1,11 @@
 #include "memory/questions/environment.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "mapping/base/text/json.h"
+#include "memory/questions/question.h"
+#include "memory/questions/replies/reply.h"
 #include "memory/questions/snapshot.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/questions/day_fixture.h"
@@ -15,7 +18,8 @@ using testing::HasSubstr;
 
 constexpr const char* kUrdf = R"(<robot name="kitchen">
   <link name="map"/>
-  <link name="table_1"><visual><geometry><box size="1 0.8 0.04"/></geometry></visual></link>
+  <link name="table_1"><visual><geometry><box size="1 0.8 0.04"/></geometry></visual>
+    <collision><geometry><box size="0.8 1 0.04"/></geometry></collision></link>
   <link name="drawer_1_front"><visual><geometry><box size="0.02 0.4 0.2"/></geometry></visual></link>
   <link name="drawer_1_handle"><visual><geometry><box size="0.02 0.1 0.02"/></geometry></visual></link>
   <link name="door_1"><visual><geometry><box size="0.02 0.4 0.6"/></geometry></visual></link>
@@ -124,6 +128,37 @@ TEST_F(Room, PartsAreCalledByNameClassOrAppliance) {
   EXPECT_THAT(called("the fridge"), ElementsAre("door_1"));
   EXPECT_THAT(called("table"), ElementsAre());
   EXPECT_THROW(called("oven"), UnknownName);
+}
+
+TEST_F(Room, ItsPartsHaveTheSizeOfTheirShapesAndTheHeightOfTheirSurface) {
+  const Query query{.question = "room", .arguments = {{"part", "table"}}, .asks = Asks::property};
+  EXPECT_EQ(ask(*store_, query).reply({*store_, query, {}, TimeWriter(*store_)}).text,
+            "Table_1 measures 1.00 x 0.80 m and is 0.75 m high.");
+}
+
+TEST_F(Room, DrawersAreCalledByTheirLevel) {
+  store_.reset();
+  {
+    std::string urdf = "<robot name=\"kitchen\"><link name=\"map\"/>";
+    for (const auto& [name, z] : std::map<std::string, double>{
+             {"drawer_1", 0.8}, {"drawer_2", 0.5}, {"drawer_3", 0.2}, {"drawer_4", 0.21}})
+      urdf += fmt::format(
+          "<link name=\"{0}_front\"><visual><geometry><box size=\"0.02 0.4 0.2\"/></geometry></visual></link>"
+          "<joint name=\"{0}_joint\" type=\"prismatic\"><origin xyz=\"0 0 {1}\"/><parent link=\"map\"/>"
+          "<child link=\"{0}_front\"/><axis xyz=\"1 0 0\"/><limit lower=\"0\" upper=\"0.4\" effort=\"1\" "
+          "velocity=\"1\"/></joint>",
+          name, z);
+    Store store = Store::open_write(file_);
+    SceneTransaction scene(store, store.begin_run("test", "{}"));
+    scene.add_scene(
+        {.time = 11 * 3600 * kSecond, .map = store.add_map("drawers.urdf", urdf + "</robot>", "")});
+    scene.commit();
+  }
+  store_.emplace(Store::open_read(file_));
+  const auto called = [&](const char* part) { return names(ask(*store_, OpensQuestion{part, {}}).parts); };
+  EXPECT_THAT(called("top drawer"), ElementsAre("drawer_1_front"));
+  EXPECT_THAT(called("middle drawer"), ElementsAre("drawer_2_front"));
+  EXPECT_THAT(called("lowest drawers"), ElementsAre("drawer_3_front", "drawer_4_front"));
 }
 
 TEST_F(Room, APartThatNoSceneSawInsideIsNoPlaceAndIsNamed) {

@@ -126,6 +126,15 @@ TEST_F(SecondReader, AClauseTellsWhichObjectIsMeant) {
   EXPECT_EQ(say("Where is the red thing that stood on the table?").query->text(), "where object_1");
 }
 
+TEST_F(SecondReader, AnAttributeInAClauseIsOneBeforeTheName) {
+  EXPECT_THAT(say("Tell me everything that is red").reply->objects, ElementsAre(1));
+}
+
+TEST_F(SecondReader, OfTwoPlacesTheOneWhereItIsIsNamed) {
+  EXPECT_EQ(say("Does the tea cup stand on the table or on the counter?").reply->text,
+            "The tea cup is on counter_1.");
+}
+
 TEST_F(SecondReader, ComparesObjects) {
   EXPECT_THAT(say("how far apart are the blue thing and the red thing").query->text(),
               HasSubstr("compare 'blue thing' --by distance"));

@@ -264,6 +264,11 @@ TEST(Sentences, QuestionsAboutOneObject) {
       {"Which things are blue?", "objects blue"},
       {"Show me everything green", "objects green"},
       {"What is within 50 cm of the cup?", "near cup --radius '50 cm'"},
+      {"What is to the left of the cup?", "near cup --relation left"},
+      {"Is the tea on the right side of the cup?", "near cup --object tea --relation right"},
+      {"Is there anything in front of the cup?", "near cup --relation in-front"},
+      {"What's hidden behind the cup?", "near cup --relation behind"},
+      {"Which bottle is under the shelf?", "near shelf --object bottle --relation under"},
   });
 }
 
