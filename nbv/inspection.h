@@ -15,7 +15,7 @@ struct InspectionOptions {
   double max_distance_m = 2.5;       ///< of the scanner from faces
   double max_height_m = 2.2;         ///< of furniture
   double min_gain_m2 = 0.5;          ///< area of faces seen too coarsely that is worth a scan
-  double min_top_m2 = 0.1;           ///< likewise of tops: of a shelf of 40 x 25 cm
+  double min_top_m2 = 0.05;          ///< likewise of tops: the smallest support that is interpreted
   std::vector<double> heights = {};  ///< of the scanner; empty: as it is carried alone. Not declared
 
   void declare(OptionTable& table);

@@ -252,6 +252,23 @@ std::string elevation_svg(const InterpretedMap& map, const FurnitureRun& run) {
   return drawing.svg();
 }
 
+namespace {
+
+/// A gap in the line of a wall, a thin one for a window.
+void draw_opening(Drawing& drawing, const Vector2d& along, const Json& opening) {
+  const Json& centre = opening.at("centre");
+  const double width = opening.at("width").get<double>();
+  const Vector2d middle(centre.at(0).get<double>(), centre.at(1).get<double>()), half = along * width / 2;
+  const std::string kind = opening.at("kind").get<std::string>();
+  drawing.line(middle - half, middle + half,
+               fmt::format("stroke=\"#fff\" stroke-width=\"{}\"", kind == "doorway" ? 7 : 3));
+  drawing.write(
+      middle, fmt::format("{} {:.0f} × {:.0f}", kind, 100 * width, 100 * opening.at("height").get<double>()),
+      10);
+}
+
+}  // namespace
+
 std::string plan_svg(const InterpretedMap& map) {
   Eigen::AlignedBox2d box;
   for (const auto& [name, link] : map.semantics.links)
@@ -265,7 +282,10 @@ std::string plan_svg(const InterpretedMap& map) {
     const std::vector<Vector2d> outline = outline_of(link);
     if (outline.empty() || link.class_name == "drawer_bottom" || is_inferred_cabinet(link)) continue;
     if (link.class_name == "wall") {
-      drawing.line(outline[0], outline[1 % outline.size()], "stroke=\"#1f2937\" stroke-width=\"6\"");
+      const Vector2d& end = outline[1 % outline.size()];
+      drawing.line(outline[0], end, "stroke=\"#1f2937\" stroke-width=\"6\"");
+      for (const Json& opening : link.geometry.value("openings", Json::array()))
+        draw_opening(drawing, (end - outline[0]).normalized(), opening);
     } else if (is_support_class(link.class_name)) {
       drawing.polygon(outline, "fill=\"#dbe7df\" " + stroke_of(link.confidence));
       Vector2d middle = Vector2d::Zero();

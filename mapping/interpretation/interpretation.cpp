@@ -137,6 +137,7 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
   FrontSearch furniture = find_fronts(surface, floor_height, vertical, options, fronting);
   lap("fronts");
   room.walls = std::move(vertical.walls);
+  room.openings = find_openings(surface, room.walls, floor_height, options.threads);
   room.supports = std::move(horizontal.supports);
   if (room.walls.empty()) map.notes.push_back("no walls were recognised");
   if (room.supports.empty())

@@ -72,12 +72,57 @@ void add_level(const RecognisedRoom& room, const LevelPlane& plane, const std::s
   map.semantics.links[class_name] = std::move(link);
 }
 
-void add_wall(const VerticalPlane& wall, const std::string& name, InterpretedMap& map) {
+/// A wall as boxes around its openings, in its link's axes: side by side along it, each from bottom to top.
+std::vector<LinkPart> wall_parts(const VerticalPlane& wall, const std::vector<WallOpening>& openings) {
+  std::vector<double> sides = {wall.along_min, wall.along_max};
+  for (const WallOpening& opening : openings)
+    sides.insert(sides.end(), {opening.along_min, opening.along_max});
+  std::ranges::sort(sides);
+  std::vector<LinkPart> parts;
+  const double along = (wall.along_min + wall.along_max) / 2, height = (wall.bottom + wall.top) / 2;
+  const auto add = [&](double from, double to, double bottom, double top) {
+    if (top - bottom > kFurniture.min_wall_part_m)
+      parts.push_back(box_part({-kFurniture.wall_m / 2, (from + to) / 2 - along, (bottom + top) / 2 - height},
+                               {kFurniture.wall_m, to - from, top - bottom}));
+  };
+  for (size_t i = 0; i + 1 < sides.size(); ++i) {
+    const double from = sides[i], to = sides[i + 1], middle = (from + to) / 2;
+    if (to - from < kFurniture.min_wall_part_m) continue;
+    std::vector<std::pair<double, double>> holes;
+    for (const WallOpening& opening : openings)
+      if (opening.along_min < middle && middle < opening.along_max)
+        holes.emplace_back(opening.bottom, opening.top);
+    std::ranges::sort(holes);
+    double bottom = wall.bottom;
+    for (const auto& [low, high] : holes) {
+      add(from, to, bottom, low);
+      bottom = std::max(bottom, high);
+    }
+    add(from, to, bottom, wall.top);
+  }
+  return parts;
+}
+
+Json json_of(const VerticalPlane& wall, const std::vector<WallOpening>& openings) {
+  Json json = Json::array();
+  for (const WallOpening& opening : openings) {
+    const Vector2d middle = wall.at((opening.along_min + opening.along_max) / 2);
+    json.push_back(
+        {{"kind", opening.doorway ? "doorway" : "window"},
+         {"centre", {rounded(middle.x()), rounded(middle.y()), rounded((opening.bottom + opening.top) / 2)}},
+         {"width", rounded(opening.along_max - opening.along_min)},
+         {"height", rounded(opening.top - opening.bottom)},
+         {"seen", rounded(opening.seen)}});
+  }
+  return json;
+}
+
+void add_wall(const VerticalPlane& wall, const std::vector<WallOpening>& openings, const std::string& name,
+              InterpretedMap& map) {
   const Vector2d middle = wall.at((wall.along_min + wall.along_max) / 2);
   const double yaw = std::atan2(wall.normal.y(), wall.normal.x());
-  const double height = wall.top - wall.bottom;
   add_link(map.world, name, "wall", kRoot, pose_at(middle, (wall.top + wall.bottom) / 2, yaw),
-           {box_part({-kFurniture.wall_m / 2, 0, 0}, {kFurniture.wall_m, wall.length(), height})});
+           wall_parts(wall, openings));
   SemanticLink link;
   link.class_name = "wall";
   link.confidence = capped(0.4 + 0.3 * std::min(1.0, wall.area / 3) + 0.2 * (1 - wall.behind) +
@@ -94,6 +139,7 @@ void add_wall(const VerticalPlane& wall, const std::string& name, InterpretedMap
   link.geometry = {{"normal", {wall.normal.x(), wall.normal.y(), 0.0}},
                    {"offset", rounded(wall.offset)},
                    {"outline", outline}};
+  if (!openings.empty()) link.geometry["openings"] = json_of(wall, openings);
   link.evidence = {{"inliers", wall.inliers},
                    {"scans", wall.scans},
                    {"area_m2", rounded(wall.area)},
@@ -231,7 +277,7 @@ void add_links(const RecognisedRoom& room, const InterpretationOptions& options,
     return order;
   };
   const std::vector<std::string> walls = wall_names(room);
-  for (const size_t i : in_name_order(walls)) add_wall(room.walls[i], walls[i], map);
+  for (const size_t i : in_name_order(walls)) add_wall(room.walls[i], room.openings[i], walls[i], map);
   const std::vector<std::string> supports = support_names(room);
   for (const size_t i : in_name_order(supports)) {
     add_support(room, room.supports[i], supports[i], options, map);

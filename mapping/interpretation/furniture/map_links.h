@@ -6,6 +6,7 @@
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/interpretation/supports/supports.h"
 #include "mapping/interpretation/surfaces/levelling.h"
+#include "mapping/interpretation/surfaces/openings.h"
 #include "mapping/interpretation/surfaces/walls.h"
 #include "mapping/world/furniture.h"
 
@@ -25,6 +26,7 @@ struct RecognisedRoom {
   std::optional<LevelPlane> floor;
   std::optional<LevelPlane> ceiling;
   std::vector<VerticalPlane> walls;
+  std::vector<std::vector<WallOpening>> openings;  ///< of each wall
   std::vector<Support> supports;
 };
 

@@ -10,6 +10,7 @@ struct FurnitureParameters {
   double min_drawer_m = 0.05;          ///< depth of the shallowest drawer
   double post_inset = 0.15;            ///< of a bar's length, position of its posts
   double wall_m = 0.05;                ///< thickness of walls, floor and ceiling
+  double min_wall_part_m = 0.02;       ///< less between two openings is noise of their edges
   double strip_m = 0.05;               ///< of the boxes that approximate a polygon
   double min_joint_probability = 0.5;  ///< without which no joint is claimed
   double row_m = 0.3;                  ///< faces less far behind each other are one row of furniture

@@ -81,7 +81,26 @@ struct WallParameters {
   double max_furniture_depth_m = 0.8;   ///< of tall furniture before a wall
   double beside_m = 0.5;                ///< gap along the wall between furniture and the wall seen beside it
   double min_wall_beside_m = 0.8;       ///< a shorter wall may be the back of a niche
+  double corner_m = 0.12;               ///< before a corner, where no surfel is of one wall alone
+  double min_corner_sine = 0.5;         ///< between walls that make a corner
 };
 inline constexpr WallParameters kWalls;
+
+/// Doorways and windows in walls.
+struct OpeningParameters {
+  double fine_m = 0.01;          ///< cells in which edges are found: a laser's spacing at 2 m
+  double on_plane_m = 0.03;      ///< a ray that ends farther behind has passed: its end is on the reveal
+  int fine_cells = 5;            ///< of a cell in which openings are sought
+  double min_width_m = 0.35;     ///< narrower holes are gaps beside furniture
+  double min_height_m = 0.35;    ///< a small window
+  double pierced_side = 0.5;     ///< of the outer cells: fewer do not belong to the rectangle
+  double pierced_inside = 0.9;   ///< of the cells that were seen
+  double known_inside = 0.6;     ///< of the cells: the others were out of view
+  int edge_cells = 2;            ///< beside an opening, in which its wall must be seen
+  double known_edge = 0.2;       ///< of them, as furniture hides parts of an edge
+  double solid_edge = 0.6;       ///< of those that were seen
+  double max_threshold_m = 0.5;  ///< above the floor, where a doorway may be in shadow
+};
+inline constexpr OpeningParameters kOpenings;
 
 }  // namespace loci::mapping

@@ -10,79 +10,12 @@
 #include "mapping/base/math/moments.h"
 #include "mapping/base/parallel.h"
 #include "mapping/interpretation/surfaces/parameters.h"
+#include "mapping/interpretation/surfaces/plane_cells.h"
 #include "mapping/interpretation/surfaces/surface.h"
 #include "mapping/interpretation/surfaces/vertical_planes.h"
 
 namespace loci::mapping {
 namespace {
-
-/// Ray evidence about a vertical plane, as fractions of its columns or cells.
-struct RayEvidence {
-  double seen_above = 0;   ///< columns above whose top rays crossed the plane
-  double passed_over = 0;  ///< columns above whose top rays crossed it and ended on a surface behind it
-  double pierced = 0;      ///< of the cells that were seen or crossed, those that rays crossed
-};
-
-/// Counts rays in cells of a plane and above it.
-class PlaneCells {
- public:
-  explicit PlaneCells(const VerticalPlane& plane)
-      : plane_(plane),
-        normal_(plane.normal.cast<float>()),
-        direction_(plane.direction().cast<float>()),
-        offset_(static_cast<float>(plane.offset)),
-        columns_(static_cast<size_t>(plane.length() / kWalls.ray_cell_m) + 1),
-        rows_(static_cast<size_t>((plane.top - plane.bottom) / kWalls.ray_cell_m) + 1),
-        hits_(columns_ * rows_, 0),
-        passes_(columns_ * rows_, 0),
-        seen_above_(columns_, 0),
-        over_(columns_, 0) {}
-
-  void add(const Eigen::Vector3f& from, const Eigen::Vector3f& to, bool returned) {
-    const float start = normal_.dot(from.head<2>()) - offset_;
-    const float end = normal_.dot(to.head<2>()) - offset_;
-    if (start < static_cast<float>(kWalls.on_plane_m) || end > static_cast<float>(kWalls.on_plane_m)) return;
-    const bool on = end > -static_cast<float>(kWalls.on_plane_m);
-    if (on && !returned) return;
-    if (!on && end > -static_cast<float>(kWalls.crossed_m)) return;
-    const Eigen::Vector3f at = on ? to : Eigen::Vector3f(from + (to - from) * (start / (start - end)));
-    const double along = static_cast<double>(direction_.dot(at.head<2>())) - plane_.along_min;
-    if (along < 0 || along > plane_.length()) return;
-    const auto column = static_cast<size_t>(along / kWalls.ray_cell_m);
-    const double z = static_cast<double>(at.z());
-    if (z >= plane_.bottom && z <= plane_.top) {
-      const size_t cell = static_cast<size_t>((z - plane_.bottom) / kWalls.ray_cell_m) * columns_ + column;
-      ++(on ? hits_ : passes_)[cell];
-    } else if (z > plane_.top + kWalls.above_top_m && z < plane_.top + kWalls.max_above_top_m) {
-      ++seen_above_[column];
-      if (!on && returned) ++over_[column];
-    }
-  }
-
-  RayEvidence evidence() const {
-    const auto fraction = [](const std::vector<int>& counts) {
-      const auto many =
-          std::count_if(counts.begin(), counts.end(), [](int n) { return n >= kWalls.min_rays; });
-      return static_cast<double>(many) / static_cast<double>(counts.size());
-    };
-    double crossed = 0;
-    double seen = 0;
-    for (size_t cell = 0; cell < hits_.size(); ++cell) {
-      const bool through = passes_[cell] >= kWalls.min_rays && passes_[cell] > hits_[cell];
-      crossed += through;
-      seen += through || hits_[cell] > 0;
-    }
-    return {fraction(seen_above_), fraction(over_), seen > 0 ? crossed / seen : 0};
-  }
-
- private:
-  const VerticalPlane& plane_;
-  Eigen::Vector2f normal_, direction_;
-  float offset_;
-  size_t columns_, rows_;
-  std::vector<int> hits_, passes_;      ///< by cell
-  std::vector<int> seen_above_, over_;  ///< by column
-};
 
 /// Same result on any number of threads.
 std::vector<RayEvidence> ray_evidence(const Surface& surface, const std::vector<VerticalPlane>& planes,
@@ -91,13 +24,8 @@ std::vector<RayEvidence> ray_evidence(const Surface& surface, const std::vector<
   const size_t step = (surface.points.size() + surface.free_ends.size()) / kWalls.max_rays + 1;
   parallel_for(planes.size(), threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      PlaneCells cells(planes[i]);
-      for (size_t k = 0; k < surface.points.size(); k += step) {
-        const SurfacePoint& point = surface.points[k];
-        cells.add(surface.origins[point.origin], point.position, true);
-      }
-      for (size_t k = 0; k < surface.free_ends.size(); k += step)
-        cells.add(surface.origins[surface.free_ends[k].second], surface.free_ends[k].first, false);
+      PlaneCells cells(planes[i], kWalls.ray_cell_m, kWalls.on_plane_m, kWalls.crossed_m);
+      cells.add(surface, step);
       result[i] = cells.evidence();
     }
   });
@@ -291,6 +219,21 @@ std::string why_no_wall(const VerticalPlane& plane, const std::vector<WallCandid
   return {};
 }
 
+/// Extends walls that end just before another to where their planes meet: surfels there mix both.
+void close_corners(std::vector<VerticalPlane>& walls) {
+  for (VerticalPlane& wall : walls)
+    for (const VerticalPlane& other : walls) {
+      const double across = wall.direction().dot(other.normal);
+      if (std::abs(across) < kWalls.min_corner_sine) continue;
+      const double along = (other.offset - other.normal.dot(wall.at(0))) / across;
+      const double on_other = other.direction().dot(wall.at(along));
+      if (on_other < other.along_min - kWalls.corner_m || on_other > other.along_max + kWalls.corner_m)
+        continue;
+      if (along < wall.along_min && along > wall.along_min - kWalls.corner_m) wall.along_min = along;
+      if (along > wall.along_max && along < wall.along_max + kWalls.corner_m) wall.along_max = along;
+    }
+}
+
 }  // namespace
 
 WallSearch find_walls(const Surface& surface, double floor_height, std::optional<double> ceiling,
@@ -327,6 +270,7 @@ WallSearch find_walls(const Surface& surface, double floor_height, std::optional
   parallel_for(result.walls.size(), options.threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) refine_wall(result.walls[i], surface);
   });
+  close_corners(result.walls);
   return result;
 }
 

@@ -73,6 +73,58 @@ TEST(RoomStructure, WallThatIsSeenFromBothSidesIsFoundOnBoth) {
   EXPECT_EQ(west_face, 1U);
 }
 
+/// A wall across the room with a doorway and a window.
+AnalyticRoom two_rooms() {
+  AnalyticRoom room;
+  for (const auto& [low, high] : std::vector<std::pair<Vector3d, Vector3d>>{{{2, 0, 0}, {2.1, 0.6, 2.5}},
+                                                                            {{2, 0.6, 2.0}, {2.1, 1.5, 2.5}},
+                                                                            {{2, 1.5, 0}, {2.1, 1.9, 2.5}},
+                                                                            {{2, 1.9, 0}, {2.1, 2.6, 1.1}},
+                                                                            {{2, 1.9, 1.7}, {2.1, 2.6, 2.5}},
+                                                                            {{2, 2.6, 0}, {2.1, 3.0, 2.5}}})
+    room.solids.push_back({low, high});
+  return room;
+}
+
+TEST(RoomStructure, DoorwaysAndWindowsAreOpeningsOfTheirWall) {
+  const std::vector<Vector3d> origins = {
+      {0.7, 0.7, 1.25}, {1.0, 2.2, 1.25}, {3.3, 1.2, 1.25}, {3.0, 2.3, 1.25}};
+  const InterpretedMap map = interpreted_room(scan_room(two_rooms(), origins, 0.004, 3, kUp));
+  size_t faces = 0;
+  for (const auto& [name, link] : map.semantics.links) {
+    if (link.class_name != "wall") continue;
+    const double x = link.geometry.at("outline").at(0).at(0).get<double>();
+    if (std::abs(x - 2.05) > 0.1) {
+      EXPECT_FALSE(link.geometry.contains("openings")) << name;
+      continue;
+    }
+    ++faces;
+    SCOPED_TRACE(name);
+    std::map<std::string, Json> openings;
+    ASSERT_TRUE(link.geometry.contains("openings"));
+    for (const Json& opening : link.geometry.at("openings")) openings[opening.at("kind")] = opening;
+    ASSERT_EQ(openings.size(), 2U) << link.geometry.at("openings").dump();
+    const auto expect = [](const Json& opening, double y, double z, double width, double height) {
+      EXPECT_NEAR(opening.at("centre").at(1).get<double>(), y, 0.03);
+      EXPECT_NEAR(opening.at("centre").at(2).get<double>(), z, 0.04);
+      EXPECT_NEAR(opening.at("width").get<double>(), width, 0.04);
+      EXPECT_NEAR(opening.at("height").get<double>(), height, 0.06);
+    };
+    expect(openings["doorway"], 1.05, 1.0, 0.9, 2.0);
+    expect(openings["window"], 2.25, 1.4, 0.7, 0.6);
+    EXPECT_EQ(map.world.find_link(name)->visuals.size(), 6U) << "around the openings";
+  }
+  EXPECT_EQ(faces, 2U);
+}
+
+TEST(RoomStructure, WhatFurnitureHidesOfAWallIsNoOpening) {
+  AnalyticRoom room = kitchen();
+  room.solids.push_back({{3.0, 2.5, 0}, {3.6, 3.0, 2.0}});
+  const InterpretedMap map = interpreted_room(scan_room(room, kLaserOrigins, 0.004, 3, kUp));
+  for (const auto& [name, link] : map.semantics.links)
+    EXPECT_FALSE(link.geometry.contains("openings")) << name;
+}
+
 TEST(RoomStructure, TallCupboardBelowTheCeilingIsNoWall) {
   AnalyticRoom room;
   room.solids.push_back({{0.5, 2.4, 0}, {2.9, 3.0, 2.1}});
@@ -172,6 +224,13 @@ TEST(RoomStructure, EmptyRoomIsAValidMapOfFloorAndWalls) {
     EXPECT_THAT(link.class_name, testing::AnyOf("floor", "ceiling", "wall")) << name;
   EXPECT_EQ(map.semantics.links.count("floor"), 1U);
   EXPECT_EQ(parse_urdf(urdf_text(map.world), "map.urdf").links.size(), map.world.links.size());
+  for (const Vector2d& corner : {Vector2d(0, 0), Vector2d(4, 0), Vector2d(4, 3), Vector2d(0, 3)}) {
+    size_t meeting = 0;
+    for (const auto& [name, link] : map.semantics.links)
+      for (size_t end = 0; link.class_name == "wall" && end < 2; ++end)
+        meeting += (outline_of(map, name).at(end) - corner).norm() < 0.02;
+    EXPECT_EQ(meeting, 2U) << corner.transpose();
+  }
 }
 
 void turn_over(Scan& scan) {
