@@ -10,6 +10,7 @@
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/text/html.h"
 #include "mapping/base/text/json.h"
+#include "mapping/exchange/formats/gltf.h"
 #include "mapping/exchange/map_colors.h"
 #include "mapping/exchange/map_report.h"
 #include "mapping/interpretation/furniture/map_links.h"
@@ -79,8 +80,9 @@ std::string plan_images(const fs::path& folder, size_t step) {
 
 /// The report of the map, followed by the exploration (every scan with its reason, overlap, coverage, times
 /// and images of the plan, Fig. 7.2 and 7.4) and by every pull with its result.
-std::string survey_report(const SurveyResult& result, const fs::path& folder) {
-  std::string page = map_report(result.map, result.scans, folder.string());
+std::string survey_report(const SurveyResult& result, const fs::path& folder, Warnings& warnings) {
+  std::string page = map_report(result.map, result.scans, folder.string(),
+                                glb_bytes(result.map.world, {{}, folder}, warnings));
   std::string images;
   for (size_t i = 0; i < result.steps.size(); ++i) images += plan_images(folder, i);
   const std::string stop = "<p>It ended: " + html_escape(result.stop_reason) + ".</p>";
@@ -171,7 +173,7 @@ SurveyResult survey(mapping::Robot& robot, const mapping::PlanarPose& start,
   result.map.world.name = mapping::map_name(folder);
   write_urdf(result.map.world, folder / "map.urdf");
   write_semantic_map(result.map.semantics, folder / "map.semantic.json");
-  write_file_atomically(folder / "report.html", survey_report(result, folder));
+  write_file_atomically(folder / "report.html", survey_report(result, folder, warnings));
   return result;
 }
 

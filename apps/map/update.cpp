@@ -5,6 +5,8 @@
 #include "apps/map/commands.h"
 #include "mapping/base/files.h"
 #include "mapping/base/text/json.h"
+#include "mapping/exchange/formats/gltf.h"
+#include "mapping/exchange/map_colors.h"
 #include "mapping/exchange/map_report.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/recording/posed_recording.h"
@@ -79,8 +81,8 @@ std::set<std::string> textures_of(const mapping::World& world, const fs::path& f
   return names;
 }
 
-void write_update(const mapping::UpdateResult& result, const fs::path& before,
-                  const std::set<std::string>& textures, const std::string& out) {
+void write_update(mapping::UpdateResult& result, const fs::path& before,
+                  const std::set<std::string>& textures, const std::string& out, Warnings& warnings) {
   const fs::path folder = out;
   make_folder(folder);
   if (!textures.empty()) make_folder(folder / "textures");
@@ -90,7 +92,10 @@ void write_update(const mapping::UpdateResult& result, const fs::path& before,
   write_scan_set(result.scans, folder / "scans");
   write_json(folder / "changes.json", result.report());
   write_file_atomically(folder / "changes.svg", change_plan_svg(result));
-  write_file_atomically(folder / "report.html", map_report(result.map, result.scans, out));
+  result.map.photos = photos_of_textures(result.map, folder, warnings);
+  write_file_atomically(
+      folder / "report.html",
+      map_report(result.map, result.scans, out, glb_bytes(result.map.world, {{}, folder}, warnings)));
 }
 
 void run(UpdateArguments& arguments, Session& session) {
@@ -103,15 +108,17 @@ void run(UpdateArguments& arguments, Session& session) {
   const mapping::World world = mapping::read_urdf(arguments.map);
   const mapping::SemanticMap semantics = mapping::read_semantic_map(mapping::sidecar_path(arguments.map));
   const mapping::ScanSet earlier = read_earlier(arguments, semantics, session);
-  const mapping::UpdateResult result =
+  mapping::UpdateResult result =
       update(world, semantics, earlier, read_new(arguments, semantics, earlier, session), arguments.options,
              session.progress());
   session.timing("update", result.seconds);
   for (const std::string& note : result.notes) session.warnings().add(note);
   const fs::path before = fs::path(arguments.map).parent_path();
+  keep_textures(world, result.map);
+  color_links(result.scans, session.flags().threads, result.map);
   const std::set<std::string> textures = textures_of(result.map.world, before);
   session.check_outputs(arguments.out, {textures.begin(), textures.end()});
-  write_update(result, before, textures, arguments.out);
+  write_update(result, before, textures, arguments.out, session.warnings());
   session.answer(result.text() + "in " + arguments.out + "/map.urdf, see " + arguments.out + "/changes.svg\n",
                  result.report());
 }

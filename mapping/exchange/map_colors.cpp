@@ -25,6 +25,7 @@ constexpr double kOnSurface_m = 0.015;  ///< objects that stand on a surface are
 constexpr size_t kMinPoints = 30;
 constexpr size_t kMaxPoints = 2'000'000;  ///< of the scans: a median needs no more
 constexpr double kSameFace_m = 0.08;      ///< between a front and the plane that was photographed
+constexpr double kSameSize_m = 0.05;      ///< of a front that was measured twice
 constexpr double kParallel = 0.99;        ///< cosine
 constexpr double kMinSeen = 0.5;
 constexpr double kBeforePanel_m = 0.001;  ///< nearer, viewers do not tell which is in front
@@ -35,13 +36,13 @@ struct ColoredPoint {
 };
 
 std::vector<ColoredPoint> colored_points(const InterpretedMap& map, const ScanSet& scans) {
-  const Isometry3d map_from_input = map.semantics.map_from_input.value_or(Isometry3d::Identity());
+  const Isometry3d map_from_set = map_from_scan_set(map, scans);
   size_t all = 0;
   for (const Scan& scan : scans.scans) all += scan.points.size();
   const size_t step = all / kMaxPoints + 1;
   std::vector<ColoredPoint> points;
   for (const Scan& scan : scans.scans) {
-    const Eigen::Isometry3f map_from_scan = (map_from_input * scan.map_from_scan).cast<float>();
+    const Eigen::Isometry3f map_from_scan = (map_from_set * scan.map_from_scan).cast<float>();
     for (size_t i = 0; i < scan.points.size(); i += step) {
       const ScanPoint& point = scan.points[i];
       if (point.returned && (point.r != 0 || point.g != 0 || point.b != 0))
@@ -85,6 +86,12 @@ std::optional<Rgba> color_on(const Link& link, const Isometry3d& map_from_link,
   if (count < kMinPoints) return std::nullopt;
   return Rgba(median_of(histograms[0], count), median_of(histograms[1], count),
               median_of(histograms[2], count), 1);
+}
+
+/// The visual of a link that shows its photo, a mesh; null without one.
+const Visual* photo_visual(const Link& link) {
+  const auto visual = std::ranges::find(link.visuals, kPhotoVisual, &Visual::name);
+  return visual == link.visuals.end() || !std::holds_alternative<Mesh>(visual->geometry) ? nullptr : &*visual;
 }
 
 void paint(Link& link, const Rgba& color) {
@@ -150,13 +157,18 @@ std::string bytes_of_jpeg(const cv::Mat& image) {
 
 }  // namespace
 
+Isometry3d map_from_scan_set(const InterpretedMap& map, const ScanSet& scans) {
+  if (scans.levelled || !map.semantics.map_from_input) return Isometry3d::Identity();
+  return *map.semantics.map_from_input;
+}
+
 void color_links(const ScanSet& scans, int threads, InterpretedMap& map) {
   const std::vector<ColoredPoint> points = colored_points(map, scans);
   const std::vector<Isometry3d> map_from_link = root_from_links(map.world, {});
   parallel_each(map.world.links.size(), threads, [&](size_t i) {
     Link& link = map.world.links[i];
     const auto entry = map.semantics.links.find(link.name);
-    if (entry == map.semantics.links.end() || !is_seen(entry->second)) return;
+    if (entry == map.semantics.links.end() || !is_seen(entry->second) || photo_visual(link)) return;
     if (const auto color = color_on(link, map_from_link[i], points)) paint(link, *color);
   });
 }
@@ -207,6 +219,57 @@ std::map<std::string, std::string> add_textures(InterpretedMap& map) {
   }
   if (!files.empty()) files["textures/textures.mtl"] = materials;
   return files;
+}
+
+void keep_textures(const World& before, InterpretedMap& map) {
+  const std::vector<Isometry3d> map_from_link = root_from_links(map.world, {});
+  for (const Front& front : fronts_of(map.world, map.semantics)) {
+    const size_t index = map.world.link_index(*front_link(front.name, map.semantics));
+    Link& link = map.world.links[index];
+    const Link* old = before.find_link(link.name);
+    const Visual* photo = old == nullptr ? nullptr : photo_visual(*old);
+    if (photo == nullptr || photo_visual(link) != nullptr) continue;
+    const auto panel = panel_of(front, link, map_from_link[index]);
+    const auto* box = std::get_if<Box>(&old->visuals.front().geometry);
+    if (!panel || box == nullptr || std::abs(panel->width - box->size.y()) > kSameSize_m ||
+        std::abs(panel->height - box->size.z()) > kSameSize_m)
+      continue;
+    if (const auto& material = old->visuals.front().material; material && material->color)
+      paint(link, *material->color);
+    Mesh mesh = std::get<Mesh>(photo->geometry);
+    mesh.scale.y() *= panel->width / box->size.y();
+    mesh.scale.z() *= panel->height / box->size.z();
+    link.visuals.push_back({kPhotoVisual, link_from_photo(*panel, link.visuals.front(), map_from_link[index]),
+                            mesh, std::nullopt});
+  }
+}
+
+std::vector<FacePhoto> photos_of_textures(const InterpretedMap& map, const std::filesystem::path& folder,
+                                          Warnings& warnings) {
+  std::vector<FacePhoto> photos;
+  const std::vector<Isometry3d> map_from_link = root_from_links(map.world, {});
+  for (const Front& front : fronts_of(map.world, map.semantics)) {
+    const size_t index = map.world.link_index(*front_link(front.name, map.semantics));
+    const Visual* visual = photo_visual(map.world.links[index]);
+    const auto panel = panel_of(front, map.world.links[index], map_from_link[index]);
+    if (visual == nullptr || !panel || panel->up.z() < kParallel) continue;
+    const auto parts = load_mesh_parts(std::get<Mesh>(visual->geometry), {{}, folder}, warnings);
+    if (parts.empty() || parts.front().texture.empty()) continue;
+    FacePhoto& photo = photos.emplace_back();
+    photo.color = read_color(parts.front().texture);
+    photo.pixel_m = panel->width / photo.color.cols;
+    const int rows = std::max(1, static_cast<int>(std::lround(panel->height / photo.pixel_m)));
+    cv::resize(photo.color, photo.color, {photo.color.cols, rows});
+    FurnitureFace& face = photo.face;
+    face.normal = panel->normal.head<2>().normalized();
+    face.offset = face.normal.dot(panel->centre.head<2>());
+    const Vector3d centre = face.coordinates(panel->centre);
+    face.u_min = photo.u0 = centre.x() - panel->width / 2;
+    face.u_max = centre.x() + panel->width / 2;
+    face.v_min = photo.v0 = centre.y() - panel->height / 2;
+    face.v_max = centre.y() + panel->height / 2;
+  }
+  return photos;
 }
 
 }  // namespace loci::mapping

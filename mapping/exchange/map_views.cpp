@@ -40,9 +40,9 @@ struct TopView {
 /// Visits the points below the ceiling, in the map.
 template <class Visit>
 void each_point(const InterpretedMap& map, const ScanSet& scans, Visit visit) {
-  const Isometry3d map_from_input = map.semantics.map_from_input.value_or(Isometry3d::Identity());
+  const Isometry3d map_from_set = map_from_scan_set(map, scans);
   for (const Scan& scan : scans.scans) {
-    const Isometry3d map_from_scan = map_from_input * scan.map_from_scan;
+    const Isometry3d map_from_scan = map_from_set * scan.map_from_scan;
     for (const ScanPoint& point : scan.points) {
       if (!point.returned) continue;
       const Vector3d position = map_from_scan * point.position.cast<double>();

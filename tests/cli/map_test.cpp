@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <opencv2/core.hpp>
 
 #include "mapping/base/files.h"
 #include "mapping/base/text/csv.h"
 #include "mapping/base/text/json.h"
+#include "mapping/image/image_io.h"
 #include "tests/cli/command.h"
 
 namespace loci::apps::test {
@@ -105,6 +107,43 @@ TEST(MapCommands, ExportedSdfNamesMeshesFromItsOwnFolder) {
   const Outcome outcome = run("loci-map export " + folder + "/map/map.urdf -o " + folder + "/sdf/map.sdf");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   EXPECT_THAT(read_file(folder + "/sdf/map.sdf"), HasSubstr("<uri>../map/textures/door_1.obj</uri>"));
+}
+
+/// The sample kitchen with a photo on a door: map.urdf, its sidecar and textures/ in the folder.
+void write_textured_kitchen(const fs::path& folder) {
+  const fs::path samples = fs::path(LOCI_SOURCE_DIR) / "apps/samples";
+  fs::create_directories(folder / "textures");
+  std::string urdf = read_file(samples / "kitchen.urdf");
+  const std::string door = "<link name=\"door_1\">", end = "</link>";
+  const size_t at = urdf.find(end, urdf.find(door));
+  urdf.insert(
+      at, "<visual name=\"photo\"><geometry><mesh filename=\"textures/door_1.obj\"/></geometry></visual>");
+  write_file_atomically(folder / "map.urdf", urdf);
+  fs::copy_file(samples / "kitchen.semantic.json", folder / "map.semantic.json");
+  write_file_atomically(folder / "textures/door_1.obj",
+                        "mtllib textures.mtl\nv 0 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                        "usemtl door_1\nf 1/1 2/2 3/3\n");
+  write_file_atomically(folder / "textures/textures.mtl", "newmtl door_1\nmap_Kd door_1.jpg\n");
+  mapping::write_image(folder / "textures/door_1.jpg", cv::Mat(40, 30, CV_8UC3, cv::Scalar(10, 20, 200)));
+}
+
+TEST(MapCommands, UpdateKeepsTexturesAndShowsThem) {
+  const std::string folder = fresh_folder();
+  write_textured_kitchen(folder + "/map");
+  Outcome outcome = run("loci-simulate scan " LOCI_SOURCE_DIR
+                        "/apps/samples/kitchen.urdf --azimuth-step-deg 1 --tilt-step-deg 1 --poses "
+                        "'1.5,1.5,90; 2.5,1.5,180' -o " +
+                        folder + "/scans");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  outcome = run("loci-map update " + folder + "/map/map.urdf " + folder + "/scans --scans-before " + folder +
+                "/scans -o " + folder + "/updated");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  for (const char* file : {"door_1.obj", "door_1.jpg", "textures.mtl"})
+    EXPECT_EQ(read_file(folder + "/updated/textures/" + file), read_file(folder + "/map/textures/" + file));
+  EXPECT_THAT(read_file(folder + "/updated/map.urdf"), HasSubstr("textures/door_1.obj"));
+  const std::string report = read_file(folder + "/updated/report.html");
+  EXPECT_THAT(report, HasSubstr("<canvas"));
+  EXPECT_THAT(report, HasSubstr("data:image/jpeg")) << "the elevation is drawn over the photo";
 }
 
 TEST(MapCommands, ScansCannotBeExportedAsGlb) {

@@ -11,6 +11,7 @@
 #include "mapping/base/text/json.h"
 #include "mapping/exchange/formats/gltf.h"
 #include "mapping/image/image_io.h"
+#include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/mesh_files.h"
 #include "tests/mapping/exchange/photographed_map.h"
@@ -98,6 +99,57 @@ TEST(Textures, WithoutPhotosThereAreNone) {
   EXPECT_EQ(urdf_text(map.world), before);
 }
 
+/// The photographed map with its textures; and one that an update wrote anew, its panels `wider_m` wider.
+struct UpdatedPair {
+  InterpretedMap before = photographed_map(), map;
+  fs::path folder;
+
+  explicit UpdatedPair(double wider_m) {
+    folder = folder_with(add_textures(before));
+    map.world = FurnishedMap().world;
+    map.semantics = FurnishedMap().semantics;
+    for (Link& link : map.world.links)
+      if (link.name == "door_1") std::get<Box>(link.visuals[0].geometry).size.y() += wider_m;
+    keep_textures(before.world, map);
+  }
+  const Link& door() const { return *map.world.find_link("door_1"); }
+};
+
+TEST(Textures, StayWhenAFrontIsWrittenAnew) {
+  const UpdatedPair same(0);
+  EXPECT_EQ(urdf_text(same.map.world), urdf_text([&] {
+              World world = same.before.world;
+              world.name = same.map.world.name;
+              return world;
+            }()));
+  const UpdatedPair wider(0.03);
+  ASSERT_EQ(wider.door().visuals.size(), 2U);
+  Warnings warnings;
+  const TriangleMesh mesh = triangulate(wider.door().visuals[1].geometry, {{}, wider.folder}, warnings);
+  Eigen::AlignedBox3f extent;
+  for (const Eigen::Vector3f& vertex : mesh.vertices) extent.extend(vertex);
+  EXPECT_NEAR(extent.sizes().y(), std::get<Box>(wider.door().visuals[0].geometry).size.y(), 1e-4);
+  EXPECT_EQ(UpdatedPair(0.2).door().visuals.size(), 1U) << "another front";
+}
+
+TEST(Textures, ArePhotosAgain) {
+  UpdatedPair pair(0);
+  Warnings warnings;
+  pair.map.photos = photos_of_textures(pair.map, pair.folder, warnings);
+  EXPECT_TRUE(warnings.empty());
+  ASSERT_EQ(pair.map.photos.size(), 2U);
+  for (const Front& front : fronts_of(pair.map.world, pair.map.semantics)) {
+    const cv::Mat again = photo_of(pair.map, front), first = photo_of(pair.before, front);
+    ASSERT_EQ(again.empty(), first.empty()) << front.name;
+    if (front.name != "door_1") continue;
+    EXPECT_NEAR(again.cols, first.cols, 2);
+    EXPECT_NEAR(again.rows, first.rows, 2);
+    EXPECT_EQ(hue_at(again, 0.25, 0.5), 2) << "red on the left";
+    EXPECT_EQ(hue_at(again, 0.75, 0.5), 0) << "blue on the right";
+    EXPECT_EQ(hue_at(again, 0.5, 0.05), 1) << "green above";
+  }
+}
+
 /// The counter's top in brown with a white object on it.
 ScanSet colored_scan() {
   ScanSet scans;
@@ -125,6 +177,28 @@ TEST(LinkColors, AreTheMedianOfThePointsOnALink) {
               photographed_map().world.find_link(unseen)->visuals[0].material->color)
         << unseen;
   EXPECT_EQ(urdf_text(map.world), urdf_text(other.world));
+}
+
+TEST(LinkColors, OfFrontsWithAPhotoStay) {
+  const UpdatedPair pair(0);
+  InterpretedMap map = pair.map;
+  ScanSet scans = colored_scan();
+  for (ScanPoint& point : scans.scans[0].points) point.position = {point.position.x() / 2, 1.4F, 0.45F};
+  color_links(scans, 1, map);
+  EXPECT_EQ(*map.world.find_link("door_1")->visuals[0].material->color,
+            *pair.door().visuals[0].material->color);
+}
+
+TEST(LinkColors, ComeFromScansInTheFrameOfTheMap) {
+  InterpretedMap map = photographed_map();
+  map.semantics.map_from_input = Isometry3d(Eigen::Translation3d(0, 0, 1));
+  ScanSet scans = colored_scan();
+  scans.levelled = true;
+  color_links(scans, 1, map);
+  EXPECT_LT(
+      (*map.world.find_link("counter_1")->visuals[0].material->color - Rgba(150, 100, 50, 255) / 255).norm(),
+      0.01F)
+      << "the scans of an update are moved already";
 }
 
 struct Glb {
