@@ -1,0 +1,339 @@
+#include "perception/annotators/segmentation/clustering/color_outlines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "mapping/base/math/math.h"
+#include "perception/annotators/scene_data.h"
+#include "perception/recognition/image_features.h"
+
+namespace loci::perception {
+namespace {
+
+constexpr double kMaxTop = 0.045;  ///< metres: what is higher is found by its depth
+constexpr int kEdge = 3;           ///< pixels at an edge show a bit of both
+constexpr int kAround = 10;        ///< pixels: the ground that a region is compared with
+
+/// The part of the image that shows a support.
+struct SupportView {
+  cv::Rect box;    ///< in the depth image
+  cv::Mat inside;  ///< CV_8U, of the box's size: within the outline of the support
+};
+
+SupportView view_of(const SupportGround& ground, const mapping::PinholeCamera& camera, const cv::Mat& region,
+                    const cv::Size& size) {
+  std::vector<cv::Point> corners;
+  for (const Vector2d& corner : ground.plane.outline) {
+    const Vector3d p = ground.plane.camera_from_plane * Vector3d(corner.x(), corner.y(), 0);
+    if (p.z() < 0.1) return {};
+    const Vector2d pixel = camera.project(p);
+    if (pixel.cwiseAbs().maxCoeff() > 1e4) return {};
+    corners.emplace_back(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())));
+  }
+  SupportView view;
+  if (corners.size() < 3) return view;
+  view.box = cv::boundingRect(corners) & cv::Rect({}, size);
+  if (view.box.empty()) return view;
+  for (cv::Point& corner : corners) corner -= view.box.tl();
+  view.inside = cv::Mat::zeros(view.box.size(), CV_8U);
+  cv::fillConvexPoly(view.inside, corners, cv::Scalar(255));
+  if (!region.empty()) view.inside &= region(view.box) == ground.plane.region;
+  return view;
+}
+
+/// The colours of a box of the depth image, as they would be seen if all of it lay in the plane of the
+/// support; CIE Lab, CV_8UC3.
+cv::Mat lab_on_plane(const ClusterImages& images, const mapping::PinholeCamera& camera,
+                     const SupportPlane& plane, const cv::Rect& box) {
+  const auto intrinsics = [](const mapping::PinholeCamera& c) {
+    Eigen::Matrix3d k;
+    k << c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1;
+    return k;
+  };
+  Eigen::Matrix3d shift = Eigen::Matrix3d::Identity();
+  shift.col(2) << box.x, box.y, 1;
+  const Eigen::Matrix3d color_from_depth =
+      intrinsics(images.color_camera) *
+      (images.color_from_depth.linear() +
+       images.color_from_depth.translation() * plane.normal.transpose() / plane.offset) *
+      intrinsics(camera).inverse() * shift;
+  cv::Matx33d homography;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) homography(r, c) = color_from_depth(r, c);
+  cv::Mat seen;
+  cv::warpPerspective(images.color, seen, homography, box.size(), cv::INTER_NEAREST | cv::WARP_INVERSE_MAP);
+  cv::GaussianBlur(seen, seen, {3, 3}, 0);
+  return lab_of(seen);
+}
+
+/// How far each pixel's colour is from that of most of the support, in standard deviations of the latter;
+/// CV_32F. Empty where little of the support is seen.
+cv::Mat distance_from_support(const cv::Mat& lab, const cv::Mat& support) {
+  constexpr int kStep = 3;
+  constexpr size_t kMinSamples = 100;
+  constexpr float kMinSpread = 1.5f;  // colours come in steps of one
+  std::array<std::vector<float>, 3> values;
+  for (int v = 0; v < lab.rows; v += kStep)
+    for (int u = 0; u < lab.cols; u += kStep)
+      if (support.at<uint8_t>(v, u))
+        for (int c = 0; c < 3; ++c)
+          values[static_cast<size_t>(c)].push_back(static_cast<float>(lab.at<cv::Vec3b>(v, u)[c]));
+  if (values[0].size() < kMinSamples) return {};
+  std::array<std::array<float, 256>, 3> squared;
+  for (size_t c = 0; c < 3; ++c) {
+    const float middle = median(values[c]);
+    for (float& value : values[c]) value = std::abs(value - middle);
+    const float spread = std::max(kMinSpread, 1.4826f * median(std::move(values[c])));
+    for (size_t i = 0; i < 256; ++i) {
+      const float apart = (static_cast<float>(i) - middle) / spread;
+      squared[c][i] = apart * apart;
+    }
+  }
+  cv::Mat distance(lab.size(), CV_32F);
+  for (int v = 0; v < lab.rows; ++v) {
+    const auto* color = lab.ptr<cv::Vec3b>(v);
+    auto* to = distance.ptr<float>(v);
+    for (int u = 0; u < lab.cols; ++u)
+      to[u] = std::sqrt(squared[0][color[u][0]] + squared[1][color[u][1]] + squared[2][color[u][2]]);
+  }
+  return distance;
+}
+
+/// Pixels that differ from the support. The edge of an object is where its colour is half of its own.
+cv::Mat other_color(const cv::Mat& distance) {
+  constexpr double kDifferent = 4;
+  cv::Mat strongest;
+  cv::dilate(distance, strongest, cv::Mat::ones(5, 5, CV_8U));
+  return (distance > kDifferent) & (distance > 0.5 * strongest);
+}
+
+/// One outline: a connected region.
+struct Outline {
+  cv::Rect box;  ///< in the box of the support
+  cv::Mat mask;  ///< CV_8U, of its size: 255
+  int pixels = 0;
+};
+
+/// Whether one object explains the outline: two that lie beside each other leave a bay between them.
+bool is_of_one(const Outline& outline) {
+  constexpr double kMinSolid = 0.75, kMinLong = 4;
+  std::vector<cv::Point> points, hull;
+  cv::findNonZero(outline.mask, points);
+  cv::convexHull(points, hull);
+  const cv::Size2f sides = cv::minAreaRect(hull).size;
+  const auto [thin, length] = std::minmax(sides.width + 1, sides.height + 1);
+  // The hull runs through the middle of pixels.
+  const double area = cv::contourArea(hull) + cv::arcLength(hull, true) / 2 + 1;
+  return length > kMinLong * static_cast<double>(thin) || outline.pixels > kMinSolid * area;
+}
+
+class OutlineFinder {
+ public:
+  OutlineFinder(const ClusterImages& images, const SupportGround& ground, const cv::Mat& shows,
+                const ClusterOptions& options)
+      : points_(images.points), ground_(ground), shows_(shows), options_(options) {}
+
+  /// Outlines that are closed and rise over what is around them. `lab`: of the box of `view`; `taken`: CV_8U,
+  /// of the same size, what is not looked at.
+  std::vector<Outline> find(const SupportView& view, const cv::Mat& lab, const cv::Mat& taken) const;
+
+ private:
+  bool rises(const Outline& outline, const SupportView& view, const cv::Mat& ground) const;
+  std::optional<float> height(const cv::Point& pixel) const {
+    const cv::Vec3f& p = points_.at<cv::Vec3f>(pixel);
+    if (std::isnan(p[2])) return std::nullopt;
+    return static_cast<float>(ground_.plane.in_plane(to_vector(p)).z());
+  }
+
+  const cv::Mat& points_;
+  const SupportGround& ground_;
+  const cv::Mat& shows_;
+  const ClusterOptions& options_;
+};
+
+std::vector<Outline> OutlineFinder::find(const SupportView& view, const cv::Mat& lab,
+                                         const cv::Mat& taken) const {
+  const cv::Mat support = view.inside & (shows_(view.box) == static_cast<uint8_t>(Shows::support));
+  const cv::Mat distance = distance_from_support(lab, support);
+  if (distance.empty()) return {};
+  const cv::Mat different = other_color(distance);
+  const cv::Mat mask = different & view.inside & ~taken;
+  cv::Mat within;  // What reaches over the edge of the support is not closed.
+  cv::erode(view.inside, within, cv::Mat::ones(3, 3, CV_8U));
+  cv::Mat labels, boxes, centres;
+  const int count = cv::connectedComponentsWithStats(mask, labels, boxes, centres, 8, CV_32S);
+  std::vector<Outline> outlines;
+  for (int label = 1; label < count; ++label) {
+    if (boxes.at<int>(label, cv::CC_STAT_AREA) < options_.min_points) continue;
+    Outline outline{{boxes.at<int>(label, cv::CC_STAT_LEFT), boxes.at<int>(label, cv::CC_STAT_TOP),
+                     boxes.at<int>(label, cv::CC_STAT_WIDTH), boxes.at<int>(label, cv::CC_STAT_HEIGHT)},
+                    {},
+                    boxes.at<int>(label, cv::CC_STAT_AREA)};
+    outline.mask = labels(outline.box) == label;
+    if (cv::countNonZero(outline.mask & ~within(outline.box)) > 0) continue;
+    std::vector<std::vector<cv::Point>> contours;
+    cv::findContours(outline.mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+    cv::drawContours(outline.mask, contours, -1, cv::Scalar(255), cv::FILLED);
+    outline.mask &= ~taken(outline.box);
+    outline.pixels = cv::countNonZero(outline.mask);
+    if (is_of_one(outline) && rises(outline, view, support & ~different)) outlines.push_back(outline);
+  }
+  return outlines;
+}
+
+/// Mean of heights, as good as its pixels are many.
+struct MeanHeight {
+  double sum = 0, squares = 0;
+  int count = 0;
+
+  void add(float height) {
+    sum += static_cast<double>(height);
+    ++count;
+  }
+  double mean() const { return sum / std::max(1, count); }
+};
+
+/// Whether an outline lies higher than the ground around it, in all three parts of its length.
+bool OutlineFinder::rises(const Outline& outline, const SupportView& view, const cv::Mat& ground) const {
+  constexpr double kMinRise = 0.002, kSigmas = 3, kMinPart = 0.25;
+  constexpr double kShared = 40;  // pixels whose noise is one: a Kinect correlates windows
+  const cv::Rect around = cv::Rect(outline.box.x - kAround, outline.box.y - kAround,
+                                   outline.box.width + 2 * kAround, outline.box.height + 2 * kAround) &
+                          cv::Rect({}, view.box.size());
+  cv::Mat own = cv::Mat::zeros(around.size(), CV_8U);
+  outline.mask.copyTo(own(outline.box - around.tl()));
+  cv::Mat near, at_edge;
+  cv::dilate(own, near, cv::Mat::ones(2 * kAround + 1, 2 * kAround + 1, CV_8U));
+  cv::dilate(own, at_edge, cv::Mat::ones(2 * kEdge + 1, 2 * kEdge + 1, CV_8U));
+  const cv::Mat beside = near & ~at_edge & ground(around);
+  const cv::Moments moments = cv::moments(own, true);
+  const double turn = 0.5 * std::atan2(2 * moments.mu11, moments.mu20 - moments.mu02);
+  const cv::Point2d axis(std::cos(turn), std::sin(turn));
+  const cv::Point2d middle(moments.m10 / moments.m00, moments.m01 / moments.m00);
+  const double third = std::sqrt((moments.mu20 * axis.x * axis.x + 2 * moments.mu11 * axis.x * axis.y +
+                                  moments.mu02 * axis.y * axis.y) /
+                                 moments.m00) /
+                       std::sqrt(3.0);
+  std::array<MeanHeight, 3> parts;
+  MeanHeight all, other;
+  double noise = 0;
+  for (int v = 0; v < around.height; ++v)
+    for (int u = 0; u < around.width; ++u) {
+      const bool is_own = own.at<uint8_t>(v, u) != 0;
+      if (!is_own && !beside.at<uint8_t>(v, u)) continue;
+      const cv::Point pixel = cv::Point(u, v) + around.tl() + view.box.tl();
+      const std::optional<float> h = height(pixel);
+      if (!h || std::abs(*h) > static_cast<float>(kMaxTop)) continue;
+      if (!is_own) {
+        other.add(*h);
+        continue;
+      }
+      all.add(*h);
+      const double along = (cv::Point2d(u, v) - middle).dot(axis);
+      parts[along < -third ? 0 : along < third ? 1 : 2].add(*h);
+      noise += height_noise(ground_.plane, to_vector(points_.at<cv::Vec3f>(pixel)));
+    }
+  if (2 * all.count < outline.pixels || 4 * other.count < all.count) return false;
+  noise /= all.count;
+  const double error = noise * std::sqrt(kShared / all.count + kShared / other.count);
+  const double rise = all.mean() - other.mean();
+  return rise > std::max(kMinRise, kSigmas * error) &&
+         std::ranges::all_of(parts, [&](const MeanHeight& part) {
+           return part.count == 0 || part.mean() - other.mean() > kMinPart * rise;
+         });
+}
+
+/// The pixels of an outline that are measured and not high.
+std::vector<int> pixels_of(const Outline& outline, const SupportView& view, const cv::Mat& points) {
+  std::vector<int> pixels;
+  for (int v = 0; v < outline.box.height; ++v)
+    for (int u = 0; u < outline.box.width; ++u) {
+      if (!outline.mask.at<uint8_t>(v, u)) continue;
+      const cv::Point at = cv::Point(u, v) + outline.box.tl() + view.box.tl();
+      if (!std::isnan(points.at<cv::Vec3f>(at)[2])) pixels.push_back(at.y * points.cols + at.x);
+    }
+  return pixels;
+}
+
+ObjectCluster cluster_of(std::vector<int> pixels, const SupportPlane& support, int index,
+                         const cv::Mat& points) {
+  ObjectCluster cluster;
+  cluster.support = index;
+  std::array<std::vector<float>, 3> along;
+  for (const int pixel : pixels) {
+    const Vector3d p = support.in_plane(to_vector(points.ptr<cv::Vec3f>()[pixel]));
+    for (int a = 0; a < 3; ++a) along[static_cast<size_t>(a)].push_back(static_cast<float>(p[a]));
+  }
+  std::array<std::pair<float, float>, 3> range;
+  for (size_t a = 0; a < 3; ++a) range[a] = quantiles(along[a], 0.02, 0.98);
+  cluster.low = {static_cast<double>(range[0].first), static_cast<double>(range[1].first)};
+  cluster.high = {static_cast<double>(range[0].second), static_cast<double>(range[1].second)};
+  cluster.bottom = static_cast<double>(range[2].first);
+  cluster.top = static_cast<double>(range[2].second);
+  cluster.pixels = std::move(pixels);
+  cluster.box = box_of(cluster.pixels, points.size());
+  cluster.at_image_border = is_at_image_border(cluster.box, points.size());
+  return cluster;
+}
+
+/// Removes clusters without pixels.
+void drop_empty(std::vector<ObjectCluster>& clusters) {
+  std::vector<int> number;
+  int kept = 0;
+  for (const ObjectCluster& cluster : clusters) number.push_back(cluster.pixels.empty() ? -1 : kept++);
+  std::erase_if(clusters, [](const ObjectCluster& cluster) { return cluster.pixels.empty(); });
+  for (ObjectCluster& cluster : clusters)
+    if (cluster.stands_on >= 0) cluster.stands_on = number[static_cast<size_t>(cluster.stands_on)];
+}
+
+}  // namespace
+
+void join_by_color_outline(std::vector<ObjectCluster>& clusters, const ClusterImages& images,
+                           const mapping::PinholeCamera& camera, const SupportGround& ground, int index,
+                           const cv::Mat& shows, const ClusterOptions& options) {
+  if (images.color.empty()) return;
+  const cv::Mat& points = images.points;
+  const SupportView view = view_of(ground, camera, images.region, points.size());
+  if (view.box.empty()) return;
+  const auto is_low = [](const ObjectCluster& cluster) { return cluster.top < kMaxTop; };
+  cv::Mat taken = cv::Mat::zeros(points.size(), CV_8U);
+  cv::Mat cluster_of_pixel(points.size(), CV_32S, cv::Scalar(-1));
+  for (size_t i = 0; i < clusters.size(); ++i)
+    for (const int pixel : clusters[i].pixels) {
+      cluster_of_pixel.ptr<int>()[pixel] = static_cast<int>(i);
+      if (!is_low(clusters[i])) taken.ptr<uint8_t>()[pixel] = 255;
+    }
+  cv::dilate(taken, taken, cv::Mat::ones(2 * kEdge - 1, 2 * kEdge - 1, CV_8U));
+  const cv::Mat lab = lab_on_plane(images, camera, ground.plane, view.box);
+  const OutlineFinder finder(images, ground, shows, options);
+  for (const Outline& outline : finder.find(view, lab, taken(view.box))) {
+    constexpr double kFilled = 0.75;
+    std::vector<int> pixels = pixels_of(outline, view, points);
+    std::vector<int> shared(clusters.size());
+    for (const int pixel : pixels)
+      if (const int c = cluster_of_pixel.ptr<int>()[pixel]; c >= 0) ++shared[static_cast<size_t>(c)];
+    const auto size = static_cast<double>(pixels.size());
+    const bool filled = std::ranges::any_of(shared, [&](int count) { return count > kFilled * size; });
+    if (filled || pixels.empty()) continue;
+    for (size_t c = 0; c < shared.size(); ++c) {
+      ObjectCluster& piece = clusters[c];
+      if (shared[c] == 0 || shared[c] < kFilled * static_cast<double>(piece.pixels.size())) continue;
+      pixels.insert(pixels.end(), piece.pixels.begin(), piece.pixels.end());
+      piece.pixels.clear();
+      for (ObjectCluster& upper : clusters)
+        if (upper.stands_on == static_cast<int>(c)) upper.stands_on = static_cast<int>(clusters.size());
+    }
+    std::erase_if(pixels, [&](int pixel) {
+      const int c = cluster_of_pixel.ptr<int>()[pixel];
+      return c >= 0 && !clusters[static_cast<size_t>(c)].pixels.empty();
+    });
+    std::ranges::sort(pixels);
+    pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
+    for (const int pixel : pixels) cluster_of_pixel.ptr<int>()[pixel] = static_cast<int>(clusters.size());
+    clusters.push_back(cluster_of(std::move(pixels), ground.plane, index, points));
+  }
+  drop_empty(clusters);
+}
+
+}  // namespace loci::perception
