@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "mapping/base/math/math.h"
@@ -100,12 +101,62 @@ cv::Mat distance_from_support(const cv::Mat& lab, const cv::Mat& support) {
   return distance;
 }
 
-/// Pixels that differ from the support. The edge of an object is where its colour is half of its own.
-cv::Mat other_color(const cv::Mat& distance) {
-  constexpr double kDifferent = 4;
-  cv::Mat strongest;
-  cv::dilate(distance, strongest, cv::Mat::ones(5, 5, CV_8U));
-  return (distance > kDifferent) & (distance > 0.5 * strongest);
+/// Heights over the support, CV_32F, metres, of a box of the depth image; NaN = nothing near it is measured.
+cv::Mat heights_over(const SupportPlane& plane, const cv::Mat& points, const cv::Rect& box) {
+  cv::Mat heights(box.size(), CV_32F, cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
+  const Eigen::Vector3f normal = plane.normal.cast<float>();
+  const auto offset = static_cast<float>(plane.offset);
+  for (int v = 0; v < box.height; ++v) {
+    const auto* point = points.ptr<cv::Vec3f>(v + box.y) + box.x;
+    auto* height = heights.ptr<float>(v);
+    for (int u = 0; u < box.width; ++u)
+      if (std::abs(normal.dot(to_vector3f(point[u])) - offset) < static_cast<float>(kMaxTop))
+        height[u] = static_cast<float>(plane.in_plane(to_vector(point[u])).z());
+  }
+  return heights;
+}
+
+/// Mean over windows of what is measured; 0 = nothing.
+cv::Mat mean_height(const cv::Mat& heights) {
+  constexpr int kWindow = 5;
+  const cv::Mat known = heights == heights;
+  cv::Mat values = cv::Mat::zeros(heights.size(), CV_32F), share;
+  heights.copyTo(values, known);
+  cv::boxFilter(values, values, CV_32F, {kWindow, kWindow}, {-1, -1}, true, cv::BORDER_CONSTANT);
+  known.convertTo(share, CV_32F, 1.0 / 255);
+  cv::boxFilter(share, share, CV_32F, {kWindow, kWindow}, {-1, -1}, true, cv::BORDER_CONSTANT);
+  values /= share + 1e-6;
+  return values;
+}
+
+/// Adds to distances of colour those of height, in standard deviations, as of independent evidence.
+void add_height(cv::Mat& distance, const cv::Mat& heights, const SupportPlane& plane, const cv::Mat& points,
+                const cv::Rect& box) {
+  constexpr double kUneven = 0.0015;  // metres: what is left of the bend of surface and sensor
+  constexpr float kMaxByHeight = 6;
+  const cv::Mat mean = mean_height(heights);
+  for (int v = 0; v < box.height; ++v) {
+    const auto* height = mean.ptr<float>(v);
+    const auto* point = points.ptr<cv::Vec3f>(v + box.y) + box.x;
+    auto* to = distance.ptr<float>(v);
+    for (int u = 0; u < box.width; ++u) {
+      if (!(height[u] > static_cast<float>(kUneven)) || std::isnan(point[u][2])) continue;
+      const double noise = std::hypot(kUneven, height_noise(plane, to_vector(point[u])));
+      const float by_height = std::min(kMaxByHeight, height[u] / static_cast<float>(noise));
+      to[u] = std::hypot(to[u], by_height);
+    }
+  }
+}
+
+constexpr double kDifferent = 4;  ///< standard deviations
+
+/// Pixels that differ from the support. The edge of an object is where the difference is half of its own.
+cv::Mat different_from_support(const cv::Mat& distance) {
+  const cv::Mat window = cv::Mat::ones(5, 5, CV_8U), different = distance > kDifferent;
+  cv::Mat strongest, inner;
+  cv::dilate(distance, strongest, window);
+  cv::erode(different, inner, window);
+  return different & (inner | (distance > 0.5 * strongest));
 }
 
 /// One outline: a connected region.
@@ -136,28 +187,27 @@ class OutlineFinder {
 
   /// Outlines that are closed and rise over what is around them. `lab`: of the box of `view`; `taken`: CV_8U,
   /// of the same size, what is not looked at.
-  std::vector<Outline> find(const SupportView& view, const cv::Mat& lab, const cv::Mat& taken) const;
+  std::vector<Outline> find(const SupportView& view, const cv::Mat& lab, const cv::Mat& heights,
+                            const cv::Mat& taken) const;
 
  private:
-  bool rises(const Outline& outline, const SupportView& view, const cv::Mat& ground) const;
-  std::optional<float> height(const cv::Point& pixel) const {
-    const cv::Vec3f& p = points_.at<cv::Vec3f>(pixel);
-    if (std::isnan(p[2])) return std::nullopt;
-    return static_cast<float>(ground_.plane.in_plane(to_vector(p)).z());
-  }
-
+  bool rises(const Outline& outline, const SupportView& view, const cv::Mat& heights,
+             const cv::Mat& ground) const;
   const cv::Mat& points_;
   const SupportGround& ground_;
   const cv::Mat& shows_;
   const ClusterOptions& options_;
 };
 
-std::vector<Outline> OutlineFinder::find(const SupportView& view, const cv::Mat& lab,
+std::vector<Outline> OutlineFinder::find(const SupportView& view, const cv::Mat& lab, const cv::Mat& heights,
                                          const cv::Mat& taken) const {
+  constexpr double kMinByColor = 0.4;  // waves of the surface rise, too
   const cv::Mat support = view.inside & (shows_(view.box) == static_cast<uint8_t>(Shows::support));
-  const cv::Mat distance = distance_from_support(lab, support);
+  cv::Mat distance = distance_from_support(lab, support);
   if (distance.empty()) return {};
-  const cv::Mat different = other_color(distance);
+  const cv::Mat other_color = distance > kDifferent;
+  add_height(distance, heights, ground_.plane, points_, view.box);
+  const cv::Mat different = different_from_support(distance);
   const cv::Mat mask = different & view.inside & ~taken;
   cv::Mat within;  // What reaches over the edge of the support is not closed.
   cv::erode(view.inside, within, cv::Mat::ones(3, 3, CV_8U));
@@ -177,14 +227,17 @@ std::vector<Outline> OutlineFinder::find(const SupportView& view, const cv::Mat&
     cv::drawContours(outline.mask, contours, -1, cv::Scalar(255), cv::FILLED);
     outline.mask &= ~taken(outline.box);
     outline.pixels = cv::countNonZero(outline.mask);
-    if (is_of_one(outline) && rises(outline, view, support & ~different)) outlines.push_back(outline);
+    const bool by_color =
+        cv::countNonZero(outline.mask & other_color(outline.box)) > kMinByColor * outline.pixels;
+    if (by_color && is_of_one(outline) && rises(outline, view, heights, support & ~different))
+      outlines.push_back(outline);
   }
   return outlines;
 }
 
 /// Mean of heights, as good as its pixels are many.
 struct MeanHeight {
-  double sum = 0, squares = 0;
+  double sum = 0;
   int count = 0;
 
   void add(float height) {
@@ -195,7 +248,8 @@ struct MeanHeight {
 };
 
 /// Whether an outline lies higher than the ground around it, in all three parts of its length.
-bool OutlineFinder::rises(const Outline& outline, const SupportView& view, const cv::Mat& ground) const {
+bool OutlineFinder::rises(const Outline& outline, const SupportView& view, const cv::Mat& heights,
+                          const cv::Mat& ground) const {
   constexpr double kMinRise = 0.002, kSigmas = 3, kMinPart = 0.25;
   constexpr double kShared = 40;  // pixels whose noise is one: a Kinect correlates windows
   const cv::Rect around = cv::Rect(outline.box.x - kAround, outline.box.y - kAround,
@@ -223,15 +277,15 @@ bool OutlineFinder::rises(const Outline& outline, const SupportView& view, const
       const bool is_own = own.at<uint8_t>(v, u) != 0;
       if (!is_own && !beside.at<uint8_t>(v, u)) continue;
       const cv::Point pixel = cv::Point(u, v) + around.tl() + view.box.tl();
-      const std::optional<float> h = height(pixel);
-      if (!h || std::abs(*h) > static_cast<float>(kMaxTop)) continue;
+      const float h = heights.at<float>(cv::Point(u, v) + around.tl());
+      if (std::isnan(h)) continue;
       if (!is_own) {
-        other.add(*h);
+        other.add(h);
         continue;
       }
-      all.add(*h);
+      all.add(h);
       const double along = (cv::Point2d(u, v) - middle).dot(axis);
-      parts[along < -third ? 0 : along < third ? 1 : 2].add(*h);
+      parts[along < -third ? 0 : along < third ? 1 : 2].add(h);
       noise += height_noise(ground_.plane, to_vector(points_.at<cv::Vec3f>(pixel)));
     }
   if (2 * all.count < outline.pixels || 4 * other.count < all.count) return false;
@@ -306,8 +360,9 @@ void join_by_color_outline(std::vector<ObjectCluster>& clusters, const ClusterIm
     }
   cv::dilate(taken, taken, cv::Mat::ones(2 * kEdge - 1, 2 * kEdge - 1, CV_8U));
   const cv::Mat lab = lab_on_plane(images, camera, ground.plane, view.box);
+  const cv::Mat heights = heights_over(ground.plane, points, view.box);
   const OutlineFinder finder(images, ground, shows, options);
-  for (const Outline& outline : finder.find(view, lab, taken(view.box))) {
+  for (const Outline& outline : finder.find(view, lab, heights, taken(view.box))) {
     constexpr double kFilled = 0.75;
     std::vector<int> pixels = pixels_of(outline, view, points);
     std::vector<int> shared(clusters.size());
