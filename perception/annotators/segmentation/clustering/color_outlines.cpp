@@ -18,6 +18,7 @@ constexpr int kAround = 10;        ///< pixels: the ground that a region is comp
 
 /// The part of the image that shows a support.
 struct SupportView {
+  cv::Size image;
   cv::Rect box;    ///< in the depth image
   cv::Mat inside;  ///< CV_8U, of the box's size: within the outline of the support
 };
@@ -33,6 +34,7 @@ SupportView view_of(const SupportGround& ground, const mapping::PinholeCamera& c
     corners.emplace_back(static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y())));
   }
   SupportView view;
+  view.image = size;
   if (corners.size() < 3) return view;
   view.box = cv::boundingRect(corners) & cv::Rect({}, size);
   if (view.box.empty()) return view;
@@ -41,6 +43,20 @@ SupportView view_of(const SupportGround& ground, const mapping::PinholeCamera& c
   cv::fillConvexPoly(view.inside, corners, cv::Scalar(255));
   if (!region.empty()) view.inside &= region(view.box) == ground.plane.region;
   return view;
+}
+
+/// Where an outline within the support is closed: off the edge of the support, or where a Kinect's image
+/// ends.
+cv::Mat closed_within(const SupportView& view) {
+  constexpr int kImageEdge = 12;
+  cv::Mat within;
+  cv::erode(view.inside, within, cv::Mat::ones(3, 3, CV_8U));
+  const cv::Rect image({}, view.image);
+  const cv::Rect middle(kImageEdge, kImageEdge, image.width - 2 * kImageEdge, image.height - 2 * kImageEdge);
+  cv::Mat inner = cv::Mat::zeros(within.size(), CV_8U);
+  if (const cv::Rect part = middle & view.box; !part.empty()) inner(part - view.box.tl()) = 255;
+  within |= ~inner;
+  return within;
 }
 
 /// The colours of a box of the depth image, as they would be seen if all of it lay in the plane of the
@@ -164,6 +180,7 @@ struct Outline {
   cv::Rect box;  ///< in the box of the support
   cv::Mat mask;  ///< CV_8U, of its size: 255
   int pixels = 0;
+  bool rises = false;  ///< it is one object, and lies higher than what is around it
 };
 
 /// Whether one object explains the outline: two that lie beside each other leave a bay between them.
@@ -185,7 +202,7 @@ class OutlineFinder {
                 const ClusterOptions& options)
       : points_(images.points), ground_(ground), shows_(shows), options_(options) {}
 
-  /// Outlines that are closed and rise over what is around them. `lab`: of the box of `view`; `taken`: CV_8U,
+  /// Closed outlines. `lab`: of the box of `view`; `taken`: CV_8U,
   /// of the same size, what is not looked at.
   std::vector<Outline> find(const SupportView& view, const cv::Mat& lab, const cv::Mat& heights,
                             const cv::Mat& taken) const;
@@ -209,8 +226,7 @@ std::vector<Outline> OutlineFinder::find(const SupportView& view, const cv::Mat&
   add_height(distance, heights, ground_.plane, points_, view.box);
   const cv::Mat different = different_from_support(distance);
   const cv::Mat mask = different & view.inside & ~taken;
-  cv::Mat within;  // What reaches over the edge of the support is not closed.
-  cv::erode(view.inside, within, cv::Mat::ones(3, 3, CV_8U));
+  const cv::Mat within = closed_within(view);
   cv::Mat labels, boxes, centres;
   const int count = cv::connectedComponentsWithStats(mask, labels, boxes, centres, 8, CV_32S);
   std::vector<Outline> outlines;
@@ -229,8 +245,9 @@ std::vector<Outline> OutlineFinder::find(const SupportView& view, const cv::Mat&
     outline.pixels = cv::countNonZero(outline.mask);
     const bool by_color =
         cv::countNonZero(outline.mask & other_color(outline.box)) > kMinByColor * outline.pixels;
-    if (by_color && is_of_one(outline) && rises(outline, view, heights, support & ~different))
-      outlines.push_back(outline);
+    if (!by_color) continue;
+    outline.rises = is_of_one(outline) && rises(outline, view, heights, support & ~different);
+    outlines.push_back(outline);
   }
   return outlines;
 }
@@ -310,6 +327,29 @@ std::vector<int> pixels_of(const Outline& outline, const SupportView& view, cons
   return pixels;
 }
 
+/// Whether nearly all of these pixels lie within the footprint of a cluster: the bottom of a pan.
+bool is_within(const std::vector<int>& pixels, const ObjectCluster& cluster, const SupportPlane& support,
+               const cv::Mat& points) {
+  constexpr double kNearlyAll = 0.9;
+  const auto position = [&](int pixel) {
+    return Vector2d(support.in_plane(to_vector(points.ptr<cv::Vec3f>()[pixel])).head<2>());
+  };
+  if ((box_of(pixels, points.size()) & cluster.box).empty()) return false;
+  std::vector<cv::Point2f> footprint, hull;
+  for (const int pixel : cluster.pixels) {
+    const Eigen::Vector2f at = position(pixel).cast<float>();
+    footprint.emplace_back(at.x(), at.y());
+  }
+  cv::convexHull(types::near_hull(footprint), hull);
+  std::vector<Vector2d> corners;
+  for (const cv::Point2f& at : hull)
+    corners.emplace_back(static_cast<double>(at.x), static_cast<double>(at.y));
+  const ConvexOutline outline(corners);
+  const auto inside =
+      std::ranges::count_if(pixels, [&](int pixel) { return outline.inside(position(pixel)) > 0; });
+  return static_cast<double>(inside) > kNearlyAll * static_cast<double>(pixels.size());
+}
+
 ObjectCluster cluster_of(std::vector<int> pixels, const SupportPlane& support, int index,
                          const cv::Mat& points) {
   ObjectCluster cluster;
@@ -365,12 +405,24 @@ void join_by_color_outline(std::vector<ObjectCluster>& clusters, const ClusterIm
   for (const Outline& outline : finder.find(view, lab, heights, taken(view.box))) {
     constexpr double kFilled = 0.75;
     std::vector<int> pixels = pixels_of(outline, view, points);
+    if (pixels.empty()) continue;
+    const auto hollow = std::ranges::find_if(clusters, [&](const ObjectCluster& cluster) {
+      return !cluster.pixels.empty() && !is_low(cluster) && is_within(pixels, cluster, ground.plane, points);
+    });
+    if (hollow != clusters.end()) {
+      std::erase_if(pixels, [&](int pixel) { return cluster_of_pixel.ptr<int>()[pixel] >= 0; });
+      hollow->pixels.insert(hollow->pixels.end(), pixels.begin(), pixels.end());
+      std::ranges::sort(hollow->pixels);
+      hollow->box = box_of(hollow->pixels, points.size());
+      continue;
+    }
+    if (!outline.rises) continue;
     std::vector<int> shared(clusters.size());
     for (const int pixel : pixels)
       if (const int c = cluster_of_pixel.ptr<int>()[pixel]; c >= 0) ++shared[static_cast<size_t>(c)];
     const auto size = static_cast<double>(pixels.size());
     const bool filled = std::ranges::any_of(shared, [&](int count) { return count > kFilled * size; });
-    if (filled || pixels.empty()) continue;
+    if (filled) continue;
     for (size_t c = 0; c < shared.size(); ++c) {
       ObjectCluster& piece = clusters[c];
       if (shared[c] == 0 || shared[c] < kFilled * static_cast<double>(piece.pixels.size())) continue;
