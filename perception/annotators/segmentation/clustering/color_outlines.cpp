@@ -350,6 +350,21 @@ bool is_within(const std::vector<int>& pixels, const ObjectCluster& cluster, con
   return static_cast<double>(inside) > kNearlyAll * static_cast<double>(pixels.size());
 }
 
+/// Whether a cluster is seen nearly all around an outline: a shadow lies beside what casts it.
+bool encloses(const cv::Mat& own, const Outline& outline, const SupportView& view) {
+  constexpr double kMostly = 0.6;
+  const int gap = 2 * kEdge - 1, far = 4 * kEdge - 1;  // pixels next to high clusters are in no outline
+  const cv::Rect box = outline.box + view.box.tl();
+  const cv::Rect around = cv::Rect(box.x - far, box.y - far, box.width + 2 * far, box.height + 2 * far) &
+                          cv::Rect({}, view.image);
+  cv::Mat region = cv::Mat::zeros(around.size(), CV_8U), inner, outer;
+  outline.mask.copyTo(region(box - around.tl()));
+  cv::dilate(region, inner, cv::Mat::ones(gap, gap, CV_8U));
+  cv::dilate(region, outer, cv::Mat::ones(far, far, CV_8U));
+  const cv::Mat ring = outer & ~inner;
+  return cv::countNonZero(ring & own(around)) > kMostly * cv::countNonZero(ring);
+}
+
 ObjectCluster cluster_of(std::vector<int> pixels, const SupportPlane& support, int index,
                          const cv::Mat& points) {
   ObjectCluster cluster;
@@ -407,7 +422,9 @@ void join_by_color_outline(std::vector<ObjectCluster>& clusters, const ClusterIm
     std::vector<int> pixels = pixels_of(outline, view, points);
     if (pixels.empty()) continue;
     const auto hollow = std::ranges::find_if(clusters, [&](const ObjectCluster& cluster) {
-      return !cluster.pixels.empty() && !is_low(cluster) && is_within(pixels, cluster, ground.plane, points);
+      return !cluster.pixels.empty() && !is_low(cluster) &&
+             is_within(pixels, cluster, ground.plane, points) &&
+             encloses(cluster_of_pixel == static_cast<int>(&cluster - clusters.data()), outline, view);
     });
     if (hollow != clusters.end()) {
       std::erase_if(pixels, [&](int pixel) { return cluster_of_pixel.ptr<int>()[pixel] >= 0; });
