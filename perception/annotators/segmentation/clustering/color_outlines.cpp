@@ -268,6 +268,7 @@ struct MeanHeight {
 bool OutlineFinder::rises(const Outline& outline, const SupportView& view, const cv::Mat& heights,
                           const cv::Mat& ground) const {
   constexpr double kMinRise = 0.002, kSigmas = 3, kMinPart = 0.25;
+  constexpr int kMinGround = 50;  // pixels
   constexpr double kShared = 40;  // pixels whose noise is one: a Kinect correlates windows
   const cv::Rect around = cv::Rect(outline.box.x - kAround, outline.box.y - kAround,
                                    outline.box.width + 2 * kAround, outline.box.height + 2 * kAround) &
@@ -305,7 +306,7 @@ bool OutlineFinder::rises(const Outline& outline, const SupportView& view, const
       parts[along < -third ? 0 : along < third ? 1 : 2].add(h);
       noise += height_noise(ground_.plane, to_vector(points_.at<cv::Vec3f>(pixel)));
     }
-  if (2 * all.count < outline.pixels || 4 * other.count < all.count) return false;
+  if (2 * all.count < outline.pixels || other.count < kMinGround) return false;
   noise /= all.count;
   const double error = noise * std::sqrt(kShared / all.count + kShared / other.count);
   const double rise = all.mean() - other.mean();
