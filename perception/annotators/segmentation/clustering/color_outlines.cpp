@@ -117,17 +117,24 @@ cv::Mat distance_from_support(const cv::Mat& lab, const cv::Mat& support) {
   return distance;
 }
 
-/// Heights over the support, CV_32F, metres, of a box of the depth image; NaN = nothing near it is measured.
-cv::Mat heights_over(const SupportPlane& plane, const cv::Mat& points, const cv::Rect& box) {
+/// Heights over the support, or over what the map has on it (a hob), CV_32F, metres, of a box of the depth
+/// image; NaN = nothing near it is measured.
+cv::Mat heights_over(const SupportPlane& plane, const ClusterImages& images, const cv::Rect& box) {
   cv::Mat heights(box.size(), CV_32F, cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
   const Eigen::Vector3f normal = plane.normal.cast<float>();
   const auto offset = static_cast<float>(plane.offset);
   for (int v = 0; v < box.height; ++v) {
-    const auto* point = points.ptr<cv::Vec3f>(v + box.y) + box.x;
+    const auto* point = images.points.ptr<cv::Vec3f>(v + box.y) + box.x;
+    const auto* map_depth =
+        images.map_depth.empty() ? nullptr : images.map_depth.ptr<float>(v + box.y) + box.x;
     auto* height = heights.ptr<float>(v);
-    for (int u = 0; u < box.width; ++u)
-      if (std::abs(normal.dot(to_vector3f(point[u])) - offset) < static_cast<float>(kMaxTop))
-        height[u] = static_cast<float>(plane.in_plane(to_vector(point[u])).z());
+    for (int u = 0; u < box.width; ++u) {
+      const Eigen::Vector3f p = to_vector3f(point[u]);
+      if (!(std::abs(normal.dot(p) - offset) < static_cast<float>(kMaxTop))) continue;
+      height[u] = static_cast<float>(plane.in_plane(p.cast<double>()).z());
+      if (map_depth && map_depth[u] > 0)
+        height[u] -= std::max(0.0f, normal.dot(p) * map_depth[u] / p.z() - offset);
+    }
   }
   return heights;
 }
@@ -397,66 +404,98 @@ void drop_empty(std::vector<ObjectCluster>& clusters) {
     if (cluster.stands_on >= 0) cluster.stands_on = number[static_cast<size_t>(cluster.stands_on)];
 }
 
+/// Clusters on one support, by pixel.
+class ClusterMap {
+ public:
+  ClusterMap(std::vector<ObjectCluster>& clusters, const cv::Mat& points, const SupportPlane& support,
+             int index)
+      : clusters_(clusters),
+        points_(points),
+        support_(support),
+        index_(index),
+        cluster_of_(points.size(), CV_32S, cv::Scalar(-1)) {
+    for (size_t i = 0; i < clusters.size(); ++i)
+      for (const int pixel : clusters[i].pixels) cluster_of_.ptr<int>()[pixel] = static_cast<int>(i);
+  }
+
+  /// What is found by its depth, and the pixels next to it; CV_8U.
+  cv::Mat high() const {
+    cv::Mat high = cv::Mat::zeros(points_.size(), CV_8U);
+    for (const ObjectCluster& cluster : clusters_)
+      if (!is_low(cluster))
+        for (const int pixel : cluster.pixels) high.ptr<uint8_t>()[pixel] = 255;
+    cv::dilate(high, high, cv::Mat::ones(2 * kEdge - 1, 2 * kEdge - 1, CV_8U));
+    return high;
+  }
+
+  /// Gives pixels to the high cluster that they are the inside of, if there is one.
+  bool fill_hollow(std::vector<int> pixels, const Outline& outline, const SupportView& view) {
+    for (size_t i = 0; i < clusters_.size(); ++i) {
+      ObjectCluster& hollow = clusters_[i];
+      if (hollow.pixels.empty() || is_low(hollow) || !is_within(pixels, hollow, support_, points_) ||
+          !encloses(cluster_of_ == static_cast<int>(i), outline, view))
+        continue;
+      std::erase_if(pixels, [&](int pixel) { return at(pixel) >= 0; });
+      hollow.pixels.insert(hollow.pixels.end(), pixels.begin(), pixels.end());
+      std::ranges::sort(hollow.pixels);
+      hollow.box = box_of(hollow.pixels, points_.size());
+      return true;
+    }
+    return false;
+  }
+
+  /// Makes one cluster of pixels and the low clusters that lie in them, unless one fills them already.
+  void join(std::vector<int> pixels) {
+    constexpr double kFilled = 0.75;
+    std::vector<int> shared(clusters_.size());
+    for (const int pixel : pixels)
+      if (at(pixel) >= 0) ++shared[static_cast<size_t>(at(pixel))];
+    const double filled = kFilled * static_cast<double>(pixels.size());
+    if (std::ranges::any_of(shared, [&](int count) { return count > filled; })) return;
+    for (size_t c = 0; c < shared.size(); ++c) {
+      ObjectCluster& piece = clusters_[c];
+      if (shared[c] == 0 || shared[c] < kFilled * static_cast<double>(piece.pixels.size())) continue;
+      pixels.insert(pixels.end(), piece.pixels.begin(), piece.pixels.end());
+      piece.pixels.clear();
+      for (ObjectCluster& upper : clusters_)
+        if (upper.stands_on == static_cast<int>(c)) upper.stands_on = static_cast<int>(clusters_.size());
+    }
+    std::erase_if(pixels, [&](int pixel) {
+      return at(pixel) >= 0 && !clusters_[static_cast<size_t>(at(pixel))].pixels.empty();
+    });
+    std::ranges::sort(pixels);
+    pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
+    for (const int pixel : pixels) cluster_of_.ptr<int>()[pixel] = static_cast<int>(clusters_.size());
+    clusters_.push_back(cluster_of(std::move(pixels), support_, index_, points_));
+  }
+
+ private:
+  static bool is_low(const ObjectCluster& cluster) { return cluster.top < kMaxTop; }
+  int at(int pixel) const { return cluster_of_.ptr<int>()[pixel]; }
+
+  std::vector<ObjectCluster>& clusters_;
+  const cv::Mat& points_;
+  const SupportPlane& support_;
+  int index_;
+  cv::Mat cluster_of_;  ///< CV_32S, -1 = none
+};
+
 }  // namespace
 
 void join_by_color_outline(std::vector<ObjectCluster>& clusters, const ClusterImages& images,
                            const mapping::PinholeCamera& camera, const SupportGround& ground, int index,
                            const cv::Mat& shows, const ClusterOptions& options) {
-  if (images.color.empty()) return;
-  const cv::Mat& points = images.points;
-  const SupportView view = view_of(ground, camera, images.region, points.size());
+  // The boards of a drawer, which the map has by assumption, differ in colour from its bottom and rise.
+  if (images.color.empty() || ground.plane.in_drawer) return;
+  const SupportView view = view_of(ground, camera, images.region, images.points.size());
   if (view.box.empty()) return;
-  const auto is_low = [](const ObjectCluster& cluster) { return cluster.top < kMaxTop; };
-  cv::Mat taken = cv::Mat::zeros(points.size(), CV_8U);
-  cv::Mat cluster_of_pixel(points.size(), CV_32S, cv::Scalar(-1));
-  for (size_t i = 0; i < clusters.size(); ++i)
-    for (const int pixel : clusters[i].pixels) {
-      cluster_of_pixel.ptr<int>()[pixel] = static_cast<int>(i);
-      if (!is_low(clusters[i])) taken.ptr<uint8_t>()[pixel] = 255;
-    }
-  cv::dilate(taken, taken, cv::Mat::ones(2 * kEdge - 1, 2 * kEdge - 1, CV_8U));
   const cv::Mat lab = lab_on_plane(images, camera, ground.plane, view.box);
-  const cv::Mat heights = heights_over(ground.plane, points, view.box);
+  const cv::Mat heights = heights_over(ground.plane, images, view.box);
+  ClusterMap map(clusters, images.points, ground.plane, index);
   const OutlineFinder finder(images, ground, shows, options);
-  for (const Outline& outline : finder.find(view, lab, heights, taken(view.box))) {
-    constexpr double kFilled = 0.75;
-    std::vector<int> pixels = pixels_of(outline, view, points);
-    if (pixels.empty()) continue;
-    const auto hollow = std::ranges::find_if(clusters, [&](const ObjectCluster& cluster) {
-      return !cluster.pixels.empty() && !is_low(cluster) &&
-             is_within(pixels, cluster, ground.plane, points) &&
-             encloses(cluster_of_pixel == static_cast<int>(&cluster - clusters.data()), outline, view);
-    });
-    if (hollow != clusters.end()) {
-      std::erase_if(pixels, [&](int pixel) { return cluster_of_pixel.ptr<int>()[pixel] >= 0; });
-      hollow->pixels.insert(hollow->pixels.end(), pixels.begin(), pixels.end());
-      std::ranges::sort(hollow->pixels);
-      hollow->box = box_of(hollow->pixels, points.size());
-      continue;
-    }
-    if (!outline.rises) continue;
-    std::vector<int> shared(clusters.size());
-    for (const int pixel : pixels)
-      if (const int c = cluster_of_pixel.ptr<int>()[pixel]; c >= 0) ++shared[static_cast<size_t>(c)];
-    const auto size = static_cast<double>(pixels.size());
-    const bool filled = std::ranges::any_of(shared, [&](int count) { return count > kFilled * size; });
-    if (filled) continue;
-    for (size_t c = 0; c < shared.size(); ++c) {
-      ObjectCluster& piece = clusters[c];
-      if (shared[c] == 0 || shared[c] < kFilled * static_cast<double>(piece.pixels.size())) continue;
-      pixels.insert(pixels.end(), piece.pixels.begin(), piece.pixels.end());
-      piece.pixels.clear();
-      for (ObjectCluster& upper : clusters)
-        if (upper.stands_on == static_cast<int>(c)) upper.stands_on = static_cast<int>(clusters.size());
-    }
-    std::erase_if(pixels, [&](int pixel) {
-      const int c = cluster_of_pixel.ptr<int>()[pixel];
-      return c >= 0 && !clusters[static_cast<size_t>(c)].pixels.empty();
-    });
-    std::ranges::sort(pixels);
-    pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
-    for (const int pixel : pixels) cluster_of_pixel.ptr<int>()[pixel] = static_cast<int>(clusters.size());
-    clusters.push_back(cluster_of(std::move(pixels), ground.plane, index, points));
+  for (const Outline& outline : finder.find(view, lab, heights, map.high()(view.box))) {
+    const std::vector<int> pixels = pixels_of(outline, view, images.points);
+    if (!pixels.empty() && !map.fill_hollow(pixels, outline, view) && outline.rises) map.join(pixels);
   }
   drop_empty(clusters);
 }
