@@ -260,7 +260,8 @@ bool is_top_of_object(const SupportPlane& upper, const SupportPlane& lower) {
 /// What is seen across the ends of a plane in the rows and columns of the image.
 struct PlaneEnds {
   int falling = 0;  ///< what is farther, or nothing
-  int other = 0;    ///< what rises, or the edge of the image
+  int other = 0;    ///< what rises
+  int cut = 0;      ///< the edge of the image
 };
 
 /// Looks from an end of a plane, at the pixel `at`, outwards.
@@ -272,7 +273,10 @@ void look_beyond(const cv::Mat& points, const SupportPlane& plane, const cv::Poi
   bool falls = to_vector(points.at<cv::Vec3f>(at)).z() < kSurelyInRange;
   for (int far = kNear; far <= kFar; ++far) {
     const cv::Point beyond = at + far * step;
-    if (!image.contains(beyond)) falls = false;
+    if (!image.contains(beyond)) {
+      ++ends.cut;
+      return;
+    }
     if (!falls) break;
     const Vector3d p = to_vector(points.at<cv::Vec3f>(beyond));
     if (std::isnan(p.z())) continue;
@@ -293,6 +297,7 @@ bool ends_in_view(const cv::Mat& points, const SupportPlane& plane) {
     return std::abs(at.z()) < 0.006 + depth_noise(p.z()) && outline.inside(at.head<2>()) > -kGridCell;
   };
   PlaneEnds ends;
+  constexpr double kMinFalling = 0.25;  // where the image cuts it off, it may go on as either
   constexpr int kEvery = 4;
   const auto look = [&](const cv::Point& start, const cv::Point& step, int length) {
     int first = 0, last = length - 1;
@@ -304,7 +309,7 @@ bool ends_in_view(const cv::Mat& points, const SupportPlane& plane) {
   };
   for (int v = 0; v < points.rows; v += kEvery) look({0, v}, {1, 0}, points.cols);
   for (int u = 0; u < points.cols; u += kEvery) look({u, 0}, {0, 1}, points.rows);
-  return ends.falling > ends.other;
+  return ends.falling > ends.other && ends.falling > kMinFalling * (ends.falling + ends.other + ends.cut);
 }
 
 std::vector<SupportPlane> horizontal_supports(const cv::Mat& points, const cv::Mat& normals,

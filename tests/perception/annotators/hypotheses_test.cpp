@@ -73,6 +73,11 @@ TEST(Supports, APlaneFarBelowTheCameraIsOneWhereItEnds) {
   SyntheticTable table = table_with_boxes();
   table.map_from_camera = mapping::looking_at({0, -1.0, 1.5}, {0, 0, 0});
   EXPECT_EQ(find(table, 0.1, table.up()).supports.size(), 1U);
+  // Of three ends the image shows the farthest only.
+  table.map_from_camera = mapping::looking_at({0, -0.1, 1.4}, {0, 0.4, 0});
+  table.camera = {320, 240, 500, 500, 160, 120};
+  EXPECT_EQ(find(table, 0.1, table.up()).supports.size(), 1U);
+  table.map_from_camera = mapping::looking_at({0, -1.0, 1.5}, {0, 0, 0});
   // Of a floor no end is seen.
   table.camera = {320, 240, 900, 900, 160, 120};
   EXPECT_TRUE(find(table, 0.1, table.up()).supports.empty());

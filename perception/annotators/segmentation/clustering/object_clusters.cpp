@@ -10,6 +10,7 @@
 #include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
 #include "perception/annotators/scene_data.h"
+#include "perception/annotators/segmentation/clustering/color_outlines.h"
 #include "perception/annotators/segmentation/clustering/color_splitting.h"
 #include "perception/annotators/segmentation/clustering/standing_points.h"
 #include "perception/conversions/opencv.h"
@@ -561,6 +562,7 @@ std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const m
     drop_surroundings(own, maker, options.min_points, shows);
     drop_fragments(own, maker, options);
     keep_what_rests(own, maker, shows, options);
+    join_by_color_outline(own, images, camera, grounds[s], static_cast<int>(s), shows, options);
     cv::Mat taken = cv::Mat::zeros(points.size(), CV_8U);
     for (const ObjectCluster& cluster : own)
       for (const int pixel : cluster.pixels) taken.ptr<unsigned char>()[pixel] = 255;
