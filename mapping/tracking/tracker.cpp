@@ -193,9 +193,8 @@ std::vector<Isometry3d> Tracker::guesses_for(const PreparedFrame& frame) const {
   // The start that fits better comes first.
   const auto fit = [&](const Isometry3d& pose) {
     const std::vector<View> views = views_at(frame.images, pose, last_->region);
-    return views.empty()
-               ? 0.0
-               : compare(frame.images, with_poses(views.front().keyframes), pose, 1).inlier_share();
+    return views.empty() ? 0.0
+                         : compare(frame.images, with_poses(views.front().keyframes), pose, 1).inlier_share();
   };
   if (fit(guesses[1]) > fit(guesses[0])) std::swap(guesses[0], guesses[1]);
   return guesses;
