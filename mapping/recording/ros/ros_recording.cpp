@@ -105,7 +105,9 @@ bool RosRecording::Stream::has_colors() const {
   return !encoding.starts_with("mono") && !encoding.starts_with("8UC1");
 }
 
-RosRecording::RosRecording(const std::filesystem::path& path, const RecordingOptions& options) : bag_(path) {
+RosRecording::RosRecording(const std::filesystem::path& path, const RecordingOptions& options,
+                           Progress* progress)
+    : bag_(path, progress) {
   info_.format = is_ros1_bag(path) ? "rosbag" : "rosbag2";
   info_.path = path.string();
   const Content content = read_content();

@@ -19,7 +19,8 @@ namespace loci::mapping {
 /// frame hangs on in the end. The index of a frame is the number of its depth message.
 class RosRecording : public FrameListRecording {
  public:
-  explicit RosRecording(const std::filesystem::path& path, const RecordingOptions& options = {});
+  explicit RosRecording(const std::filesystem::path& path, const RecordingOptions& options = {},
+                        Progress* progress = nullptr);
 
   RgbdFrame frame(size_t i) const override;
 
