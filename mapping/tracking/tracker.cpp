@@ -138,10 +138,13 @@ std::vector<Tracker::View> Tracker::views_at(const FrameImages& images, const Is
     if (view->keyframes.size() < kKeyframes.references) view->keyframes.push_back(k);
   }
   const std::vector<size_t> frames = frames_of_parts();
-  const size_t last = last_ && last_->keyframe ? part_of(*last_->keyframe) : keyframes_.size();
   std::ranges::stable_sort(views, std::greater(),
-                           [&](const View& view) { return std::pair(view.part == last, frames[view.part]); });
+                           [&](const View& view) { return std::pair(is_of_last(view), frames[view.part]); });
   return views;
+}
+
+bool Tracker::is_of_last(const View& view) const {
+  return last_ && last_->keyframe && part_of(*last_->keyframe) == view.part;
 }
 
 std::vector<Reference> Tracker::with_poses(const std::vector<size_t>& keyframes) const {
@@ -159,7 +162,7 @@ std::optional<Tracker::Located> Tracker::try_pose(const PreparedFrame& frame, co
   for (const View& view : views) {
     Located located;
     located.alignment = align(frame.images, with_poses(view.keyframes), guess, {}, prior);
-    objection_ = misfit_of(located.alignment, min_inliers);
+    objection_ = misfit_of(located.alignment, is_of_last(view) ? min_inliers : kKeyframes.min_loop_inliers);
     if (!objection_.empty()) continue;
     const auto now = views_at(frame.images, located.alignment.map_from_camera, region);
     const auto same = std::ranges::find(now, view.part, &View::part);

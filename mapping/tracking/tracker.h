@@ -62,6 +62,8 @@ class Tracker {
   };
 
   std::vector<View> views_at(const FrameImages& images, const Isometry3d& pose, size_t region) const;
+  /// Whether a part is that of the last frame.
+  bool is_of_last(const View& view) const;
   std::vector<Reference> with_poses(const std::vector<size_t>& keyframes) const;
   std::optional<Located> try_pose(const PreparedFrame& frame, const Isometry3d& guess, size_t region,
                                   double min_inliers, const PosePrior* prior);
