@@ -238,7 +238,7 @@ FileRecordingContent read_replica(const fs::path& folder) {
         frame.color = color;
     frame.time_ns = assumed_time(frame.index);
     frame.location = {depth.string(), 0, {}};
-    const auto at = static_cast<size_t>(16 * frame.index);  // A line for each number, images may be missing.
+    const size_t at = 16 * content.frames.size();
     if (at + 16 > values.size())
       throw Error(fmt::format("traj.txt has {} poses, there are more images", values.size() / 16),
                   {folder.string(), 0, {}});
