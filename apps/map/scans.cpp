@@ -32,7 +32,7 @@ namespace {
 /// The recording, with tracked poses when it has none of its own.
 std::unique_ptr<mapping::Recording> open_posed(const std::string& path,
                                                const mapping::RecordingOptions& reading, Session& session) {
-  auto recording = mapping::open_recording(path, reading);
+  auto recording = mapping::open_recording(path, reading, &session.progress());
   const bool has_poses = recording->info().frames_with_pose > 0;
   const Stopwatch watch;
   recording = mapping::with_known_poses(std::move(recording), mapping::PosesFor::mapping,

@@ -36,7 +36,7 @@ void write_posed(const mapping::Recording& recording, const mapping::TrackingRes
 void run_track(TrackArguments& arguments, Session& session) {
   arguments.options.threads = session.flags().threads;
   std::unique_ptr<mapping::Recording> recording =
-      mapping::open_recording(arguments.recording, arguments.reading);
+      mapping::open_recording(arguments.recording, arguments.reading, &session.progress());
   const mapping::TrackingResult result = track(*recording, arguments.options, session.progress());
   session.timing("track", result.seconds);
   require_usable(result, arguments.recording);

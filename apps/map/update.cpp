@@ -42,7 +42,7 @@ mapping::ScanSet read_new(const UpdateArguments& arguments, const mapping::Seman
   const std::string& path = arguments.scans;
   if (fs::exists(fs::path(path) / "scans.yaml") || fs::path(path).extension() == ".pcd")
     return mapping::read_registered_scans(path, session.warnings());
-  auto recording = mapping::open_recording(path, arguments.reading);
+  auto recording = mapping::open_recording(path, arguments.reading, &session.progress());
   const bool has_poses = recording->info().frames_with_pose > 0;
   recording = in_map(std::move(recording), semantics.map_from_input, semantics.frame);
   recording = mapping::with_known_poses(std::move(recording), mapping::PosesFor::mapping,

@@ -49,7 +49,9 @@ struct RecordingArguments {
     table.positional("RECORDING", &path, "Folder or file of the recording");
     table.options(table_of(options), "Recording");
   }
-  std::unique_ptr<mapping::Recording> open() const { return mapping::open_recording(path, options); }
+  std::unique_ptr<mapping::Recording> open(Session& session) const {
+    return mapping::open_recording(path, options, &session.progress());
+  }
 };
 
 std::string camera_text(const mapping::PinholeCamera& camera) {
@@ -85,7 +87,7 @@ Command info_command() {
             auto arguments = std::make_shared<RecordingArguments>();
             arguments->declare(table);
             return [arguments](Session& session) {
-              const auto recording = arguments->open();
+              const auto recording = arguments->open(session);
               session.answer(info_text(recording->info()), to_json(recording->info()));
             };
           }};
@@ -153,7 +155,7 @@ void convert(const ConvertArguments& arguments, Session& session) {
                   "write --format mcap");
     options.inputs.emplace_back(drawn);
   }
-  std::unique_ptr<mapping::Recording> recording = arguments.recording.open();
+  std::unique_ptr<mapping::Recording> recording = arguments.recording.open(session);
   if (const auto sidecar = mapping::sidecar_path(arguments.map); !arguments.map.empty() && exists(sidecar)) {
     const mapping::SemanticMap semantics = mapping::read_semantic_map(sidecar);
     recording = in_map(std::move(recording), semantics.map_from_input, semantics.frame);
@@ -367,7 +369,7 @@ perception::Pipeline read_pipeline(const RunArguments& arguments,
 /// What annotators share. Rooms that bring annotators with resources of their own put them here.
 perception::Resources make_resources(const RunArguments& arguments, Session& session) {
   perception::Resources resources;
-  std::unique_ptr<mapping::Recording> recording = arguments.recording.open();
+  std::unique_ptr<mapping::Recording> recording = arguments.recording.open(session);
   if (!arguments.fixed_camera) {
     const Stopwatch watch;
     const bool has_poses = recording->info().frames_with_pose > 0;

@@ -41,7 +41,7 @@ FileRecording::FileRecording(FileRecordingContent content)
     metres_from_raw_[raw] = static_cast<float>(static_cast<double>(raw) * content_.depth_scale);
   for (const int raw : content_.invalid_depth)
     metres_from_raw_.at(static_cast<size_t>(raw)) = std::numeric_limits<float>::quiet_NaN();
-  content_.info.depth_unit_m = content_.depth_scale;
+  content_.info.depth_unit_m = content_.depth_scale;  // check_images() knows better where depth is floats.
   check_images();
   complete_info(content_.info, content_.frames);
   set_correction();
@@ -82,6 +82,8 @@ void FileRecording::check_images() {
   if (first)
     content_.info.problems.push_back(fmt::format("{} of {} frames have images that cannot be read ({})",
                                                  damaged.size(), content_.frames.size(), first->what()));
+  constexpr double kUnitForFloats = 1.0 / 5000;  // 16 bits then hold 13 m, in steps below any sensor's noise.
+  if (any_float) content_.info.depth_unit_m = kUnitForFloats;
   if (any_float)
     content_.info.guesses.push_back(
         content_.float_depth_scale == 1
@@ -169,8 +171,15 @@ RgbdFrame FileRecording::frame(size_t i) const {
         check_size(color.cols, color.rows, frame.camera.color, "colour", from.color);
         return color;
       });
-  correction_.apply(frame);
+  correction_of(from).apply(frame);
   return frame;
+}
+
+ImageCorrection FileRecording::correction_of(const FrameFiles& from) const {
+  if (!from.lens) return correction_;
+  const RgbdCamera& camera = content_.info.camera;
+  return {Rectifier(camera.depth, content_.depth_distortion, from.lens->depth),
+          Rectifier(camera.color, content_.color_distortion, from.lens->color), correction_.close_grid_holes};
 }
 
 cv::Mat FileRecording::depth_of(const FrameFiles& from) const {

@@ -23,6 +23,7 @@ struct FrameFiles {
   std::optional<size_t> video_frame;  ///< `color` is a video, this its frame
   std::filesystem::path confidence;   ///< 8-bit image of depth's size; empty = none
   std::optional<Isometry3d> map_from_camera;
+  std::optional<RgbdCamera> lens;  ///< of this frame alone (autofocus): its images become those of the camera
   JointState joints;
   FileLocation location;  ///< row that names the frame, for messages
 };
@@ -80,6 +81,7 @@ class FileRecording : public Recording {
   void check_images();
   cv::Mat depth_of(const FrameFiles& from) const;
   void set_correction();
+  ImageCorrection correction_of(const FrameFiles& from) const;
   /// Of the first image that can be read.
   std::optional<cv::Mat> first_depth() const;
 

@@ -61,13 +61,14 @@ Error nothing_fits(const fs::path& folder) {
 }
 
 /// The reader of the format.
-std::unique_ptr<Recording> open_format(const fs::path& path, const RecordingOptions& options) {
+std::unique_ptr<Recording> open_format(const fs::path& path, const RecordingOptions& options,
+                                       Progress* progress) {
   const fs::path folder = path.filename() == "recording.yaml"
                               ? (path.has_parent_path() ? path.parent_path() : fs::path("."))
                               : path;
   if (!fs::is_directory(folder)) {
     if (is_ros1_bag(folder) || folder.extension() == ".bag" || is_ros2_bag(folder))
-      return std::make_unique<RosRecording>(folder, options);
+      return std::make_unique<RosRecording>(folder, options, progress);
     if (is_pcd_series(folder)) return std::make_unique<PcdSeries>(folder);
     if (is_sens(folder)) return std::make_unique<SensRecording>(folder);
     if (fs::is_empty(folder)) throw Error("the file is empty", {path.string(), 0, {}});
@@ -78,7 +79,7 @@ std::unique_ptr<Recording> open_format(const fs::path& path, const RecordingOpti
   if (fs::exists(folder / "recording.yaml")) return std::make_unique<FileRecording>(read_loci_layout(folder));
   if (is_seven_scenes(folder)) return std::make_unique<FileRecording>(read_seven_scenes(folder));
   if (is_tum(folder)) return std::make_unique<FileRecording>(read_tum(folder, options.color_delay_s));
-  if (is_ros2_bag(folder)) return std::make_unique<RosRecording>(folder, options);
+  if (is_ros2_bag(folder)) return std::make_unique<RosRecording>(folder, options, progress);
   if (is_pcd_series(folder)) return std::make_unique<PcdSeries>(folder);
   if (is_nerfstudio(folder)) return std::make_unique<FileRecording>(read_nerfstudio(folder));
   if (is_stray_scanner(folder)) return std::make_unique<FileRecording>(read_stray_scanner(folder));
@@ -159,9 +160,10 @@ void RecordingOptions::declare(OptionTable& table) {
   table.number("color_delay_s", color_delay_s, "s", "How much later colour is stamped than depth.", -10, 10);
 }
 
-std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingOptions& options) {
+std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingOptions& options,
+                                          Progress* progress) {
   if (!fs::exists(path)) throw Error("no such recording", {path.string(), 0, {}});
-  std::unique_ptr<Recording> recording = open_format(path, options);
+  std::unique_ptr<Recording> recording = open_format(path, options, progress);
   if (!options.camera.empty() && recording->info().camera_names.empty())
     throw Error(
         fmt::format("a recording of layout {} has one camera without a name", recording->info().format),

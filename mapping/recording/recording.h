@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mapping/base/options.h"
+#include "mapping/base/progress.h"
 #include "mapping/base/text/json_fwd.h"
 #include "mapping/sensor/frame.h"
 
@@ -66,9 +67,10 @@ class Recording {
 };
 
 /// Opens a folder or file of any known layout, guessed from what is there. Error that says what was looked
-/// for when nothing fits.
+/// for when nothing fits. `progress`, where there is one, is of unpacking a bag that is compressed as a
+/// whole.
 std::unique_ptr<Recording> open_recording(const std::filesystem::path& path,
-                                          const RecordingOptions& options = {});
+                                          const RecordingOptions& options = {}, Progress* progress = nullptr);
 
 struct RecordingWriterOptions {
   bool time_assumed = false;   ///< the stamps were made up

@@ -116,16 +116,16 @@ Distortion distortion_from(const std::string& model, const std::vector<double>& 
   return distortion;
 }
 
-Rectifier::Rectifier(const PinholeCamera& camera, const Distortion& distortion) {
-  if (distortion.model == Distortion::Model::none) return;
+Rectifier::Rectifier(const PinholeCamera& camera, const Distortion& distortion, const PinholeCamera& lens) {
+  if (distortion.model == Distortion::Model::none && lens == camera) return;
   const double limit = max_ray(distortion);
   source_.create(camera.height, camera.width, CV_32FC2);
   for (int v = 0; v < camera.height; ++v)
     for (int u = 0; u < camera.width; ++u) {
       const Vector2d ray((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
       const Vector2d there = ray.norm() < limit ? distortion.distorted(ray) : Vector2d(1e6, 1e6);
-      source_.at<cv::Vec2f>(v, u) = {static_cast<float>(there.x() * camera.fx + camera.cx),
-                                     static_cast<float>(there.y() * camera.fy + camera.cy)};
+      source_.at<cv::Vec2f>(v, u) = {static_cast<float>(there.x() * lens.fx + lens.cx),
+                                     static_cast<float>(there.y() * lens.fy + lens.cy)};
     }
 }
 

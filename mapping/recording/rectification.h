@@ -29,7 +29,10 @@ Distortion distortion_from(const std::string& model, const std::vector<double>& 
 class Rectifier {
  public:
   Rectifier() = default;  ///< leaves images as they are
-  Rectifier(const PinholeCamera& camera, const Distortion& distortion);
+  Rectifier(const PinholeCamera& camera, const Distortion& distortion)
+      : Rectifier(camera, distortion, camera) {}
+  /// Into images of `camera` from those of a `lens` of another focal length or centre, and as many pixels.
+  Rectifier(const PinholeCamera& camera, const Distortion& distortion, const PinholeCamera& lens);
 
   /// Bilinear; black where the lens saw nothing.
   cv::Mat color(const cv::Mat& image) const;

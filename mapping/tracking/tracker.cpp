@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <functional>
 
 #include "mapping/base/math/eigenvalues.h"
 
@@ -63,6 +63,7 @@ FrameResult Tracker::add(PreparedFrame frame) {
   result.keyframe = located->references.front();
   result.keyframe_from_camera = map_from_keyframes_[*result.keyframe].inverse() * pose;
   remember(frame, pose, region_[*result.keyframe]);
+  if (located->determined) last_->keyframe = result.keyframe;
   if (located->determined)
     result.covariance = located->alignment.covariance().value();
   else
@@ -74,6 +75,7 @@ FrameResult Tracker::add(PreparedFrame frame) {
     extend(std::move(frame), *located);
     last_->pose = map_from_keyframes_.back();  // Loops may have moved it, and its region.
     last_->region = region_.back();
+    if (last_->keyframe) last_->keyframe = result.keyframe;
   } else if (located->determined) {
     index(*result.keyframe);
     keyframes_[*result.keyframe]->fuse(frame.images, result.keyframe_from_camera.inverse());
@@ -83,7 +85,7 @@ FrameResult Tracker::add(PreparedFrame frame) {
 }
 
 void Tracker::remember(const PreparedFrame& frame, const Isometry3d& pose, size_t region) {
-  Last now{frame.time_ns, frame.number, pose, region, frame.features, frame.given, {}};
+  Last now{frame.time_ns, frame.number, pose, region, {}, frame.features, frame.given, {}};
   if (last_ && last_->region == region) {
     const double seconds = seconds_between(last_->time_ns, frame.time_ns);
     if (seconds > 1e-4 && seconds < kMaxGap) now.velocity = vector_of(last_->pose.inverse() * pose) / seconds;
@@ -115,8 +117,10 @@ bool Tracker::too_fast(const PreparedFrame& frame, const Isometry3d& pose) const
          angle_of(motion) > kVerdict.max_turn_rate * seconds;
 }
 
-std::vector<size_t> Tracker::references_at(const FrameImages& images, const Isometry3d& pose, size_t region,
-                                           double* best_overlap) const {
+/// Poses of different parts are not known well enough to be aligned with at once. The part of the last frame
+/// comes first, then that with the most frames: what shows most overlap may be a bare wall.
+std::vector<Tracker::View> Tracker::views_at(const FrameImages& images, const Isometry3d& pose,
+                                             size_t region) const {
   std::vector<std::pair<double, size_t>> found;
   for (size_t k = 0; k < keyframes_.size(); ++k) {
     if (region_[k] != region) continue;
@@ -127,14 +131,20 @@ std::vector<size_t> Tracker::references_at(const FrameImages& images, const Isom
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
-  if (best_overlap != nullptr) *best_overlap = found.empty() ? 0 : found.front().first;
-  std::vector<size_t> keyframes;
+  std::vector<View> views;
   for (const auto& [share, k] : found) {
-    if (keyframes.size() == kKeyframes.references) break;
-    // Poses of another part are not known well enough to be aligned with at once.
-    if (keyframes.empty() || part_of(k) == part_of(keyframes.front())) keyframes.push_back(k);
+    auto view = std::ranges::find(views, part_of(k), &View::part);
+    if (view == views.end()) view = views.insert(view, View{part_of(k), {}, share});
+    if (view->keyframes.size() < kKeyframes.references) view->keyframes.push_back(k);
   }
-  return keyframes;
+  const std::vector<size_t> frames = frames_of_parts();
+  std::ranges::stable_sort(views, std::greater(),
+                           [&](const View& view) { return std::pair(is_of_last(view), frames[view.part]); });
+  return views;
+}
+
+bool Tracker::is_of_last(const View& view) const {
+  return last_ && last_->keyframe && part_of(*last_->keyframe) == view.part;
 }
 
 std::vector<Reference> Tracker::with_poses(const std::vector<size_t>& keyframes) const {
@@ -145,25 +155,33 @@ std::vector<Reference> Tracker::with_poses(const std::vector<size_t>& keyframes)
 
 std::optional<Tracker::Located> Tracker::try_pose(const PreparedFrame& frame, const Isometry3d& guess,
                                                   size_t region, double min_inliers, const PosePrior* prior) {
-  Located located;
-  located.references = references_at(frame.images, guess, region, nullptr);
-  if (!located.references.empty()) {
-    located.alignment = align(frame.images, with_poses(located.references), guess, {}, prior);
-    objection_ = misfit_of(located.alignment, min_inliers);
-    if (!objection_.empty()) return std::nullopt;
-    located.references =
-        references_at(frame.images, located.alignment.map_from_camera, region, &located.best_overlap);
-  }
-  if (located.references.empty()) {
+  constexpr size_t kMaxParts = 3;
+  std::vector<View> views = views_at(frame.images, guess, region);
+  objection_ = "no keyframe shows the same";
+  views.resize(std::min(views.size(), kMaxParts));
+  for (const View& view : views) {
+    Located located;
+    located.alignment = align(frame.images, with_poses(view.keyframes), guess, {}, prior);
+    objection_ = misfit_of(located.alignment, is_of_last(view) ? min_inliers : kKeyframes.min_loop_inliers);
+    if (!objection_.empty()) continue;
+    const auto now = views_at(frame.images, located.alignment.map_from_camera, region);
+    const auto same = std::ranges::find(now, view.part, &View::part);
     objection_ = "no keyframe shows the same";
-    return std::nullopt;
+    if (same == now.end()) continue;
+    located.references = same->keyframes;
+    located.best_overlap = same->best_overlap;
+    located.determined = is_determined(located.alignment);
+    if (located.determined) return located;
+    objection_ = kUndetermined;
+    if (prior != nullptr && (!sliding_ || is_newest(located)) &&
+        !too_fast(frame, located.alignment.map_from_camera))
+      sliding_ = located;
   }
-  located.determined = is_determined(located.alignment);
-  if (located.determined) return located;
-  objection_ = kUndetermined;
-  if (prior != nullptr && !sliding_ && !too_fast(frame, located.alignment.map_from_camera))
-    sliding_ = located;
   return std::nullopt;
+}
+
+bool Tracker::is_newest(const Located& located) const {
+  return std::ranges::find(located.references, keyframes_.size() - 1) != located.references.end();
 }
 
 std::vector<Isometry3d> Tracker::guesses_for(const PreparedFrame& frame) const {
@@ -177,8 +195,9 @@ std::vector<Isometry3d> Tracker::guesses_for(const PreparedFrame& frame) const {
   if (guesses.size() == 1) return guesses;
   // The start that fits better comes first.
   const auto fit = [&](const Isometry3d& pose) {
-    const auto references = references_at(frame.images, pose, last_->region, nullptr);
-    return references.empty() ? 0.0 : compare(frame.images, with_poses(references), pose, 1).inlier_share();
+    const std::vector<View> views = views_at(frame.images, pose, last_->region);
+    return views.empty() ? 0.0
+                         : compare(frame.images, with_poses(views.front().keyframes), pose, 1).inlier_share();
   };
   if (fit(guesses[1]) > fit(guesses[0])) std::swap(guesses[0], guesses[1]);
   return guesses;
@@ -218,6 +237,8 @@ std::optional<Tracker::Located> Tracker::relocalise(const PreparedFrame& frame) 
 bool Tracker::wants_keyframe(const Located& located) const {
   const Isometry3d motion =
       map_from_keyframes_[located.references.front()].inverse() * located.alignment.map_from_camera;
+  // What slides along a bare wall may show more than the wall: the next frame is compared with that, too.
+  if (!located.determined && !is_newest(located)) return true;
   return located.best_overlap < kKeyframes.new_below ||
          motion.translation().norm() > kKeyframes.new_beyond_m ||
          angle_of(motion) > kKeyframes.new_beyond_rad;
@@ -290,13 +311,17 @@ void Tracker::join_parts(size_t a, size_t b) {
   part_[std::max(a, b)] = std::min(a, b);
 }
 
-std::vector<bool> Tracker::in_main_part() const {
-  std::map<size_t, size_t> frames;
+std::vector<size_t> Tracker::frames_of_parts() const {
+  std::vector<size_t> frames(keyframes_.size());
   for (size_t k = 0; k < keyframes_.size(); ++k) frames[part_of(k)] += attached_[k];
-  const auto largest = std::max_element(frames.begin(), frames.end(),
-                                        [](const auto& a, const auto& b) { return a.second < b.second; });
+  return frames;
+}
+
+std::vector<bool> Tracker::in_main_part() const {
+  const std::vector<size_t> frames = frames_of_parts();
+  const auto largest = static_cast<size_t>(std::ranges::max_element(frames) - frames.begin());
   std::vector<bool> main(keyframes_.size());
-  for (size_t k = 0; k < keyframes_.size(); ++k) main[k] = part_of(k) == largest->first;
+  for (size_t k = 0; k < keyframes_.size(); ++k) main[k] = part_of(k) == largest;
   return main;
 }
 

@@ -54,8 +54,16 @@ class Tracker {
     bool determined = true;
   };
 
-  std::vector<size_t> references_at(const FrameImages& images, const Isometry3d& pose, size_t region,
-                                    double* best_overlap) const;
+  /// What a frame at a pose would see of one part.
+  struct View {
+    size_t part = 0;
+    std::vector<size_t> keyframes;  ///< best overlap first
+    double best_overlap = 0;
+  };
+
+  std::vector<View> views_at(const FrameImages& images, const Isometry3d& pose, size_t region) const;
+  /// Whether a part is that of the last frame.
+  bool is_of_last(const View& view) const;
   std::vector<Reference> with_poses(const std::vector<size_t>& keyframes) const;
   std::optional<Located> try_pose(const PreparedFrame& frame, const Isometry3d& guess, size_t region,
                                   double min_inliers, const PosePrior* prior);
@@ -65,6 +73,8 @@ class Tracker {
   PosePrior predicted(const PreparedFrame& frame) const;
   bool too_fast(const PreparedFrame& frame, const Isometry3d& pose) const;
   bool wants_keyframe(const Located& located) const;
+  /// Whether the last keyframe is among what a pose was aligned with.
+  bool is_newest(const Located& located) const;
   FrameResult begin_region(PreparedFrame frame);
   void add_keyframe(PreparedFrame frame, const Isometry3d& pose, size_t region);
   void extend(PreparedFrame frame, const Located& located);
@@ -75,6 +85,8 @@ class Tracker {
   void join_regions();
   void join_parts(size_t a, size_t b);
   size_t part_of(size_t keyframe) const;
+  /// Good frames, by the keyframe that stands for a part.
+  std::vector<size_t> frames_of_parts() const;
   void index(size_t keyframe);
   void remember(const PreparedFrame& frame, const Isometry3d& pose, size_t region);
 
@@ -96,6 +108,7 @@ class Tracker {
     size_t number = 0;
     Isometry3d pose = Isometry3d::Identity();
     size_t region = 0;
+    std::optional<size_t> keyframe;  ///< that it refers to, if its pose is determined
     Features features;
     std::optional<Isometry3d> given;
     std::optional<Vector6d> velocity;  ///< per second, in the camera frame

@@ -74,6 +74,42 @@ double camera_value(const Json& json, const Json& frame, const char* key, const 
               "fl_x, fl_y, cx, cy, w and h are needed");
 }
 
+PinholeCamera nerfstudio_camera(const Json& json, const Json& frame, const FileLocation& location) {
+  const auto value = [&](const char* key) { return camera_value(json, frame, key, location); };
+  // COLMAP's and ARKit's pixels have their centres at halves.
+  return checked_camera({pixels_of(value("w")), pixels_of(value("h")), value("fl_x"), value("fl_y"),
+                         value("cx") - 0.5, value("cy") - 0.5},
+                        location);
+}
+
+/// The camera of the first frame is that of the recording; others of a phone differ a little by autofocus.
+void set_nerfstudio_cameras(const Json& json, const std::vector<const Json*>& frames,
+                            const FileLocation& location, FileRecordingContent& content) {
+  refuse_foreign_format(content.frames[0].depth);
+  const DepthHeader depth = read_depth_header(content.frames[0].depth);
+  RgbdCamera& camera = content.info.camera;
+  camera.color = nerfstudio_camera(json, *frames[0], location);
+  camera.depth = scaled_camera(camera.color, depth.width, depth.height);
+  content.color_distortion = content.depth_distortion = nerfstudio_distortion(json, *frames[0], location);
+  size_t others = 0;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    RgbdCamera lens = camera;
+    lens.color = nerfstudio_camera(json, *frames[i], content.frames[i].location);
+    if (lens.color == camera.color) continue;
+    if (lens.color.width != camera.color.width || lens.color.height != camera.color.height)
+      throw Error(fmt::format("the images have {} x {} pixels, those of the first frame {} x {}",
+                              lens.color.width, lens.color.height, camera.color.width, camera.color.height),
+                  content.frames[i].location, "export images of one size");
+    lens.depth = scaled_camera(lens.color, depth.width, depth.height);
+    content.frames[i].lens = lens;
+    ++others;
+  }
+  if (others > 0)
+    content.info.guesses.push_back(
+        fmt::format("{} with a focal length or centre of their own are brought to the camera of the first",
+                    counted(others, "frame")));
+}
+
 }  // namespace
 
 bool is_nerfstudio(const fs::path& folder) {
@@ -91,6 +127,7 @@ FileRecordingContent read_nerfstudio(const fs::path& folder) {
   if (!(content.depth_scale > 0 && content.depth_scale <= 1))
     throw Error("depth_unit_scale_factor is metres per unit, e.g. 0.001", location);
   content.float_depth_scale = content.depth_scale;  // nerfstudio multiplies any image by it.
+  std::vector<const Json*> used;                    // Those with depth.
   for (const Json& each : frames) {
     FrameFiles frame;
     frame.depth = file_below(folder, each, "depth_file_path", location);
@@ -108,23 +145,12 @@ FileRecordingContent read_nerfstudio(const fs::path& folder) {
     pose.matrix() = pose.matrix() * kOpenGlFromOptical;
     frame.map_from_camera = pose;
     content.frames.push_back(std::move(frame));
+    used.push_back(&each);
   }
   if (content.frames.empty())
     throw Error("transforms.json names no depth images", location,
                 "export with depth: frames need depth_file_path beside file_path");
-  // COLMAP's and ARKit's pixels have their centres at halves.
-  const Json& first = frames[0];
-  const auto value = [&](const char* key) { return camera_value(json, first, key, location); };
-  RgbdCamera& camera = content.info.camera;
-  camera.color = checked_camera({pixels_of(value("w")), pixels_of(value("h")), value("fl_x"), value("fl_y"),
-                                 value("cx") - 0.5, value("cy") - 0.5},
-                                location);
-  content.color_distortion = nerfstudio_distortion(json, first, location);
-  const DepthHeader depth = read_depth_header(content.frames[0].depth);
-  camera.depth = scaled_camera(camera.color, depth.width, depth.height);
-  content.depth_distortion = content.color_distortion;
-  if (first.contains("fl_x"))
-    content.info.guesses.emplace_back("the camera of the first frame is taken for all of them");
+  set_nerfstudio_cameras(json, used, location, content);
   content.info.guesses.emplace_back(
       "no time stamps: 30 Hz from 2000-01-01T00:00:00Z by the number in the name");
   return content;
@@ -196,7 +222,8 @@ FileRecordingContent read_stray_scanner(const fs::path& folder) {
   const DepthHeader depth = read_depth_header(content.frames[0].depth);
   content.info.camera.depth = scaled_camera(content.info.camera.color, depth.width, depth.height);
   content.info.guesses.emplace_back("no date in the stamps: they begin at 2000-01-01T00:00:00Z");
-  content.info.guesses.emplace_back("depth of low confidence is left out");
+  if (std::ranges::any_of(content.frames, [](const FrameFiles& each) { return !each.confidence.empty(); }))
+    content.info.guesses.emplace_back("depth of low confidence is left out");
   return content;
 }
 

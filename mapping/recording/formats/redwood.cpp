@@ -104,6 +104,39 @@ void set_cameras_of_folder(const fs::path& folder, const fs::path& depth, const 
   camera.color = scannet_color.value_or(camera.depth);
 }
 
+/// Files that may hold the poses: trajectory.log, Redwood's NAME_trajectory.log, Open3D's trajectory.json.
+std::vector<fs::path> trajectories_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const fs::path& place : {folder, folder / "scene"}) {
+    if (!fs::is_directory(place)) continue;
+    std::vector<fs::path> named;
+    for (const auto& entry : fs::directory_iterator(place)) {
+      const std::string name = lower_case(entry.path().filename().string());
+      if (name.ends_with("trajectory.log") || name.ends_with("trajectory.json"))
+        named.push_back(entry.path());
+    }
+    std::ranges::sort(named, std::ranges::greater());  // .log before .json
+    files.insert(files.end(), named.begin(), named.end());
+  }
+  return files;
+}
+
+/// Open3D's PinholeCameraTrajectory: camera from world, column by column.
+std::vector<Isometry3d> read_trajectory_json(const fs::path& file) {
+  std::vector<Isometry3d> poses;
+  const Json parameters = member_of(read_json(file), "parameters");
+  for (const Json& each : parameters.is_array() ? parameters : Json::array()) {
+    const FileLocation location{file.string(), 0, fmt::format("parameters[{}].extrinsic", poses.size())};
+    std::vector<double> columns;
+    for (const Json& value : member_of(each, "extrinsic")) columns.push_back(number_of(value));
+    if (columns.size() != 16) throw Error("an extrinsic has 16 numbers", location);
+    std::vector<double> rows(16);
+    for (size_t i = 0; i < 16; ++i) rows[4 * (i % 4) + i / 4] = columns[i];
+    poses.push_back(pose_from_rows(rows, location).inverse());
+  }
+  return poses;
+}
+
 void set_poses(const fs::path& folder, FileRecordingContent& content) {
   std::vector<FrameFiles>& frames = content.frames;
   for (FrameFiles& frame : frames) {
@@ -114,12 +147,12 @@ void set_poses(const fs::path& folder, FileRecordingContent& content) {
     if (std::all_of(m.begin(), m.end(), [](double x) { return std::isfinite(x); }))
       frame.map_from_camera = pose_from_rows(m, {file.string(), 0, {}});
   }
-  for (const char* name : {"trajectory.log", "scene/trajectory.log"}) {
-    if (!fs::exists(folder / name)) continue;
-    const std::vector<Isometry3d> poses = read_trajectory_log(folder / name);
+  for (const fs::path& file : trajectories_in(folder)) {
+    const std::vector<Isometry3d> poses =
+        file.extension() == ".json" ? read_trajectory_json(file) : read_trajectory_log(file);
     if (poses.size() != frames.size()) {
-      content.info.problems.push_back(
-          fmt::format("{} has {} poses for {} frames and is not used", name, poses.size(), frames.size()));
+      content.info.problems.push_back(fmt::format("{} has {} poses for {} frames and is not used",
+                                                  file.filename().string(), poses.size(), frames.size()));
       continue;
     }
     for (size_t i = 0; i < frames.size(); ++i) frames[i].map_from_camera = poses[i];

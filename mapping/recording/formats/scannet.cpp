@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 
 #include "mapping/image/image_io.h"
 #include "mapping/recording/compression.h"
@@ -83,11 +84,13 @@ void SensRecording::read_header() {
   for (auto& matrix : matrices)
     for (float& value : matrix) value = take<float>();
   const auto color = take<int32_t>(), depth = take<int32_t>();
-  has_color_ = color == 1 || color == 2;
+  raw_color_ = color == 0;
+  has_color_ = raw_color_ || color == 1 || color == 2;
   zlib_depth_ = depth == 1;
   if (depth != 0 && depth != 1)
     throw Error(fmt::format("depth of compression {} is not read", depth), location);
-  if (!has_color_) info_.problems.emplace_back("colour images are neither PNG nor JPEG and are not read");
+  if (!has_color_)
+    info_.problems.emplace_back("colour images are neither raw, PNG nor JPEG and are not read");
   std::array<uint32_t, 4> size{};  // colour width and height, depth width and height
   for (uint32_t& value : size) {
     value = take<uint32_t>();
@@ -175,10 +178,15 @@ cv::Mat SensRecording::depth_image(const Images& images, const FileLocation& loc
 }
 
 cv::Mat SensRecording::color_image(const Images& images, const FileLocation& location) const {
-  const std::string packed = read(images.color_at, images.color_size);
-  cv::Mat color = decode_image({packed.begin(), packed.end()}, location.text());
-  if (color.type() != CV_8UC3 || color.cols != info_.camera.color.width ||
-      color.rows != info_.camera.color.height)
+  std::string packed = read(images.color_at, images.color_size);
+  const PinholeCamera& camera = info_.camera.color;
+  cv::Mat color;
+  if (!raw_color_)
+    color = decode_image({packed.begin(), packed.end()}, location.text());
+  else if (packed.size() ==
+           size_t{3} * static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height))
+    cv::cvtColor(cv::Mat(camera.height, camera.width, CV_8UC3, packed.data()), color, cv::COLOR_RGB2BGR);
+  if (color.type() != CV_8UC3 || color.cols != camera.width || color.rows != camera.height)
     throw Error("the colour image is not what its camera takes", location);
   return color;
 }

@@ -35,6 +35,7 @@ class SensRecording : public FrameListRecording {
   mutable std::ifstream file_;
   uint64_t file_size_ = 0, at_ = 0, frames_claimed_ = 0;
   bool zlib_depth_ = false, has_color_ = false;
+  bool raw_color_ = false;  ///< RGB, not compressed
   float depth_shift_ = 1000;
   std::vector<Images> images_;  ///< by index of the frame
 };

@@ -54,13 +54,14 @@ std::vector<fs::path> storage_files(const fs::path& folder) {
 }
 
 /// A file of any format; of one that is compressed as a whole, `problems` says where it is damaged.
-std::unique_ptr<BagReader> open_file(const fs::path& path, std::vector<std::string>& problems) {
+std::unique_ptr<BagReader> open_file(const fs::path& path, std::vector<std::string>& problems,
+                                     Progress& progress) {
   if (is_mcap(path)) return open_mcap(path, path);
   if (is_sqlite(path)) return open_sqlite_bag(path, path);
   if (is_ros1(path)) return open_ros1_bag(path, path);
   if (!is_packed_bag(path))
     throw Error("this file is not a ROS 1 bag", {path.string(), 0, {}}, "a bag begins with '#ROSBAG V2.0'");
-  const UnpackedBag bag(path);  // Its name is gone when its reader has opened it.
+  const UnpackedBag bag(path, progress);  // Its name is gone when its reader has opened it.
   if (!bag.problem().empty()) problems.push_back(bag.problem());
   if (is_mcap(bag.path())) return open_mcap(bag.path(), path);
   if (begins_with(bag.path(), kSqliteMagic)) return open_sqlite_bag(bag.path(), path);
@@ -71,11 +72,11 @@ std::unique_ptr<BagReader> open_file(const fs::path& path, std::vector<std::stri
 /// Several files as one bag; with compression per message, as metadata.yaml says.
 class BagFolder : public BagReader {
  public:
-  explicit BagFolder(const fs::path& folder) : folder_(folder) {
+  BagFolder(const fs::path& folder, Progress& progress) : folder_(folder) {
     read_metadata();
     for (const fs::path& file : storage_files(folder)) {
       try {
-        readers_.push_back(open_file(file, problems_));
+        readers_.push_back(open_file(file, problems_, progress));
       } catch (const Error& error) {
         problems_.emplace_back(error.what());
       }
@@ -180,11 +181,13 @@ bool is_ros2_bag(const fs::path& path) {
   return !storage_files(path).empty();
 }
 
-RosBag::RosBag(const fs::path& path) : path_(path) {
+RosBag::RosBag(const fs::path& path, Progress* progress) : path_(path) {
+  NoProgress none;
+  Progress& unpacking = progress != nullptr ? *progress : none;
   if (fs::is_directory(path) && is_ros2_bag(path))
-    reader_ = std::make_unique<BagFolder>(path);
+    reader_ = std::make_unique<BagFolder>(path, unpacking);
   else
-    reader_ = open_file(path, problems_);
+    reader_ = open_file(path, problems_, unpacking);
 }
 
 std::vector<std::string> RosBag::problems() const {

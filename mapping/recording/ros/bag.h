@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "mapping/base/progress.h"
 #include "mapping/base/time.h"
 
 namespace loci::mapping {
@@ -101,7 +102,7 @@ class BagReader {
 class RosBag {
  public:
   /// Error when the path is missing or holds no bag; for ROS 1 also when it is truncated or was not closed.
-  explicit RosBag(const std::filesystem::path& path);
+  explicit RosBag(const std::filesystem::path& path, Progress* progress = nullptr);
 
   const std::filesystem::path& path() const { return path_; }
   const std::vector<BagTopic>& topics() const { return reader_->topics(); }  ///< sorted by name

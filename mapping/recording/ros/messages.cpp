@@ -123,15 +123,25 @@ struct RawImage {
     data = bytes.data();
   }
 
-  /// The rows, which stay where they are.
+  /// The rows, which stay where they are; swapped in a copy where they are big endian.
   cv::Mat pixels(int type, const FileLocation& location) const {
     const size_t row = static_cast<size_t>(width) * CV_ELEM_SIZE(type);
     if (height < 1 || width < 1 || height >= int(kMaxSide) || width >= int(kMaxSide) || step < row ||
         data.size() < step * static_cast<size_t>(height - 1) + row)
       throw Error(fmt::format("{} x {} pixels in {} bytes do not fit", width, height, data.size()), location);
-    if (big_endian && CV_ELEM_SIZE1(type) > 1)
-      throw Error("pixels are big endian, which is not read", location);
-    return {height, width, type, const_cast<char*>(data.data()), step};
+    const cv::Mat rows(height, width, type, const_cast<char*>(data.data()), step);
+    if (!big_endian || CV_ELEM_SIZE1(type) == 1) return rows;
+    cv::Mat swapped = rows.clone();
+    const size_t size = CV_ELEM_SIZE1(type);
+    for (uchar* value = swapped.data; value < swapped.dataend; value += size)
+      std::reverse(value, value + size);
+    return swapped;
+  }
+  /// NV12 and NV21: half as many rows again hold the chroma.
+  cv::Mat with_chroma_rows(const FileLocation& location) const {
+    RawImage whole = *this;
+    whole.height += height / 2;
+    return whole.pixels(CV_8UC1, location);
   }
 };
 
@@ -208,11 +218,35 @@ struct DepthQuantisation {
   }
 };
 
+/// The upper eight of sixteen bits.
+cv::Mat shortened(const cv::Mat& pixels) {
+  cv::Mat bytes;
+  pixels.convertTo(bytes, CV_8U, 1.0 / 257);
+  return bytes;
+}
+
+/// Whole-channel encodings: OpenCV's type and where blue, green and red are.
+struct ChannelEncoding {
+  int type;
+  std::array<int, 3> order;
+};
+std::optional<ChannelEncoding> channels_of(const std::string& encoding) {
+  static const std::map<std::string, ChannelEncoding> kEncodings = {
+      {"bgr8", {CV_8UC3, {0, 1, 2}}},   {"8UC3", {CV_8UC3, {0, 1, 2}}},    {"rgb8", {CV_8UC3, {2, 1, 0}}},
+      {"rgba8", {CV_8UC4, {2, 1, 0}}},  {"bgra8", {CV_8UC4, {0, 1, 2}}},   {"8UC4", {CV_8UC4, {0, 1, 2}}},
+      {"mono8", {CV_8UC1, {0, 0, 0}}},  {"8UC1", {CV_8UC1, {0, 0, 0}}},    {"rgb16", {CV_16UC3, {2, 1, 0}}},
+      {"bgr16", {CV_16UC3, {0, 1, 2}}}, {"rgba16", {CV_16UC4, {2, 1, 0}}}, {"bgra16", {CV_16UC4, {0, 1, 2}}},
+      {"mono16", {CV_16UC1, {0, 0, 0}}}};
+  const auto found = kEncodings.find(encoding);
+  return found == kEncodings.end() ? std::nullopt : std::optional(found->second);
+}
+
 /// BGR of encodings that OpenCV converts; unset for others.
 std::optional<int> conversion_to_bgr(const std::string& encoding) {
   static const std::map<std::string, int> kCodes = {
       {"yuv422", cv::COLOR_YUV2BGR_UYVY},      {"uyvy", cv::COLOR_YUV2BGR_UYVY},
       {"yuv422_yuy2", cv::COLOR_YUV2BGR_YUYV}, {"yuyv", cv::COLOR_YUV2BGR_YUYV},
+      {"nv21", cv::COLOR_YUV2BGR_NV21},        {"nv12", cv::COLOR_YUV2BGR_NV12},
       {"bayer_rggb8", cv::COLOR_BayerBG2BGR},  {"bayer_bggr8", cv::COLOR_BayerRG2BGR},
       {"bayer_gbrg8", cv::COLOR_BayerGR2BGR},  {"bayer_grbg8", cv::COLOR_BayerGB2BGR}};
   const auto found = kCodes.find(encoding);
@@ -240,9 +274,13 @@ cv::Mat read_ros_depth(const RosMessage& message, bool compressed, double unit_m
   if (compressed) {
     const CompressedImage image(bytes);
     const bool is_rvl = image.format.find("rvl") != std::string::npos;
-    const cv::Mat raw = is_rvl ? decode_rvl(image.without_head(DepthQuantisation::kSize), bytes.location())
-                               : image.decode(DepthQuantisation::kSize, bytes.where());
-    if (image.format.starts_with("32FC1")) return DepthQuantisation(image.data).metres(raw, bytes.location());
+    // The transport for colour packs 16UC1 as PNG, too, without a head.
+    const bool has_head = is_rvl || image.format.find("compressedDepth") != std::string::npos;
+    const size_t head = has_head ? DepthQuantisation::kSize : 0;
+    const cv::Mat raw =
+        is_rvl ? decode_rvl(image.without_head(head), bytes.location()) : image.decode(head, bytes.where());
+    if (has_head && image.format.starts_with("32FC1"))
+      return DepthQuantisation(image.data).metres(raw, bytes.location());
     return metres_from(raw, unit_m, bytes.location());
   }
   const RawImage image(bytes);
@@ -261,18 +299,18 @@ cv::Mat read_ros_color(const RosMessage& message, bool compressed) {
   }
   const RawImage image(bytes);
   const std::string& encoding = image.encoding;
-  if (encoding == "bgr8" || encoding == "8UC3") return image.pixels(CV_8UC3, bytes.location()).clone();
-  if (encoding == "rgb8") return picked(image.pixels(CV_8UC3, bytes.location()), {2, 1, 0});
-  if (encoding == "rgba8") return picked(image.pixels(CV_8UC4, bytes.location()), {2, 1, 0});
-  if (encoding == "bgra8") return picked(image.pixels(CV_8UC4, bytes.location()), {0, 1, 2});
-  if (encoding == "mono8" || encoding == "8UC1")
-    return picked(image.pixels(CV_8UC1, bytes.location()), {0, 0, 0});
+  if (const auto channels = channels_of(encoding)) {
+    const cv::Mat pixels = image.pixels(channels->type, bytes.location());
+    return picked(pixels.depth() == CV_8U ? pixels : shortened(pixels), channels->order);
+  }
   if (const auto code = conversion_to_bgr(encoding)) {
-    const bool bayer = encoding.starts_with("bayer");
+    const bool bayer = encoding.starts_with("bayer"), planes = encoding.starts_with("nv");
     if (image.width % 2 != 0 || image.height % 2 != 0)
       throw Error(fmt::format("{} images have even sizes", encoding), bytes.location());
     cv::Mat color;
-    cv::cvtColor(image.pixels(bayer ? CV_8UC1 : CV_8UC2, bytes.location()), color, *code);
+    const cv::Mat pixels = planes ? image.with_chroma_rows(bytes.location())
+                                  : image.pixels(bayer ? CV_8UC1 : CV_8UC2, bytes.location());
+    cv::cvtColor(pixels, color, *code);
     return color;
   }
   throw Error(fmt::format("colour images of encoding '{}' are not read", encoding), bytes.location());
@@ -280,8 +318,8 @@ cv::Mat read_ros_color(const RosMessage& message, bool compressed) {
 
 RosCamera read_ros_camera(const RosMessage& message) {
   Fields bytes(message);
-  bytes.header();
   RosCamera camera;
+  camera.frame = bytes.header().frame;
   camera.raw.height = static_cast<int>(std::min(bytes.take<uint32_t>(), kMaxSide));
   camera.raw.width = static_cast<int>(std::min(bytes.take<uint32_t>(), kMaxSide));
   const std::string model(bytes.text());

@@ -37,14 +37,15 @@ std::string read_ros_encoding(const RosMessage& message, bool compressed);
 bool is_depth_encoding(const std::string& encoding);
 
 /// Depth in metres (CV_32F, NaN = none) of 16UC1, mono16 (`unit_m` metres; 0 and 65535 are none), 32FC1 (m),
-/// or of compressedDepth (PNG or RVL) of either.
+/// of compressedDepth (PNG or RVL) of either, or of 16UC1 as compressed PNG.
 cv::Mat read_ros_depth(const RosMessage& message, bool compressed, double unit_m = 0.001);
-/// Colour (CV_8UC3, BGR) of rgb8, bgr8, rgba8, bgra8, mono8, YUV 4:2:2, Bayer patterns, or of compressed PNG
-/// and JPEG.
+/// Colour (CV_8UC3, BGR) of rgb, bgr, rgba, bgra and mono of 8 or 16 bits, YUV 4:2:2, NV12, NV21, Bayer
+/// patterns, or of compressed PNG and JPEG.
 cv::Mat read_ros_color(const RosMessage& message, bool compressed);
 
 /// sensor_msgs/CameraInfo.
 struct RosCamera {
+  std::string frame;               ///< of its header
   PinholeCamera raw;               ///< K: of the image as it was taken
   Distortion distortion;           ///< of that image
   std::string distortion_problem;  ///< why its distortion cannot be undone; empty where it can

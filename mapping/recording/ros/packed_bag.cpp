@@ -13,7 +13,6 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <functional>
 #include <memory>
 #include <random>
 #include <vector>
@@ -46,15 +45,21 @@ const Packer* packer_of(const fs::path& path) {
   return found == kPackers.end() ? nullptr : &*found;
 }
 
-/// Unpacks into a buffer: how many bytes came, 0 at the end. Error where the packed bytes are damaged.
-using Source = std::function<size_t(char* bytes, size_t size)>;
+class Source {
+ public:
+  virtual ~Source() = default;
+  /// Unpacks into a buffer: how many bytes came, 0 at the end. Error where the packed bytes are damaged.
+  virtual size_t read(char* bytes, size_t size) = 0;
+  /// Packed bytes that were read.
+  virtual int64_t position() = 0;
+};
 
 Error damaged_stream() {
   return Error("damaged or truncated");
 }
 
 /// Any number of zstd frames one after the other.
-class ZstdSource {
+class ZstdSource : public Source {
  public:
   explicit ZstdSource(const fs::path& path)
       : file_(path, std::ios::binary),
@@ -62,12 +67,13 @@ class ZstdSource {
         packed_(kUnpackPiece) {
     ZSTD_DCtx_setParameter(stream_.get(), ZSTD_d_windowLogMax, 27);  // At most 128 MB for the window.
   }
-  size_t operator()(char* bytes, size_t size) {
+  size_t read(char* bytes, size_t size) override {
     ZSTD_outBuffer out{bytes, size, 0};
     while (out.pos == 0) {
       if (in_.pos == in_.size) {
         file_.read(packed_.data(), static_cast<std::streamsize>(packed_.size()));
         in_ = {packed_.data(), static_cast<size_t>(file_.gcount()), 0};
+        position_ += file_.gcount();
         if (in_.size == 0 && left_ == 0) return 0;
       }
       const bool at_end = in_.size == 0;
@@ -77,39 +83,42 @@ class ZstdSource {
     }
     return out.pos;
   }
+  int64_t position() override { return position_; }
 
  private:
   std::ifstream file_;
   std::unique_ptr<ZSTD_DStream, size_t (*)(ZSTD_DStream*)> stream_;
   std::vector<char> packed_;
   ZSTD_inBuffer in_{nullptr, 0, 0};
+  int64_t position_ = 0;
   size_t left_ = 1;  ///< 0 = a frame is complete
 };
 
-class GzipSource {
+class GzipSource : public Source {
  public:
   explicit GzipSource(const fs::path& path) : file_(gzopen(path.c_str(), "rb"), gzclose) {}
-  size_t operator()(char* bytes, size_t size) {
+  size_t read(char* bytes, size_t size) override {
     const int count = gzread(file_.get(), bytes, static_cast<unsigned>(size));
     int error = Z_OK;
     gzerror(file_.get(), &error);
     if (count < 0 || (count == 0 && error != Z_OK)) throw damaged_stream();
     return static_cast<size_t>(count);
   }
+  int64_t position() override { return gzoffset(file_.get()); }
 
  private:
   std::unique_ptr<gzFile_s, int (*)(gzFile)> file_;
 };
 
 /// Any number of streams one after the other, as programs for several cores write them.
-class Bzip2Source {
+class Bzip2Source : public Source {
  public:
   explicit Bzip2Source(const fs::path& path) : file_(std::fopen(path.c_str(), "rb"), std::fclose) { open(); }
-  ~Bzip2Source() { close(); }
+  ~Bzip2Source() override { close(); }
   Bzip2Source(const Bzip2Source&) = delete;
   Bzip2Source& operator=(const Bzip2Source&) = delete;
 
-  size_t operator()(char* bytes, size_t size) {
+  size_t read(char* bytes, size_t size) override {
     while (stream_ != nullptr) {
       int status = BZ_OK;
       const int count = BZ2_bzRead(&status, stream_, bytes, static_cast<int>(size));
@@ -119,6 +128,7 @@ class Bzip2Source {
     }
     return 0;
   }
+  int64_t position() override { return std::ftell(file_.get()); }
 
  private:
   void open() {
@@ -147,13 +157,11 @@ class Bzip2Source {
   BZFILE* stream_ = nullptr;
 };
 
-Source source_of(const fs::path& path) {
+std::unique_ptr<Source> source_of(const fs::path& path) {
   const std::string ending = path.extension().string();
-  if (ending == ".gz")
-    return [source = std::make_shared<GzipSource>(path)](char* b, size_t n) { return (*source)(b, n); };
-  if (ending == ".bz2")
-    return [source = std::make_shared<Bzip2Source>(path)](char* b, size_t n) { return (*source)(b, n); };
-  return [source = std::make_shared<ZstdSource>(path)](char* b, size_t n) { return (*source)(b, n); };
+  if (ending == ".gz") return std::make_unique<GzipSource>(path);
+  if (ending == ".bz2") return std::make_unique<Bzip2Source>(path);
+  return std::make_unique<ZstdSource>(path);
 }
 
 Error no_room(const fs::path& packed, const fs::path& folder, const std::string& why) {
@@ -175,13 +183,13 @@ bool is_packed_bag(const fs::path& path) {
   return file.read(head.data(), static_cast<std::streamsize>(head.size())) && head == packer->magic;
 }
 
-UnpackedBag::UnpackedBag(const fs::path& packed) {
+UnpackedBag::UnpackedBag(const fs::path& packed, Progress& progress) {
   std::error_code code;
   const fs::path folder = fs::temp_directory_path(code);
   if (code) throw no_room(packed, "the temporary folder", code.message());
   try {
     create(folder);
-    unpack(packed, folder);
+    unpack(packed, folder, progress);
     if (path_.empty()) give_name(folder);
   } catch (...) {
     remove();
@@ -203,15 +211,18 @@ void UnpackedBag::create(const fs::path& folder) {
   path_ = name;
 }
 
-void UnpackedBag::unpack(const fs::path& packed, const fs::path& folder) {
-  const uint64_t max = std::min(kMaxUnpacked, kMaxSmall + kMaxRatio * fs::file_size(packed));
+void UnpackedBag::unpack(const fs::path& packed, const fs::path& folder, Progress& progress) {
+  const uint64_t packed_size = fs::file_size(packed);
+  const uint64_t max = std::min(kMaxUnpacked, kMaxSmall + kMaxRatio * packed_size);
   uint64_t size = 0;
   std::vector<char> piece(kUnpackPiece);
-  Source source = source_of(packed);
+  const std::unique_ptr<Source> source = source_of(packed);
   while (true) {
+    progress.check(std::min(1.0, static_cast<double>(source->position()) / static_cast<double>(packed_size)),
+                   fmt::format("unpacking {}", packed.filename().string()));
     size_t count = 0;
     try {
-      count = source(piece.data(), piece.size());
+      count = source->read(piece.data(), piece.size());
     } catch (const Error& error) {
       if (size == 0)
         throw Error(fmt::format("the bag cannot be unpacked: {}", error.message()), {packed.string(), 0, {}});

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <string>
 
+#include "mapping/base/progress.h"
+
 namespace loci::mapping {
 
 /// Whether a file is a bag that is compressed as a whole, by its name (NAME.mcap, NAME.db3 or NAME.bag with
@@ -15,7 +17,7 @@ bool is_packed_bag(const std::filesystem::path& path);
 /// no room for it, or it grows to 64 GiB or more than a thousand times the size of the packed file.
 class UnpackedBag {
  public:
-  explicit UnpackedBag(const std::filesystem::path& packed);
+  UnpackedBag(const std::filesystem::path& packed, Progress& progress);
   ~UnpackedBag();
   UnpackedBag(const UnpackedBag&) = delete;
   UnpackedBag& operator=(const UnpackedBag&) = delete;
@@ -26,7 +28,7 @@ class UnpackedBag {
 
  private:
   void create(const std::filesystem::path& folder);
-  void unpack(const std::filesystem::path& packed, const std::filesystem::path& folder);
+  void unpack(const std::filesystem::path& packed, const std::filesystem::path& folder, Progress& progress);
   void give_name(const std::filesystem::path& folder);
   void remove();
 

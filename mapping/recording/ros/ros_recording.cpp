@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 #include "mapping/base/text/text.h"
 #include "mapping/base/time_limits.h"
+#include "mapping/recording/formats/layouts.h"
 #include "mapping/sensor/kinect.h"
 
 namespace loci::mapping {
@@ -87,11 +90,24 @@ void check_image_size(const cv::Mat& image, const PinholeCamera& camera, const s
 
 }  // namespace
 
+/// Infrared and confidence images have 16 bits as depth has; their names say what they are.
+bool RosRecording::Stream::is_depth() const {
+  if (!is_depth_encoding(encoding)) return false;
+  const std::vector<std::string> words = words_of(lower_case(topic), "/_-");
+  const auto has = [&](std::string_view word) { return std::ranges::find(words, word) != words.end(); };
+  constexpr std::array<std::string_view, 11> kOthers = {"ir",        "infra",      "infra1",   "infra2",
+                                                        "rgb",       "infrared",   "color",    "colour",
+                                                        "amplitude", "confidence", "intensity"};
+  return has("depth") || std::ranges::none_of(kOthers, has);
+}
+
 bool RosRecording::Stream::has_colors() const {
   return !encoding.starts_with("mono") && !encoding.starts_with("8UC1");
 }
 
-RosRecording::RosRecording(const std::filesystem::path& path, const RecordingOptions& options) : bag_(path) {
+RosRecording::RosRecording(const std::filesystem::path& path, const RecordingOptions& options,
+                           Progress* progress)
+    : bag_(path, progress) {
   info_.format = is_ros1_bag(path) ? "rosbag" : "rosbag2";
   info_.path = path.string();
   const Content content = read_content();
@@ -275,40 +291,65 @@ std::optional<RosCamera> RosRecording::camera_of(const Stream& stream, const Con
     for (const char* name : {"/camera_info", "/info/camera_info"})
       if (const auto found = content.cameras.find(space + name); found != content.cameras.end())
         return found->second;
+  // Under another name, but of the same optical frame.
+  for (const auto& [name, camera] : content.cameras)
+    if (!stream.frame.empty() && camera.frame == stream.frame) return camera;
   return std::nullopt;
+}
+
+PinholeCamera RosRecording::pinhole_of(const Stream& stream, const RosCamera& camera, Rectifier& rectifier) {
+  const bool rectified = stream.topic.find("rect") != std::string::npos;
+  if (!rectified && !camera.distortion_problem.empty())
+    info_.problems.push_back(
+        fmt::format("images of {} keep their distortion: {}", stream.topic, camera.distortion_problem));
+  if (!rectified && camera.distortion.model != Distortion::Model::none) {
+    rectifier = Rectifier(camera.raw, camera.distortion);
+    info_.guesses.push_back(fmt::format("images of {} are undistorted on reading", stream.topic));
+  }
+  return rectified ? camera.rectified : camera.raw;
 }
 
 void RosRecording::set_cameras(const Content& content) {
   depth_unit_m_ = content.depth_unit_m;
-  const auto set = [&](const Stream& stream, const RosCamera& camera, PinholeCamera& pinhole,
-                       Rectifier& rectifier) {
-    const bool rectified = stream.topic.find("rect") != std::string::npos;
-    pinhole = rectified ? camera.rectified : camera.raw;
-    if (!rectified && !camera.distortion_problem.empty())
-      info_.problems.push_back(
-          fmt::format("images of {} keep their distortion: {}", stream.topic, camera.distortion_problem));
-    if (rectified || camera.distortion.model == Distortion::Model::none) return;
-    rectifier = Rectifier(camera.raw, camera.distortion);
-    info_.guesses.push_back(fmt::format("images of {} are undistorted on reading", stream.topic));
-  };
-  info_.camera = kinect_camera();
-  info_.camera.depth_from_color = Isometry3d::Identity();
-  if (const auto depth = camera_of(depth_, content))
-    set(depth_, *depth, info_.camera.depth, correction_.depth);
-  else
-    info_.problems.emplace_back(
-        "no camera_info of depth: a Kinect v1 is assumed; record its camera_info, too");
+  set_depth_camera(content);
   const cv::Mat first = first_depth_image();
   if (const std::string why = implausible_because(first); !why.empty()) info_.problems.push_back(why);
   correction_.close_grid_holes = has_grid_holes(first);
   if (correction_.close_grid_holes)
     info_.guesses.emplace_back("depth was warped to another camera: the grid of holes is closed");
-  info_.camera.color = info_.camera.depth;
-  if (color_.when.empty()) return;
-  if (const auto color = camera_of(color_, content)) {
-    set(color_, *color, info_.camera.color, correction_.color);
+  if (!color_.when.empty()) set_color_camera(content);
+}
+
+void RosRecording::set_depth_camera(const Content& content) {
+  info_.camera = kinect_camera();
+  info_.camera.depth_from_color = Isometry3d::Identity();
+  if (const auto depth = camera_of(depth_, content)) {
+    info_.camera.depth = pinhole_of(depth_, *depth, correction_.depth);
+  } else if (const auto file = beside_or_above(info_.path, "cameras.yaml"); !file.empty()) {
+    FileRecordingContent described;
+    read_cameras(file, described);
+    info_.camera = described.info.camera;
+    depth_unit_m_ = described.depth_scale;
+    info_.guesses.push_back(
+        fmt::format("no camera_info of depth: the cameras are those of {}", file.string()));
+    return;
   } else {
+    info_.problems.emplace_back(
+        "no camera_info of depth: a Kinect v1 is assumed; record its camera_info, too, or describe the "
+        "camera in a cameras.yaml beside the bag");
+  }
+  info_.camera.color = info_.camera.depth;
+}
+
+void RosRecording::set_color_camera(const Content& content) {
+  if (const auto color = camera_of(color_, content))
+    info_.camera.color = pinhole_of(color_, *color, correction_.color);
+  else if (info_.camera.color == info_.camera.depth)
     info_.problems.emplace_back("no camera_info of colour: taken as that of depth");
+  try {
+    color_image(color_.when.front().second);
+  } catch (const Error& error) {
+    info_.problems.push_back(fmt::format("the first colour image cannot be read ({})", error.what()));
   }
 }
 
@@ -317,6 +358,13 @@ cv::Mat RosRecording::depth_image(size_t message) const {
   cv::Mat image = read_ros_depth(message_of(depth_, message, bytes), depth_.compressed, depth_unit_m_);
   check_image_size(image, info_.camera.depth, where(depth_.topic, message));
   return image;
+}
+
+cv::Mat RosRecording::color_image(size_t message) const {
+  std::string bytes;
+  cv::Mat color = read_ros_color(message_of(color_, message, bytes), color_.compressed);
+  check_image_size(color, info_.camera.color, where(color_.topic, message));
+  return color;
 }
 
 cv::Mat RosRecording::first_depth_image() const {
@@ -430,13 +478,9 @@ RgbdFrame RosRecording::frame(size_t i) const {
   frame.joints = from.joints;
   read_images(
       frame, [&] { return depth_image(message); },
-      [&]() -> cv::Mat {
+      [&] {
         const std::optional<size_t> number = color_of_.at(message);
-        if (!number) return {};
-        std::string bytes;
-        cv::Mat color = read_ros_color(message_of(color_, *number, bytes), color_.compressed);
-        check_image_size(color, info_.camera.color, where(color_.topic, *number));
-        return color;
+        return number ? color_image(*number) : cv::Mat();
       });
   correction_.apply(frame);
   return frame;

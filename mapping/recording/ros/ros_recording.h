@@ -19,7 +19,8 @@ namespace loci::mapping {
 /// frame hangs on in the end. The index of a frame is the number of its depth message.
 class RosRecording : public FrameListRecording {
  public:
-  explicit RosRecording(const std::filesystem::path& path, const RecordingOptions& options = {});
+  explicit RosRecording(const std::filesystem::path& path, const RecordingOptions& options = {},
+                        Progress* progress = nullptr);
 
   RgbdFrame frame(size_t i) const override;
 
@@ -33,7 +34,7 @@ class RosRecording : public FrameListRecording {
     std::string frame;                            ///< of its first header
     std::vector<std::pair<TimeNs, size_t>> when;  ///< stamp and number of each message, ascending
 
-    bool is_depth() const { return is_depth_encoding(encoding); }
+    bool is_depth() const;
     bool has_colors() const;
   };
   /// What the first pass over the bag collects.
@@ -56,12 +57,16 @@ class RosRecording : public FrameListRecording {
   const Stream& chosen(const std::string& topic, const Content& content, bool depth) const;
   std::optional<RosCamera> camera_of(const Stream& stream, const Content& content) const;
   void set_cameras(const Content& content);
+  void set_depth_camera(const Content& content);
+  void set_color_camera(const Content& content);
+  PinholeCamera pinhole_of(const Stream& stream, const RosCamera& camera, Rectifier& rectifier);
   void set_color_pose(const Content& content, TimeNs time);
   void add_frames(const Content& content, double color_delay_s);
   void set_joints(std::vector<RosJoints> joints);
   void set_up(const Content& content);
   std::string where(const std::string& topic, size_t message) const;
   cv::Mat depth_image(size_t message) const;
+  cv::Mat color_image(size_t message) const;
   /// Of the first message that can be read; Error when none can.
   cv::Mat first_depth_image() const;
   RosMessage message_of(const Stream& stream, size_t message, std::string& bytes) const;

@@ -114,6 +114,38 @@ TEST_F(Formats, ExportsOfScanNetHaveIntrinsicsAndPosesInFolders) {
   EXPECT_DOUBLE_EQ(recording->frame(2).map_from_camera->translation().x(), 10);
 }
 
+TEST_F(Formats, TrajectoriesOfOpen3DMayBeJson) {
+  write_depth("depth/00000.png", 2000);
+  write_color("color/00000.jpg");
+  write("camera_intrinsic.json",
+        R"({"width": 64, "height": 48, "intrinsic_matrix": [52.5, 0, 0, 0, 52.6, 0, 31.9, 23.9, 1]})");
+  write("trajectory.json", R"({"class_name": "PinholeCameraTrajectory", "parameters": [
+      {"extrinsic": [0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 2, 0, -3, 1]}]})");  // column by column
+  const auto recording = open_as_is(root_);
+  const Isometry3d pose = *recording->frame(0).map_from_camera;
+  EXPECT_TRUE(pose.translation().isApprox(Vector3d(0, -2, 3))) << pose.translation().transpose();
+  EXPECT_TRUE((pose.linear() * Vector3d::UnitX()).isApprox(Vector3d::UnitY()));
+  fs::remove(root_ / "trajectory.json");
+  write("lounge_trajectory.log", "0 0 1\n1 0 0 0.5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+  EXPECT_EQ(open_as_is(root_)->info().frames_with_pose, 1U);
+}
+
+// TUM
+// ----------------------------------------------------------------------------------------------------
+
+TEST_F(Formats, SequencesOfTheTumBenchmarkHaveTheirOwnCameras) {
+  const auto focal_length = [&](const std::string& name) {
+    write_depth(name + "/depth/1.png", 5000, 640, 480);
+    write_color(name + "/rgb/1.png", 640, 480);
+    write(name + "/depth.txt", "1.0 depth/1.png\n");
+    write(name + "/rgb.txt", "1.0 rgb/1.png\n");
+    return open_as_is(root_ / name)->info().camera.depth.fx;
+  };
+  EXPECT_DOUBLE_EQ(focal_length("rgbd_dataset_freiburg1_desk"), 517.3);
+  EXPECT_DOUBLE_EQ(focal_length("rgbd_dataset_freiburg3_office"), 535.4);
+  EXPECT_DOUBLE_EQ(focal_length("own"), 525);
+}
+
 // Replica
 // ----------------------------------------------------------------------------------------------------
 
@@ -168,6 +200,53 @@ TEST_F(Formats, TransformsJsonIsTurnedFromOpenGlAndDepthMayBeSmaller) {
   with_model("SIMPLE_RADIAL");
   EXPECT_THAT(open_as_is(root_)->info().guesses, Contains(HasSubstr("are undistorted")))
       << "distortion may stand in the frames";
+}
+
+TEST_F(Formats, FramesOfAPhoneMayHaveCamerasOfTheirOwn) {
+  std::string frames;
+  for (const int i : {1, 2}) {
+    const std::string name = std::to_string(i);
+    cv::Mat color(kHeight, kWidth, CV_8UC3, cv::Scalar::all(0));
+    color(cv::Rect(i == 1 ? 40 : 44, 0, kWidth, kHeight) & cv::Rect(0, 0, kWidth, kHeight)).setTo(255);
+    make_folder(root_ / "images");
+    write_image(root_ / ("images/" + name + ".png"), color);
+    write_depth("depth/" + name + ".png", 1500);
+    frames +=
+        (i == 1 ? "" : ",") + fmt::format(R"({{"fl_x": {}, "fl_y": 60, "cx": 32, "cy": 24, "w": 64, "h": 48,
+                "file_path": "images/{}.png", "depth_file_path": "depth/{}.png",
+                "transform_matrix": [[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]]}})",
+                                          i == 1 ? 60 : 90, i, i);
+  }
+  write("transforms.json", R"({"frames": [)" + frames + "]}");
+  const auto recording = open_as_is(root_);
+  EXPECT_DOUBLE_EQ(recording->frame(1).camera.color.fx, 60);
+  // The edge at 44 with f 90 is at 31.5 + 12.5 / 90 * 60 = 39.8 with f 60, as that of the first frame.
+  for (const size_t i : {0U, 1U}) {
+    const cv::Mat color = recording->frame(i).color;
+    EXPECT_LT(color.at<cv::Vec3b>(20, 38)[0], 20) << i;
+    EXPECT_GT(color.at<cv::Vec3b>(20, 41)[0], 235) << i;
+  }
+  EXPECT_FLOAT_EQ(recording->frame(1).depth.at<float>(20, 30), 1.5F);
+}
+
+TEST_F(Formats, FloatingPointDepthIsConvertedInAUnitOfItsOwn) {
+  make_folder(root_ / "phone/depth");
+  const std::string head = "{'descr': '<f4', 'fortran_order': False, 'shape': (48, 64), }";
+  std::string npy = std::string("\x93NUMPY\x01\x00", 8) + '\x76' + '\0' + head;
+  npy.resize(127, ' ');
+  npy += '\n';
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    const float metres = 1.2346F;
+    npy.append(reinterpret_cast<const char*>(&metres), sizeof metres);
+  }
+  write("phone/depth/1.npy", npy);
+  write_color("phone/images/1.jpg");
+  write("phone/transforms.json", R"({"fl_x": 60, "fl_y": 62, "cx": 32, "cy": 24, "w": 64, "h": 48,
+      "depth_unit_scale_factor": 1.0, "frames": [{"file_path": "images/1.jpg", "depth_file_path": "depth/1.npy",
+      "transform_matrix": [[1,0,0,1],[0,1,0,2],[0,0,1,3],[0,0,0,1]]}]})");
+  NoProgress progress;
+  convert_recording(*open_as_is(root_ / "phone"), root_ / "out", {.inputs = {}}, progress);
+  EXPECT_NEAR(open_as_is(root_ / "out")->frame(0).depth.at<float>(3, 3), 1.2346, 1.5e-4);
 }
 
 TEST_F(Formats, JsonOfAnotherTypeIsRefused) {
@@ -286,6 +365,23 @@ TEST_F(Sens, GivesImagesPosesAndStamps) {
   EXPECT_NEAR(frame.map_from_camera->translation().x(), 0.7, 1e-6);
   EXPECT_FALSE(recording->frame(1).map_from_camera);
   EXPECT_EQ(recording->time_of(1) - recording->time_of(0), 33333000);
+}
+
+TEST_F(Sens, ColourMayBeRaw) {
+  std::string bytes = stream();
+  const std::string matrices(4 * 16 * sizeof(float), '\0');
+  const size_t color_kind = 4 + 8 + 5 + matrices.size();
+  bytes[color_kind] = 0;
+  const size_t frame = color_kind + 2 * 4 + 4 * 4 + 4 + 8, sizes = frame + 16 * 4 + 2 * 8;
+  uint64_t png = 0;
+  std::memcpy(&png, bytes.data() + sizes, sizeof png);
+  std::string raw;
+  for (int i = 0; i < 32 * 24; ++i) raw += "\3\2\1";  // red first
+  const uint64_t size = raw.size();
+  std::memcpy(bytes.data() + sizes, &size, sizeof size);
+  bytes.replace(sizes + 2 * sizeof size, png, raw);
+  write("raw.sens", bytes);
+  EXPECT_EQ(open_as_is(root_ / "raw.sens")->frame(0).color.at<cv::Vec3b>(3, 3), cv::Vec3b(1, 2, 3));
 }
 
 TEST_F(Sens, TruncatedGivesWhatIsWholeAndLiesAreRefused) {

@@ -361,12 +361,14 @@ TEST_F(PackedBags, SeveralStreamsBehindEachOtherAreOneFile) {
   for (const char* ending : {".gz", ".bz2"}) {
     // The bag twice: what stands behind its end is not looked at, but has to be unpacked.
     const std::string packed = read_file(seeds_ / (std::string("seed.bag") + ending));
-    const UnpackedBag bag(write(std::string("twice.bag") + ending, packed + packed));
+    NoProgress progress;
+    const UnpackedBag bag(write(std::string("twice.bag") + ending, packed + packed), progress);
     EXPECT_EQ(bag.problem(), "");
     EXPECT_EQ(read_file(bag.path()), plain + plain) << ending;
   }
   const std::string packed = read_file(seeds_ / "seed_cdr.mcap.zstd");
-  const UnpackedBag bag(write("twice.mcap.zstd", packed + packed));
+  NoProgress progress;
+  const UnpackedBag bag(write("twice.mcap.zstd", packed + packed), progress);
   const std::string mcap = read_file(seeds_ / "seed_cdr.mcap");
   EXPECT_EQ(read_file(bag.path()), mcap + mcap);
 }
@@ -431,9 +433,34 @@ TEST_F(PackedBags, TruncatedAndDamagedGiveWhatIsWholeOrOneLine) {
     EXPECT_NE(refusal(write(name, damaged)), "no error");
     EXPECT_TRUE(fs::is_empty(temporary_));
   }
-  const UnpackedBag cut(write(
-      "cut.bag.gz", read_file(seeds_ / "seed.bag.gz").substr(0, fs::file_size(seeds_ / "seed.bag.gz") - 20)));
+  NoProgress progress;
+  const UnpackedBag cut(
+      write("cut.bag.gz",
+            read_file(seeds_ / "seed.bag.gz").substr(0, fs::file_size(seeds_ / "seed.bag.gz") - 20)),
+      progress);
   EXPECT_THAT(cut.problem(), HasSubstr("cut.bag.gz: damaged or truncated behind"));
+}
+
+TEST_F(PackedBags, UnpackingReportsHowFarItIsAndCanBeStopped) {
+  class Unpacking : public Progress {
+   public:
+    bool update(double fraction, std::string_view text) override {
+      EXPECT_THAT(std::string(text), HasSubstr("unpacking seed"));
+      fractions_.push_back(fraction);
+      return go_on_;
+    }
+    std::vector<double> fractions_;
+    bool go_on_ = true;
+  };
+  for (const char* name : {"seed.bag.gz", "seed.bag.bz2", "seed_cdr.mcap.zstd"}) {
+    Unpacking progress;
+    const RosBag bag(seeds_ / name, &progress);
+    ASSERT_FALSE(progress.fractions_.empty()) << name;
+    EXPECT_EQ(progress.fractions_.front(), 0) << name;
+    EXPECT_GT(progress.fractions_.back(), 0.5) << name;
+    progress.go_on_ = false;
+    EXPECT_THROW(RosBag(seeds_ / name, &progress), Interrupted) << name;
+  }
 }
 
 TEST_F(PackedBags, ABombIsRefusedWithItsLimit) {
