@@ -140,12 +140,13 @@ class SubsetSum {
   }
 
   /// Sums over the column's partner: out[s] = alone · in[s] + the sum of odds · in[s without the row].
-  Layer match(size_t t, const Layer& in) const {
+  /// `opened`: number of subsets of the rows that were open before; of the others one is taken at most.
+  Layer match(size_t t, const Layer& in, size_t opened) const {
     const Step& step = steps_[t];
     const size_t states = in.weight.size(), block = std::min(states, subsets(kBlockBits));
     Layer out{std::vector<double>(states, 0.0), in.log_scale};
     for (size_t high = 0; high < states; high += block) {
-      if (static_cast<size_t>(std::popcount(high)) > t + 1) continue;
+      if (static_cast<size_t>(std::popcount(high)) > t + 1 || std::popcount(high / opened) > 1) continue;
       double* to = out.weight.data() + high;
       const double* from = in.weight.data() + high;
       for (size_t s = 0; s < block; ++s) to[s] = alone(step) * from[s];
@@ -160,7 +161,7 @@ class SubsetSum {
   }
 
   Layer forward_step(size_t t, const Layer& from) const {
-    Layer layer = match(t, open_rows(steps_[t], from));
+    Layer layer = match(t, open_rows(steps_[t], from), from.weight.size());
     for (const size_t bit : steps_[t].closing) {
       const double free = alone(steps_[t], bit);
       std::vector<double> rest(layer.weight.size() / 2);
@@ -218,10 +219,10 @@ class SubsetSum {
   }
 
   /// What is left of the weight where the rows that a step closes are alone.
-  void finish_rows(size_t t, const Layer& forward, const Layer& backward, ComponentMarginals& result) const {
+  void finish_rows(size_t t, const Layer& before, const Layer& backward, ComponentMarginals& result) const {
     const Step& step = steps_[t];
     if (step.closing.empty()) return;
-    const Layer matched = match(t, forward);
+    const Layer matched = match(t, open_rows(step, before), before.weight.size());
     const double factor = std::exp(matched.log_scale + backward.log_scale - log_z_);
     for (const size_t bit : step.closing) {
       double sum = 0;
@@ -234,9 +235,13 @@ class SubsetSum {
   /// B before a step from B after it, and the marginals of its column and of the rows that it closes.
   Layer back_step(size_t t, const Layer& before, const Layer& after, ComponentMarginals& result) const {
     const Step& step = steps_[t];
-    const Layer forward = open_rows(step, before), backward = reopen_rows(step, after);
-    finish_rows(t, forward, backward, result);
-    const size_t states = forward.weight.size(), block = std::min(states, subsets(kBlockBits));
+    const Layer backward = reopen_rows(step, after);
+    finish_rows(t, before, backward, result);
+    // Before the step no row that it opens is taken; blocks are as large as after it.
+    const size_t block = std::min(backward.weight.size(), subsets(kBlockBits));
+    const size_t states = std::max(before.weight.size(), block);
+    Layer forward = before;
+    forward.weight.resize(states, 0.0);
     Layer to{std::vector<double>(states, 0.0), backward.log_scale};
     std::vector<double> pair(step.pairs.size(), 0.0);
     double column_alone = 0;
