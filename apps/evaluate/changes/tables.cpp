@@ -90,6 +90,8 @@ Json figures_of(const Comparison& comparison) {
           {"identity_f1", comparison.identity_f1()},
           {"identity_switches", comparison.switches},
           {"identity_pairs", comparison.pairs},
+          {"association_calibration_error", calibration_error(comparison.association)},
+          {"association_brier", brier_score(comparison.association)},
           {"false_disappearances", comparison.false_gone},
           {"returned", comparison.returned},
           {"recognised", comparison.recognised},
