@@ -1,6 +1,7 @@
 #include "apps/evaluate/changes/comparison.h"
 #include "apps/evaluate/changes/remember.h"
 #include "apps/evaluate/commands.h"
+#include "mapping/base/files.h"
 #include "mapping/base/temporary_folder.h"
 #include "mapping/base/text/json.h"
 
@@ -12,6 +13,7 @@ struct Arguments {
   std::string memory;
   std::string map;
   std::string pipeline;
+  std::string diagram;
 };
 
 void run(const Arguments& arguments, Session& session) {
@@ -27,6 +29,9 @@ void run(const Arguments& arguments, Session& session) {
   changes::remember(recording, options, session.progress(), session.warnings());
   const std::vector<changes::Comparison> methods =
       changes::compare_all(arguments.folder, *recording, memory::Store::open_read(options.memory));
+  if (!arguments.diagram.empty())
+    write_file_atomically(arguments.diagram,
+                          changes::reliability_diagrams({{"association", methods.front().association}}));
   session.answer(changes::text(methods, session.flags().verbose), changes::to_json(methods));
 }
 
@@ -43,6 +48,7 @@ Command changes_command() {
                              "Recording with objects.csv and transitions.csv, or truth.jsonl");
             table.option("-o,--output MEMORY", &arguments->memory, "Keep the memory in this file");
             table.option("--map MAP", &arguments->map, "URDF of the map; the sidecar is found beside it");
+            table.option("--diagram FILE", &arguments->diagram, "Draw the reliability of associations (SVG)");
             table.option("--pipeline FILE", &arguments->pipeline,
                          "Pipeline as YAML instead of the default one");
             return [arguments](Session& session) { run(*arguments, session); };

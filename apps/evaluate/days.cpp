@@ -21,6 +21,7 @@ struct Arguments {
   uint64_t seed = 1;
   std::vector<std::string> worlds, package_paths;
   std::string samples = "apps/samples", map, keep;
+  std::string diagrams;
   bool drawers = false;
 };
 
@@ -103,6 +104,12 @@ void run(const Arguments& arguments, Session& session) {
     all.resize(day.size());
     for (size_t method = 0; method < day.size(); ++method) all[method].add(day[method]);
   }
+  if (!arguments.diagrams.empty())
+    write_file_atomically(arguments.diagrams,
+                          changes::reliability_diagrams({{"association", all.front().association},
+                                                         {"existence", answers.existence_stated},
+                                                         {"place", answers.place_stated},
+                                                         {"was", answers.was_stated}}));
   Json json = changes::to_json(all);
   json.erase("transitions");
   json["days"] = days;
@@ -132,6 +139,8 @@ Command days_command() {
             table.package_path(&arguments->package_paths);
             table.option("--map MAP", &arguments->map,
                          "Perceive against this map (URDF) instead of the world itself");
+            table.option("--diagrams FILE", &arguments->diagrams,
+                         "Draw reliability diagrams (SVG) of association, existence, place and was");
             table.option("-o,--output FOLDER", &arguments->keep,
                          "Keep scenarios, recordings and memories in this folder");
             return [arguments](Session& session) { run(*arguments, session); };

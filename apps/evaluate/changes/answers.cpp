@@ -173,23 +173,7 @@ Statements sum_of(Iterator begin, Iterator end) {
   return sum;
 }
 
-/// Expected calibration error in bins of equal count, of 30 at least.
-double calibration_error(AnswerScore::Stated stated) {
-  if (stated.empty()) return 0;
-  std::ranges::sort(stated);
-  const size_t bins = std::clamp<size_t>(stated.size() / 30, 1, 10);
-  double error = 0;
-  for (size_t bin = 0; bin < bins; ++bin) {
-    const auto at = [&](size_t number) {
-      return stated.begin() + static_cast<std::ptrdiff_t>(number * stated.size() / bins);
-    };
-    const Statements sum = sum_of(at(bin), at(bin + 1));
-    error += std::abs(sum.stated - sum.right);
-  }
-  return error / static_cast<double>(stated.size());
-}
-
-std::string calibration_text(const AnswerScore::Stated& stated) {
+std::string calibration_text(const Stated& stated) {
   const Statements sum = sum_of(stated.begin(), stated.end());
   const double count = std::max<double>(1, static_cast<double>(stated.size()));
   return fmt::format("{:.2f} stated, {:.2f} right, expected calibration error {:.3f} (of {})",

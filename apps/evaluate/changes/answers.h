@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/evaluate/changes/calibration.h"
 #include "mapping/base/text/json_fwd.h"
 #include "memory/store/store.h"
 
@@ -22,11 +23,9 @@ struct AnswerScore {
   size_t asked = 0;          ///< `was` at the moment of each scene
   size_t disagreements = 0;  ///< no where `where` says it is there, or yes where it says elsewhere or gone
   size_t unlisted = 0;       ///< `where` says it is there and `on` does not list it, or the other way round
-  /// Stated probability, and whether it is so.
-  using Stated = std::vector<std::pair<double, bool>>;
-  Stated was_stated;        ///< of yes and no
-  Stated place_stated;      ///< an object that is not seen now is on the place that `where` says
-  Stated existence_stated;  ///< it is in the home at all
+  Stated was_stated;         ///< of yes and no
+  Stated place_stated;       ///< an object that is not seen now is on the place that `where` says
+  Stated existence_stated;   ///< it is in the home at all
   void add(const AnswerScore& other);
 };
 

@@ -11,7 +11,8 @@ namespace {
 
 /// One frame: which object each true object is taken for.
 struct Frame {
-  std::map<std::string, memory::Id> object;  ///< of true objects that were found; 0 = not attributed
+  std::map<std::string, memory::Id> object;   ///< of true objects that were found; 0 = not attributed
+  std::map<std::string, double> probability;  ///< of true objects: stated, of being this object
   std::map<memory::Id, std::set<std::string>> events;
   std::set<memory::Id> seen;     ///< objects
   std::set<memory::Id> clutter;  ///< of these, what the room's clutter was taken for
@@ -60,6 +61,13 @@ std::vector<TrueObject> true_objects_in(const std::map<int64_t, std::vector<True
   return found == true_objects.end() ? std::vector<TrueObject>() : found->second;
 }
 
+void record(const std::string& true_object, memory::Id observation, const Told& told, Frame& frame) {
+  const auto object = told.object_of.find(observation);
+  frame.object[true_object] = object == told.object_of.end() ? 0 : object->second;
+  const auto stated = told.probability.find(observation);
+  if (stated != told.probability.end()) frame.probability[true_object] = stated->second;
+}
+
 std::map<int64_t, Frame> read_frames(const Truth& truth, const Moments& moments, const Story& story) {
   std::map<int64_t, Frame> frames;
   for (const auto& [index, moment] : moments) {
@@ -80,7 +88,7 @@ std::map<int64_t, Frame> read_frames(const Truth& truth, const Moments& moments,
       const bool attributed = object != told->second.object_of.end();
       const auto true_object = true_object_of.find(k);
       if (true_object != true_object_of.end() && true_object->second < visible)
-        frame.object[true_objects[true_object->second].name] = attributed ? object->second : 0;
+        record(true_objects[true_object->second].name, moment.sights[k].observation, told->second, frame);
       else if (true_object != true_object_of.end()) {
         if (attributed && true_object->second >= of_the_day) frame.clutter.insert(object->second);
         continue;
@@ -183,6 +191,9 @@ void count_switches(const std::map<int64_t, Frame>& frames, Comparison& comparis
       memory::Id& before = last[true_object];
       comparison.pairs += before != 0 ? 1 : 0;
       comparison.switches += before != 0 && before != object ? 1 : 0;
+      const auto stated = frame.probability.find(true_object);
+      if (before != 0 && stated != frame.probability.end())
+        comparison.association.emplace_back(stated->second, before == object);
       before = object;
     }
 }
@@ -284,6 +295,7 @@ void Comparison::add(const Comparison& other) {
   agreed += other.agreed;
   switches += other.switches;
   pairs += other.pairs;
+  association.insert(association.end(), other.association.begin(), other.association.end());
   false_gone += other.false_gone;
   returned += other.returned;
   recognised += other.recognised;

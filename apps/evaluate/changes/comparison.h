@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/evaluate/changes/calibration.h"
 #include "apps/evaluate/changes/story.h"
 #include "apps/evaluate/changes/truth.h"
 #include "mapping/base/text/json_fwd.h"
@@ -39,6 +40,7 @@ struct Comparison {
   size_t agreed = 0;      ///< of these, that fit the best pairing of true objects with objects, each once
   size_t switches = 0;    ///< an object that is found gets another number than when it was found before
   size_t pairs = 0;       ///< that could have been switches
+  Stated association;     ///< of these pairs: that it is this object, and whether it is that of before
   size_t false_gone = 0;  ///< said to be gone while it stood where it had been seen
   size_t returned = 0, recognised = 0;   ///< came back after having been removed: recognised as the same
   size_t phantoms = 0;                   ///< objects that never were a true object

@@ -29,9 +29,14 @@ Story memory_story(const memory::Store& store, const Moments& moments) {
   std::set<memory::Id> put_elsewhere;  // observations whose object was found in another place than before
   for (const auto& [frame, moment] : moments) {
     frame_of_scene[moment.scene] = frame;
-    for (const memory::AssociationRow& row : store.associations(moment.scene)) {
+    const std::vector<memory::AssociationRow> rows = store.associations(moment.scene);
+    for (const memory::AssociationRow& row : rows) {
       if (!row.chosen || !row.observation || !row.object) continue;
       story[frame].object_of[*row.observation] = *row.object;
+      double& probability = story[frame].probability[*row.observation];
+      for (const memory::AssociationRow& other : rows)
+        if (other.observation == row.observation && other.object == row.object)
+          probability += other.probability;
       if (row.explanation == memory::Explanation::move) put_elsewhere.insert(*row.observation);
     }
   }

@@ -32,6 +32,8 @@ struct Told {
   std::map<memory::Id, memory::Id> object_of;  ///< of observations; false clusters are not in it
   std::map<memory::Id, std::set<std::string>>
       events;  ///< by object: appeared, moved, looks_different, gone, ...
+  /// Of observations: that it is of this object. Only of methods that state one.
+  std::map<memory::Id, double> probability = {};
 };
 
 using Moments = std::map<int64_t, Moment>;  ///< by frame index of the recording

@@ -118,6 +118,10 @@ std::string text(const std::vector<Comparison>& methods, bool verbose) {
 Json to_json(const std::vector<Comparison>& methods) {
   Json json = figures_of(methods.front());
   json["transitions"] = list_of(methods.front());
+  const Stated& association = methods.front().association;
+  json["association"] = {{"stated", association.size()},
+                         {"calibration_error", calibration_error(association)},
+                         {"brier", brier_score(association)}};
   for (const Comparison& method : methods) json["methods"][method.method] = figures_of(method);
   return json;
 }
