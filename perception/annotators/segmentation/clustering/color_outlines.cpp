@@ -130,8 +130,9 @@ cv::Mat heights_over(const SupportPlane& plane, const ClusterImages& images, con
     auto* height = heights.ptr<float>(v);
     for (int u = 0; u < box.width; ++u) {
       const Eigen::Vector3f p = to_vector3f(point[u]);
-      if (!(std::abs(normal.dot(p) - offset) < static_cast<float>(kMaxTop))) continue;
-      height[u] = static_cast<float>(plane.in_plane(p.cast<double>()).z());
+      const float h = normal.dot(p) - offset;
+      if (!(std::abs(h) < static_cast<float>(kMaxTop))) continue;
+      height[u] = h;
       if (map_depth && map_depth[u] > 0)
         height[u] -= std::max(0.0f, normal.dot(p) * map_depth[u] / p.z() - offset);
     }
