@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "mapping/base/math/eigenvalues.h"
 #include "mapping/base/math/math.h"
@@ -16,18 +15,13 @@
 namespace loci::nbv {
 namespace {
 
-constexpr double kPatch = 0.15;          ///< m
-constexpr double kMinHeight = 0.1;       ///< m: nothing is pulled nearer to the floor
-constexpr double kWallMargin = 0.15;     ///< m over all furniture, from which a surface is a wall's
-constexpr size_t kMinPoints = 10;        ///< on a patch, to know how it stands
-constexpr double kRoughness = 0.02;      ///< m rms off its plane: more is no surface
-constexpr double kPlaceStep = 0.2;       ///< m between places that are compared
-constexpr double kMinRaise = 1;          ///< patches that a height must show beyond those before it
-constexpr double kBelowScanner = 0.05;   ///< m: higher tops are not seen
-constexpr double kMaxTopIncidence = 84;  ///< degrees: rows of points show a level plane in grazing views, too
-constexpr double kTopDensity = 0.25;     ///< of that of faces: nothing as small as a handle is on them
-constexpr size_t kMinTopVoxels =
-    5;  ///< of a piece of 3 x 3: a wall that crosses a border of voxels has a row
+constexpr double kPatch = 0.15;       ///< m
+constexpr double kMinHeight = 0.1;    ///< m: nothing is pulled nearer to the floor
+constexpr double kWallMargin = 0.15;  ///< m over all furniture, from which a surface is a wall's
+constexpr size_t kMinPoints = 10;     ///< on a patch, to know how it stands
+constexpr double kRoughness = 0.02;   ///< m rms off its plane: more is no surface
+constexpr double kPlaceStep = 0.2;    ///< m between places that are compared
+constexpr double kMinRaise = 1;       ///< patches that a height must show beyond those before it
 
 using Key = std::array<int, 3>;
 
@@ -72,7 +66,7 @@ std::optional<FacePatch> patch_of(const Moments& cell) {
   normal.z() = 0;
   normal.normalize();
   if (normal.dot(cell.origins / count - mean) < 0) normal = -normal;
-  return FacePatch{.centre = mean, .normal = normal, .area = kPatch * kPatch};
+  return FacePatch{mean, normal, 0};
 }
 
 /// The yaw in which most of what a place shows is in the sector, and how much that is.
@@ -101,8 +95,9 @@ class Sharpness {
   double density(const Vector3d& from, const FacePatch& patch) const {
     const Vector3d ray = patch.centre - from;
     const double distance = ray.norm(), cosine = -ray.dot(patch.normal) / distance;
-    const double oblique = patch.is_top() ? kMaxTopIncidence : options_.max_incidence_deg;
-    if (cosine < std::cos(oblique * kDegree) || !sight_.sees(from, patch.centre, patch.normal)) return 0;
+    if (cosine < std::cos(options_.max_incidence_deg * kDegree) ||
+        !sight_.sees(from, patch.centre, patch.normal))
+      return 0;
     // Lines of a tilting scanner stand closer the steeper they are; that is left out.
     const double spacing_m = distance * laser_.azimuth_step_deg * kDegree,
                  line_spacing_m = distance * laser_.tilt_step_deg * kDegree;
@@ -115,9 +110,9 @@ class Sharpness {
     std::vector<std::pair<Vector3d, double>> shown;
     for (const FacePatch& patch : patches) {
       if ((patch.centre - from).head<2>().norm() > options_.max_distance_m) continue;
-      const double part = std::min(density(from, patch) / (patch.wanted - patch.density), 1.0);
+      const double part = std::min(density(from, patch) / (options_.points_per_cm2 - patch.density), 1.0);
       // What remains too coarse was not worth the way.
-      if (part > 0.5) shown.emplace_back(patch.centre, part * patch.area);
+      if (part > 0.5) shown.emplace_back(patch.centre, part * kPatch * kPatch);
     }
     return best_yaw(from, shown, planner, laser_);
   }
@@ -127,16 +122,6 @@ class Sharpness {
   const mapping::LaserModel& laser_;
   const InspectionOptions& options_;
 };
-
-void add_densities(const ScanRefs& scans, const Sharpness& sharpness, const mapping::LaserModel& laser,
-                   std::vector<FacePatch>& patches) {
-  for (FacePatch& patch : patches)
-    for (const mapping::Scan& scan : scans) {
-      const Vector3d from = scan.map_from_scan.translation();
-      if (in_sector(from, patch.centre, mapping::planar(scan.map_from_scan).yaw, laser))
-        patch.density += sharpness.density(from, patch);
-    }
-}
 
 /// The best view of patches with the scanner at a height; its score is the area that it shows well.
 ViewSample closest_look(const std::vector<FacePatch>& patches, const Sharpness& sharpness,
@@ -171,8 +156,6 @@ void InspectionOptions::declare(OptionTable& table) {
   table.number("inspect_max_height_m", max_height_m, "m", "Height of furniture.", 0.5, 4);
   table.number("inspect_min_gain_m2", min_gain_m2, "m²", "Least area of faces that is worth a scan.", 0.01,
                100);
-  table.number("inspect_min_top_m2", min_top_m2, "m²",
-               "Least area of tops near the height of the scanner that is worth a scan.", 0.01, 100);
 }
 
 std::vector<FacePatch> face_patches(const ScanRefs& scans, const mapping::Voxels& voxels,
@@ -199,94 +182,48 @@ std::vector<FacePatch> face_patches(const ScanRefs& scans, const mapping::Voxels
               return true;
     return false;
   });
-  for (FacePatch& patch : patches) patch.wanted = options.points_per_cm2;
-  add_densities(scans, {voxels, laser, options}, laser, patches);
+  const Sharpness sharpness(voxels, laser, options);
+  for (FacePatch& patch : patches)
+    for (const mapping::Scan& scan : scans) {
+      const Vector3d from = scan.map_from_scan.translation();
+      if (in_sector(from, patch.centre, mapping::planar(scan.map_from_scan).yaw, laser))
+        patch.density += sharpness.density(from, patch);
+    }
   return patches;
 }
 
-std::vector<FacePatch> top_patches(const ScanRefs& scans, const mapping::Voxels& voxels,
-                                   const mapping::LaserModel& laser, const InspectionOptions& options) {
-  using mapping::Occupancy;
-  const double highest = options.heights.empty() ? laser.height_m : std::ranges::max(options.heights);
-  const double lowest = laser.height_m - options.max_distance_m / std::tan(kMaxTopIncidence * kDegree);
-  std::map<Key, std::vector<Vector3d>> cells;
-  for (int z = 0; z + 1 < voxels.size.z(); ++z)
-    for (int y = 0; y < voxels.size.y(); ++y)
-      for (int x = 0; x < voxels.size.x(); ++x) {
-        if (voxels.at({x, y, z}) != Occupancy::occupied || voxels.at({x, y, z + 1}) != Occupancy::free)
-          continue;
-        const Vector3d top = voxels.center({x, y, z}) + 0.5 * voxels.resolution * Vector3d::UnitZ();
-        if (top.z() < lowest || top.z() > highest - kBelowScanner) continue;
-        cells[{static_cast<int>(std::floor(top.x() / kPatch)), static_cast<int>(std::floor(top.y() / kPatch)),
-               z}]
-            .push_back(top);
-      }
-  std::vector<FacePatch> patches;
-  for (const auto& [key, tops] : cells) {
-    if (tops.size() < kMinTopVoxels) continue;
-    const Vector3d sum = std::accumulate(tops.begin(), tops.end(), Vector3d(Vector3d::Zero()));
-    const auto count = static_cast<double>(tops.size());
-    patches.push_back({.centre = sum / count,
-                       .normal = Vector3d::UnitZ(),
-                       .wanted = kTopDensity * options.points_per_cm2,
-                       .area = count * voxels.resolution * voxels.resolution});
-  }
-  add_densities(scans, {voxels, laser, options}, laser, patches);
-  return patches;
-}
-
-namespace {
-
-/// The best view of what is not yet seen well enough, from any height; without a pose where none shows
-/// `least`.
-NextView view_of(std::vector<FacePatch> patches, double least, const mapping::Voxels& voxels,
-                 const mapping::PlanarPose& robot, const mapping::LaserModel& laser,
-                 const PlannerOptions& planner, const InspectionOptions& options) {
+NextView inspection_view(const ScanRefs& scans, const mapping::OccupancyMap& map,
+                         const mapping::PlanarPose& robot, const mapping::LaserModel& laser,
+                         const PlannerOptions& planner, const InspectionOptions& options) {
   NextView view;
+  const mapping::Voxels voxels = map.voxels();
+  std::vector<FacePatch> patches = face_patches(scans, voxels, laser, options);
   const mapping::FloorRegion within(planner.within);
   std::erase_if(patches, [&](const FacePatch& patch) {
-    return patch.density >= patch.wanted || !within.contains(patch.centre.head<2>());
+    return patch.density >= options.points_per_cm2 || !within.contains(patch.centre.head<2>());
   });
+  double most = 0;
   for (const double height : options.heights.empty() ? std::vector{laser.height_m} : options.heights) {
     mapping::LaserModel raised = laser;  // Where it is lowered, the robot is as high as before.
     raised.height_m = std::max(laser.height_m, height);
     const mapping::FloorGrid floor = drivable_floor(voxels, robot, raised, planner);
     const Reachability reach = reachability(floor, robot, planner);
     const ViewSample best = closest_look(patches, {voxels, laser, options}, floor, reach, height, planner);
-    if (best.score <= view.expected_gain + kMinRaise * kPatch * kPatch) continue;
-    view.expected_gain = best.score;
+    if (best.score <= most + kMinRaise * kPatch * kPatch) continue;
+    most = best.score;
     view.pose = best.pose;
     view.height_m = height;
     view.path = path_to(floor, reach, best.pose);
   }
-  if (view.expected_gain < least) view.pose.reset();
-  return view;
-}
-
-}  // namespace
-
-NextView inspection_view(const ScanRefs& scans, const mapping::OccupancyMap& map,
-                         const mapping::PlanarPose& robot, const mapping::LaserModel& laser,
-                         const PlannerOptions& planner, const InspectionOptions& options) {
-  const mapping::Voxels voxels = map.voxels();
-  NextView view = view_of(face_patches(scans, voxels, laser, options), options.min_gain_m2, voxels, robot,
-                          laser, planner, options);
-  view.expected_overlap = 1;
-  if (view.pose) {
-    view.reason = fmt::format("looks at {:.2f} m² of faces that were seen too coarsely or too obliquely",
-                              view.expected_gain);
+  if (most < options.min_gain_m2) {
+    view = {};
+    view.reason =
+        fmt::format("no view shows {} m² of faces better (the best {:.2f})", options.min_gain_m2, most);
     return view;
   }
-  const double faces = view.expected_gain;
-  view = view_of(top_patches(scans, voxels, laser, options), options.min_top_m2, voxels, robot, laser,
-                 planner, options);
   view.expected_overlap = 1;
-  view.reason =
-      view.pose ? fmt::format("looks at {:.2f} m² of tops that were not seen from above", view.expected_gain)
-                : fmt::format(
-                      "no view shows {} m² of faces better (the best {:.2f}) or {} m² of tops "
-                      "(the best {:.2f})",
-                      options.min_gain_m2, faces, options.min_top_m2, view.expected_gain);
+  view.expected_gain = most;
+  view.reason = fmt::format("looks at {:.2f} m² of faces that were seen too coarsely or too obliquely", most);
   return view;
 }
 
