@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <optional>
 
@@ -18,6 +19,8 @@ constexpr int kLanes = 4;       ///< pixels of a row at a time
 
 using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
 using Mask [[gnu::vector_size(kLanes * sizeof(int64_t))]] = int64_t;
+using Floats [[gnu::vector_size(kLanes * sizeof(float))]] = float;
+using Ints [[gnu::vector_size(kLanes * sizeof(int32_t))]] = int32_t;
 
 }  // namespace
 
@@ -70,6 +73,30 @@ inline bool TriangleFill::write(const Plane& plane, double row_w, int u, float* 
   if (!nearer) return false;
   inverse_depth[u] = value;
   id[u] = plane.id;
+  return true;
+}
+
+/// As write(), for kLanes pixels of a triangle before the near plane, from `u` on.
+inline bool TriangleFill::write_lanes(const Plane& plane, double row_w, int u, float* inverse_depth,
+                                      uint64_t* id) const {
+  const Lanes steps = {0, 1, 2, 3};
+  Lanes w = plane.a * (u + steps - camera_.cx) + row_w;
+  w = w < plane.low ? plane.low + Lanes{} : w;
+  w = w > plane.high ? plane.high + Lanes{} : w;
+  const Floats value = __builtin_convertvector(w, Floats);
+  Floats drawn;
+  Mask ids;
+  std::memcpy(&drawn, inverse_depth, sizeof drawn);
+  std::memcpy(&ids, id, sizeof ids);
+  const auto own = static_cast<int64_t>(plane.id);
+  const Mask above = __builtin_convertvector(value > drawn, Mask);
+  const Mask level = __builtin_convertvector(value == drawn, Mask);
+  const Mask nearer = (w >= w_far_) & (above | (level & (own < ids)));
+  if ((nearer[0] | nearer[1] | nearer[2] | nearer[3]) == 0) return false;
+  drawn = __builtin_convertvector(nearer, Ints) ? value : drawn;
+  ids = nearer ? own + Mask{} : ids;
+  std::memcpy(inverse_depth, &drawn, sizeof drawn);
+  std::memcpy(id, &ids, sizeof ids);
   return true;
 }
 
@@ -129,7 +156,10 @@ inline bool TriangleFill::fill_spans(const Edge* edges, const Plane& plane, cons
     float* inverse_depth = raster_.inverse_depth.data() + static_cast<ptrdiff_t>(row) * camera_.width;
     uint64_t* id = raster_.id.data() + static_cast<ptrdiff_t>(row) * camera_.width;
     const double row_w = plane.b * v + plane.c;
-    for (int u = first; u <= last; ++u) written |= write(plane, row_w, u, inverse_depth, id);
+    int u = first;
+    for (; !plane.clipped && u + kLanes <= last + 1; u += kLanes)
+      written |= write_lanes(plane, row_w, u, inverse_depth + u, id + u);
+    for (; u <= last; ++u) written |= write(plane, row_w, u, inverse_depth, id);
   }
   return written;
 }

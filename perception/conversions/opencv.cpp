@@ -1,5 +1,6 @@
 #include "perception/conversions/opencv.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -137,16 +138,14 @@ std::vector<cv::Point2f> near_hull(const std::vector<cv::Point2f>& points) {
     }
   if (corners[0] == corners[4] && corners[2] == corners[6]) return points;  // all are one
   constexpr float kOnEdge = 1e-9f;  // square metres: a point on an edge may be a corner
+  std::vector<std::pair<cv::Point2f, cv::Point2f>> edges;  // from where, and along
+  for (size_t d = 0; d < corners.size(); ++d)
+    if (const cv::Point2f edge = corners[(d + 1) % corners.size()] - corners[d]; edge != cv::Point2f())
+      edges.emplace_back(corners[d], edge);
   std::vector<cv::Point2f> outer;
-  for (const cv::Point2f& p : points) {
-    bool inside = true;
-    for (size_t d = 0; d < corners.size() && inside; ++d) {
-      const cv::Point2f& from = corners[d];
-      const cv::Point2f edge = corners[(d + 1) % corners.size()] - from;
-      inside = edge == cv::Point2f() || edge.cross(p - from) > kOnEdge;
-    }
-    if (!inside) outer.push_back(p);
-  }
+  for (const cv::Point2f& p : points)
+    if (!std::ranges::all_of(edges, [&](const auto& e) { return e.second.cross(p - e.first) > kOnEdge; }))
+      outer.push_back(p);
   return outer;
 }
 
