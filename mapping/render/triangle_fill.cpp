@@ -14,6 +14,9 @@ using Eigen::Vector3d;
 
 namespace {
 
+// What is marked so becomes part of fill() and is compiled for the same processors as it.
+#define LOCI_PART_OF_FILL [[gnu::always_inline]] inline
+
 constexpr int kSmallWidth = 8;  ///< triangles at most this wide are tested pixel by pixel
 constexpr int kLanes = 4;       ///< pixels of a row at a time
 
@@ -59,8 +62,8 @@ struct TriangleFill::Plane {
 };
 
 /// Whether the pixel shows the triangle now.
-inline bool TriangleFill::write(const Plane& plane, double row_w, int u, float* inverse_depth,
-                                uint64_t* id) const {
+LOCI_PART_OF_FILL bool TriangleFill::write(const Plane& plane, double row_w, int u, float* inverse_depth,
+                                           uint64_t* id) const {
   double w = plane.a * (u - camera_.cx) + row_w;
   if (plane.clipped) {
     if (!(w >= w_far_ && w <= w_near_)) return false;
@@ -77,8 +80,8 @@ inline bool TriangleFill::write(const Plane& plane, double row_w, int u, float* 
 }
 
 /// As write(), for kLanes pixels of a triangle before the near plane, from `u` on.
-inline bool TriangleFill::write_lanes(const Plane& plane, double row_w, int u, float* inverse_depth,
-                                      uint64_t* id) const {
+LOCI_PART_OF_FILL bool TriangleFill::write_lanes(const Plane& plane, double row_w, int u,
+                                                 float* inverse_depth, uint64_t* id) const {
   const Lanes steps = {0, 1, 2, 3};
   Lanes w = plane.a * (u + steps - camera_.cx) + row_w;
   w = w < plane.low ? plane.low + Lanes{} : w;
@@ -100,8 +103,8 @@ inline bool TriangleFill::write_lanes(const Plane& plane, double row_w, int u, f
   return true;
 }
 
-inline bool TriangleFill::fill_small(const Edge* e, double determinant, const PlacedTriangle& triangle,
-                                     const PixelBox& box) {
+LOCI_PART_OF_FILL bool TriangleFill::fill_small(const Edge* e, double determinant,
+                                                const PlacedTriangle& triangle, const PixelBox& box) {
   // Most small triangles cover no pixel's centre: what only those need that do is found out when one does.
   std::optional<Plane> plane;
   bool written = false;
@@ -127,7 +130,7 @@ inline bool TriangleFill::fill_small(const Edge* e, double determinant, const Pl
 
 /// Narrows [first, last] to the pixels of a row that are inside an edge. The division only guesses; the
 /// edge function, which rounding leaves monotonic, decides.
-inline void TriangleFill::narrow(const Edge& edge, double row_value, int& first, int& last) const {
+LOCI_PART_OF_FILL void TriangleFill::narrow(const Edge& edge, double row_value, int& first, int& last) const {
   const auto inside = [&](int u) { return edge.a * (u - camera_.cx) + row_value > edge.limit; };
   if (edge.a == 0) {
     if (!(row_value > edge.limit)) last = first - 1;
@@ -147,7 +150,7 @@ inline void TriangleFill::narrow(const Edge& edge, double row_value, int& first,
   }
 }
 
-inline bool TriangleFill::fill_spans(const Edge* edges, const Plane& plane, const PixelBox& box) {
+LOCI_PART_OF_FILL bool TriangleFill::fill_spans(const Edge* edges, const Plane& plane, const PixelBox& box) {
   bool written = false;
   for (int row = box.v_first; row <= box.v_last; ++row) {
     const double v = row - camera_.cy;

@@ -49,7 +49,8 @@ class Fit {
         const Vector3d point = vector(points, v, u), normal = vector(normals, v, u);
         if (std::isnan(point.z())) continue;
         ++measured_;
-        if (normal.allFinite()) samples_.push_back({u, v, point, normal, coarse_.unproject(u, v, 1), depth_noise(point.z())});
+        if (normal.allFinite())
+          samples_.push_back({u, v, point, normal, coarse_.unproject(u, v, 1), depth_noise(point.z())});
       }
   }
 

@@ -32,16 +32,32 @@ void set_hollowness(Piece& piece, const Vector2f& mean, const PlaneCloud& cloud)
   piece.facing_out = all > 0 ? facing / all : 0;
 }
 
-using Bearings = std::vector<std::pair<float, Vector2f>>;  ///< angle to the left, and the point
+/// Where a point is seen from the viewpoint, and the point.
+using Bearings = std::vector<std::pair<float, Vector2f>>;
 
-/// The rightmost and the leftmost point when 2 % on either side are left out; reorders the points so that
-/// those between stand between these two.
-std::pair<Bearings::iterator, Bearings::iterator> without_tails(Bearings& seen) {
+/// The angle from `ahead` to the left.
+float angle_of(const Vector2f& ahead, const Vector2f& to) {
+  return std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
+}
+
+/// From -2 to 2, grows with that angle and is found much faster.
+float order_of_angle(const Vector2f& ahead, const Vector2f& to) {
+  const float side = ahead.x() * to.y() - ahead.y() * to.x(), along = ahead.dot(to);
+  const float part = side / std::max(std::abs(side) + std::abs(along), std::numeric_limits<float>::min());
+  return along >= 0 ? part : std::copysign(2.0f, side) - part;
+}
+
+/// The rightmost and the leftmost point when 2 % on either side are left out, with their angles; reorders
+/// the points so that those between stand between these two.
+std::pair<Bearings::iterator, Bearings::iterator> without_tails(Bearings& seen, const Vector2f& viewpoint,
+                                                                const Vector2f& ahead) {
+  for (auto& [angle, p] : seen) angle = order_of_angle(ahead, p - viewpoint);
   const auto tail = static_cast<std::ptrdiff_t>(seen.size() / 50);
   const auto by_angle = [](const auto& a, const auto& b) { return a.first < b.first; };
   const auto first = seen.begin() + tail, last = seen.end() - 1 - tail;
   std::nth_element(seen.begin(), first, seen.end(), by_angle);
   if (last != first) std::nth_element(first + 1, last, seen.end(), by_angle);
+  for (const auto& end : {first, last}) end->first = angle_of(ahead, end->second - viewpoint);
   return {first, last};
 }
 
@@ -59,11 +75,7 @@ void set_footprint(Piece& piece, const PlaneCloud& cloud) {
   mean /= static_cast<float>(seen.size());
   piece.distance = (mean - cloud.viewpoint).norm();
   const Vector2f ahead = (mean - cloud.viewpoint).normalized();
-  for (auto& [angle, p] : seen) {
-    const Vector2f to = p - cloud.viewpoint;
-    angle = std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
-  }
-  const auto [first, last] = without_tails(seen);
+  const auto [first, last] = without_tails(seen, cloud.viewpoint, ahead);
   const Vector2f middle = 0.5f * (first->second + last->second);
   std::vector<cv::Point2f> half;
   for (auto point = first; point <= last; ++point) half.emplace_back(point->second.x(), point->second.y());
@@ -103,8 +115,7 @@ OutlineBand outline_band(const std::vector<Eigen::Vector3f>& cloud, const std::v
   band.distance = (mean - viewpoint).norm();
   const Vector2f ahead = (mean - viewpoint).normalized();
   band.across = Vector2f(-ahead.y(), ahead.x());
-  for (auto& [angle, p] : seen) angle = std::atan2(band.across.dot(p - viewpoint), ahead.dot(p - viewpoint));
-  const auto [right, left] = without_tails(seen);
+  const auto [right, left] = without_tails(seen, viewpoint, ahead);
   band.width = band.distance * (left->first - right->first);
   band.middle = viewpoint + Eigen::Rotation2Df(0.5f * (left->first + right->first)) * (band.distance * ahead);
   return band;

@@ -86,11 +86,7 @@ class FrontColumns {
         left_ = std::min(left_, s.across);
         right = std::max(right, s.across);
       }
-    if (right <= left_) return;
-    columns_.resize(static_cast<size_t>((right - left_) / column_width_) + 1);
-    for (const size_t side : {size_t{0}, size_t{1}})
-      for (const Seen& s : sides_[side])
-        column_of_[side].push_back(static_cast<uint32_t>((s.across - left_) / column_width_));
+    if (right > left_) columns_.resize(static_cast<size_t>((right - left_) / column_width_) + 1);
   }
 
   /// Sets `front` and `color` of a step; false where the walls on its sides are not seen at the same
@@ -125,18 +121,18 @@ class FrontColumns {
     Vector3f mean_lab() const { return lab / n(); }
   };
 
-  /// The half of a column that the i-th point of a side lies in.
-  Half& half_of(size_t i, size_t side) { return columns_[column_of_[side][i]][side]; }
+  Half& half_of(const Seen& s, size_t side) {
+    return columns_[static_cast<size_t>((s.across - left_) / column_width_)][side];
+  }
   /// Behind the nearest point of a column begins another surface: the inside of a cup, what stands behind.
   bool at_front(const Seen& s, const Half& half) const { return s.distance < half.nearest + skin_; }
 
   void measure(const std::vector<cv::Vec3b>& lab) {
     for (const size_t side : {size_t{0}, size_t{1}}) {
-      for (size_t i = 0; i < sides_[side].size(); ++i)
-        half_of(i, side).nearest = std::min(half_of(i, side).nearest, sides_[side][i].distance);
-      for (size_t i = 0; i < sides_[side].size(); ++i) {
-        const Seen& s = sides_[side][i];
-        Half& half = half_of(i, side);
+      for (const Seen& s : sides_[side])
+        half_of(s, side).nearest = std::min(half_of(s, side).nearest, s.distance);
+      for (const Seen& s : sides_[side]) {
+        Half& half = half_of(s, side);
         if (!at_front(s, half)) continue;
         ++half.count;
         half.height += s.height;
@@ -150,9 +146,8 @@ class FrontColumns {
   float slope(size_t side) {
     constexpr float kRidge = 4e-4f;  // m²
     float zz = kRidge, zd = 0;
-    for (size_t i = 0; i < sides_[side].size(); ++i) {
-      const Seen& s = sides_[side][i];
-      const Half& half = half_of(i, side);
+    for (const Seen& s : sides_[side]) {
+      const Half& half = half_of(s, side);
       if (!at_front(s, half)) continue;
       const float up = s.height - half.height / half.n();
       zz += up * up;
@@ -162,7 +157,6 @@ class FrontColumns {
   }
 
   std::array<std::span<const Seen>, 2> sides_;  ///< below and above
-  std::array<std::vector<uint32_t>, 2> column_of_;  ///< by point of a side
   float column_width_, skin_;
   float left_ = 0;
   std::vector<std::array<Half, 2>> columns_;

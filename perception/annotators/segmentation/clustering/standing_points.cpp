@@ -105,8 +105,9 @@ void drop_specks(Standing& standing, const SupportPlane& support, const ClusterO
   constexpr int kReach = 2;  // pixels of the box filter, on either side
   if (standing.pixels.empty()) return;
   const cv::Rect box = box_of(standing.pixels, shows.size());
-  const cv::Rect around = cv::Rect(box.tl() - cv::Point(kReach, kReach), box.br() + cv::Point(kReach, kReach)) &
-                          cv::Rect({}, shows.size());
+  const cv::Rect around =
+      cv::Rect(box.tl() - cv::Point(kReach, kReach), box.br() + cv::Point(kReach, kReach)) &
+      cv::Rect({}, shows.size());
   cv::Mat share;
   cv::boxFilter(shows(around) == static_cast<uint8_t>(Shows::candidate), share, CV_32F,
                 {2 * kReach + 1, 2 * kReach + 1});
