@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "mapping/render/vectorised.h"
+#include "mapping/base/math/vectorised.h"
 
 namespace loci::mapping::render_detail {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <limits>
 
-#include "mapping/render/vectorised.h"
+#include "mapping/base/math/vectorised.h"
 
 namespace loci::perception::types {
 namespace {
