@@ -1,6 +1,6 @@
 #include "mapping/render/placed_vertices.h"
 
-#include "mapping/render/vectorised.h"
+#include "mapping/base/math/vectorised.h"
 
 namespace loci::mapping::render_detail {
 namespace {

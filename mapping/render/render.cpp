@@ -72,25 +72,34 @@ void RenderScene::Impl::shade(const Raster& raster, const PinholeCamera& camera,
   const Instance* instance = nullptr;
   uint32_t triangle = 0;
   Vector3d normal = Vector3d::Zero();
+  cv::Vec3f along;  // the normal
+  std::vector<double> ray_x;
+  for (int u = 0; u < camera.width; ++u) ray_x.push_back(camera.unproject(u, 0, 1).x());
   for (size_t row = row_begin; row < row_end; ++row) {
     const int v = static_cast<int>(row);
+    const double ray_y = camera.unproject(0, v, 1).y();
+    const uint64_t* id_of = raster.id.data() + row * static_cast<size_t>(camera.width);
+    const float* inverse_depth = raster.inverse_depth.data() + row * static_cast<size_t>(camera.width);
+    auto* depth = view.depth.ptr<float>(v);
+    auto* link = view.link.ptr<int32_t>(v);
     for (int u = 0; u < camera.width; ++u) {
-      const size_t pixel = row * static_cast<size_t>(camera.width) + static_cast<size_t>(u);
-      const uint64_t id = raster.id[pixel];
+      const uint64_t id = id_of[u];
       if (id == render_detail::kNothing) continue;
       if (id != shown) {
         instance = &instances[render_detail::instance_of(id)];
         triangle = render_detail::triangle_of(id);
-        if (options.normals)
+        if (options.normals) {
           normal = camera_from_links[instance->link].linear() * instance->surface->normal(triangle);
+          const Eigen::Vector3f single = normal.cast<float>();
+          along = {single.x(), single.y(), single.z()};
+        }
         shown = id;
       }
-      view.depth.at<float>(v, u) = 1.f / raster.inverse_depth[pixel];
-      view.link.at<int32_t>(v, u) = static_cast<int32_t>(instance->link);
+      depth[u] = 1.f / inverse_depth[u];
+      link[u] = static_cast<int32_t>(instance->link);
       if (options.normals) {
-        const Vector3d towards = normal.dot(camera.unproject(u, v, 1)) > 0 ? Vector3d(-normal) : normal;
-        view.normal.at<cv::Vec3f>(v, u) = {static_cast<float>(towards.x()), static_cast<float>(towards.y()),
-                                           static_cast<float>(towards.z())};
+        const bool away = normal.dot(Vector3d(ray_x[static_cast<size_t>(u)], ray_y, 1)) > 0;
+        view.normal.ptr<cv::Vec3f>(v)[u] = away ? -along : along;
       }
       if (options.colors) {
         const auto& colors = instance->surface->colors;

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <optional>
 
-#include "mapping/render/vectorised.h"
+#include "mapping/base/math/vectorised.h"
 
 namespace loci::mapping::render_detail {
 
@@ -13,11 +14,16 @@ using Eigen::Vector3d;
 
 namespace {
 
+// What is marked so becomes part of fill() and is compiled for the same processors as it.
+#define LOCI_PART_OF_FILL [[gnu::always_inline]] inline
+
 constexpr int kSmallWidth = 8;  ///< triangles at most this wide are tested pixel by pixel
 constexpr int kLanes = 4;       ///< pixels of a row at a time
 
 using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
 using Mask [[gnu::vector_size(kLanes * sizeof(int64_t))]] = int64_t;
+using Floats [[gnu::vector_size(kLanes * sizeof(float))]] = float;
+using Ints [[gnu::vector_size(kLanes * sizeof(int32_t))]] = int32_t;
 
 }  // namespace
 
@@ -56,8 +62,8 @@ struct TriangleFill::Plane {
 };
 
 /// Whether the pixel shows the triangle now.
-inline bool TriangleFill::write(const Plane& plane, double row_w, int u, float* inverse_depth,
-                                uint64_t* id) const {
+LOCI_PART_OF_FILL bool TriangleFill::write(const Plane& plane, double row_w, int u, float* inverse_depth,
+                                           uint64_t* id) const {
   double w = plane.a * (u - camera_.cx) + row_w;
   if (plane.clipped) {
     if (!(w >= w_far_ && w <= w_near_)) return false;
@@ -73,8 +79,32 @@ inline bool TriangleFill::write(const Plane& plane, double row_w, int u, float* 
   return true;
 }
 
-inline bool TriangleFill::fill_small(const Edge* e, double determinant, const PlacedTriangle& triangle,
-                                     const PixelBox& box) {
+/// As write(), for kLanes pixels of a triangle before the near plane, from `u` on.
+LOCI_PART_OF_FILL bool TriangleFill::write_lanes(const Plane& plane, double row_w, int u,
+                                                 float* inverse_depth, uint64_t* id) const {
+  const Lanes steps = {0, 1, 2, 3};
+  Lanes w = plane.a * (u + steps - camera_.cx) + row_w;
+  w = w < plane.low ? plane.low + Lanes{} : w;
+  w = w > plane.high ? plane.high + Lanes{} : w;
+  const Floats value = __builtin_convertvector(w, Floats);
+  Floats drawn;
+  Mask ids;
+  std::memcpy(&drawn, inverse_depth, sizeof drawn);
+  std::memcpy(&ids, id, sizeof ids);
+  const auto own = static_cast<int64_t>(plane.id);
+  const Mask above = __builtin_convertvector(value > drawn, Mask);
+  const Mask level = __builtin_convertvector(value == drawn, Mask);
+  const Mask nearer = (w >= w_far_) & (above | (level & (own < ids)));
+  if ((nearer[0] | nearer[1] | nearer[2] | nearer[3]) == 0) return false;
+  drawn = __builtin_convertvector(nearer, Ints) ? value : drawn;
+  ids = nearer ? own + Mask{} : ids;
+  std::memcpy(inverse_depth, &drawn, sizeof drawn);
+  std::memcpy(id, &ids, sizeof ids);
+  return true;
+}
+
+LOCI_PART_OF_FILL bool TriangleFill::fill_small(const Edge* e, double determinant,
+                                                const PlacedTriangle& triangle, const PixelBox& box) {
   // Most small triangles cover no pixel's centre: what only those need that do is found out when one does.
   std::optional<Plane> plane;
   bool written = false;
@@ -100,7 +130,7 @@ inline bool TriangleFill::fill_small(const Edge* e, double determinant, const Pl
 
 /// Narrows [first, last] to the pixels of a row that are inside an edge. The division only guesses; the
 /// edge function, which rounding leaves monotonic, decides.
-inline void TriangleFill::narrow(const Edge& edge, double row_value, int& first, int& last) const {
+LOCI_PART_OF_FILL void TriangleFill::narrow(const Edge& edge, double row_value, int& first, int& last) const {
   const auto inside = [&](int u) { return edge.a * (u - camera_.cx) + row_value > edge.limit; };
   if (edge.a == 0) {
     if (!(row_value > edge.limit)) last = first - 1;
@@ -120,7 +150,7 @@ inline void TriangleFill::narrow(const Edge& edge, double row_value, int& first,
   }
 }
 
-inline bool TriangleFill::fill_spans(const Edge* edges, const Plane& plane, const PixelBox& box) {
+LOCI_PART_OF_FILL bool TriangleFill::fill_spans(const Edge* edges, const Plane& plane, const PixelBox& box) {
   bool written = false;
   for (int row = box.v_first; row <= box.v_last; ++row) {
     const double v = row - camera_.cy;
@@ -129,7 +159,10 @@ inline bool TriangleFill::fill_spans(const Edge* edges, const Plane& plane, cons
     float* inverse_depth = raster_.inverse_depth.data() + static_cast<ptrdiff_t>(row) * camera_.width;
     uint64_t* id = raster_.id.data() + static_cast<ptrdiff_t>(row) * camera_.width;
     const double row_w = plane.b * v + plane.c;
-    for (int u = first; u <= last; ++u) written |= write(plane, row_w, u, inverse_depth, id);
+    int u = first;
+    for (; !plane.clipped && u + kLanes <= last + 1; u += kLanes)
+      written |= write_lanes(plane, row_w, u, inverse_depth + u, id + u);
+    for (; u <= last; ++u) written |= write(plane, row_w, u, inverse_depth, id);
   }
   return written;
 }

@@ -29,6 +29,7 @@ class TriangleFill {
   struct Plane;
 
   bool write(const Plane& plane, double row_w, int u, float* inverse_depth, uint64_t* id) const;
+  bool write_lanes(const Plane& plane, double row_w, int u, float* inverse_depth, uint64_t* id) const;
   void narrow(const Edge& edge, double row_value, int& first, int& last) const;
   bool fill_small(const Edge* edges, double determinant, const PlacedTriangle& triangle, const PixelBox& box);
   bool fill_spans(const Edge* edges, const Plane& plane, const PixelBox& box);

@@ -30,10 +30,9 @@ cv::Vec3f vector_of(const pcl::Normal& n) {
 template <class Point>
 std::shared_ptr<const pcl::PointCloud<Point>> cloud_of(const cv::Mat& image) {
   const std::shared_ptr<pcl::PointCloud<Point>> cloud(new pcl::PointCloud<Point>, WithImage<Point>{image});
-  cloud->points.reserve(image.total());
+  cloud->points.resize(image.total());
   const auto* in = image.ptr<cv::Vec3f>();
-  for (size_t i = 0; i < image.total(); ++i)
-    cloud->points.push_back(point_of(in[i], static_cast<Point*>(nullptr)));
+  for (Point& point : cloud->points) point = point_of(*in++, static_cast<Point*>(nullptr));
   cloud->width = static_cast<uint32_t>(image.cols);
   cloud->height = static_cast<uint32_t>(image.rows);
   cloud->is_dense = false;

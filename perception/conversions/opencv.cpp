@@ -3,8 +3,13 @@
 #include <array>
 #include <limits>
 
+#include "mapping/base/math/vectorised.h"
+
 namespace loci::perception::types {
 namespace {
+
+using Floats [[gnu::vector_size(8 * sizeof(float))]] = float;
+using Ints [[gnu::vector_size(8 * sizeof(int))]] = int;
 
 /// Lets a cv::Mat keep memory alive that belongs to a CAS: the mat's reference count owns a shared_ptr.
 class SharedMemory : public cv::MatAllocator {
@@ -122,30 +127,37 @@ std::vector<cv::Rect> heads_of_people(const Scene& scene) {
   return heads;
 }
 
+LOCI_VECTORISED
 std::vector<cv::Point2f> near_hull(const std::vector<cv::Point2f>& points) {
-  constexpr std::array<std::array<float, 2>, 8> kDirections{
-      {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};  // counter-clockwise
-  std::array<cv::Point2f, 8> corners;
-  std::array<float, 8> reach;
-  reach.fill(std::numeric_limits<float>::lowest());
-  for (const cv::Point2f& p : points)
-    for (size_t d = 0; d < corners.size(); ++d) {
-      const float along = kDirections[d][0] * p.x + kDirections[d][1] * p.y;
-      if (along <= reach[d]) continue;
-      reach[d] = along;
-      corners[d] = p;
-    }
-  if (corners[0] == corners[4] && corners[2] == corners[6]) return points;  // all are one
-  constexpr float kOnEdge = 1e-9f;  // square metres: a point on an edge may be a corner
+  constexpr int kSides = 8;
+  constexpr Floats kAlongX = {1, 1, 0, -1, -1, -1, 0, 1}, kAlongY = {0, 1, 1, 1, 0, -1, -1, -1};
+  // The outermost point in each of these directions, counter-clockwise.
+  Floats reach = std::numeric_limits<float>::lowest() + Floats{};
+  Ints outermost{};
+  for (int i = 0; i < static_cast<int>(points.size()); ++i) {
+    const cv::Point2f& p = points[static_cast<size_t>(i)];
+    const Floats along = kAlongX * p.x + kAlongY * p.y;
+    outermost = along > reach ? i + Ints{} : outermost;
+    reach = along > reach ? along : reach;
+  }
+  const auto corner = [&](int d) { return points[static_cast<size_t>(outermost[d % kSides])]; };
+  if (points.empty() || (corner(0) == corner(4) && corner(2) == corner(6))) return points;  // all are one
+  // Without those that lie within all sides of the octagon by more than the rounding. Where two corners are
+  // one, the side between them does not count.
+  Floats x, y, nx{}, ny{};
+  for (int d = 0; d < kSides; ++d) {
+    const cv::Point2f from = corner(d), edge = corner(d + 1) - from;
+    x[d] = from.x, y[d] = from.y, nx[d] = -edge.y, ny[d] = edge.x;
+  }
+  constexpr float kRounding = 1e-6f;                                // metres
+  const Floats length = (nx < 0 ? -nx : nx) + (ny < 0 ? -ny : ny);  // or somewhat more
+  const Floats limit = length > 0 ? kRounding * length : -1 + Floats{};
   std::vector<cv::Point2f> outer;
   for (const cv::Point2f& p : points) {
-    bool inside = true;
-    for (size_t d = 0; d < corners.size() && inside; ++d) {
-      const cv::Point2f& from = corners[d];
-      const cv::Point2f edge = corners[(d + 1) % corners.size()] - from;
-      inside = edge == cv::Point2f() || edge.cross(p - from) > kOnEdge;
-    }
-    if (!inside) outer.push_back(p);
+    const Ints inside = nx * (p.x - x) + ny * (p.y - y) > limit;
+    int all = -1;
+    for (int d = 0; d < kSides; ++d) all &= inside[d];
+    if (all == 0) outer.push_back(p);
   }
   return outer;
 }

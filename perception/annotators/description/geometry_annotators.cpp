@@ -125,8 +125,9 @@ void GeometryAnnotator::process(cas::Cas& cas, Context& /*context*/) {
     double highest = 0;
     if (support) {
       const Vector3d normal = types::from<Vector3d>(support.normal.get());
-      ground = (support.offset.get() - normal.head<2>().dot(centroid.head<2>())) / normal.z();
-      for (const Vector3d& p : points) highest = std::max(highest, normal.dot(p) - support.offset.get());
+      const double offset = support.offset.get();
+      ground = (offset - normal.head<2>().dot(centroid.head<2>())) / normal.z();
+      for (const Vector3d& p : points) highest = std::max(highest, normal.dot(p) - offset);
     }
     const UprightBox box = upright_box(points, ground, ground_m_, outliers_);
     const auto annotation = types::GeometryAnnotation::create(cas);

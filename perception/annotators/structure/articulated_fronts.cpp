@@ -29,6 +29,11 @@ struct ArticulatedFronts::Match {
   int in_view = 0, on = 0, through = 0;
   double cost = 0;  ///< mean over those in view
 
+  /// Whether it cannot become a sure one that costs less than `best`, when at most so many more come into
+  /// view; `cost` is the sum of those so far.
+  bool is_lost(int more, const Match& best) const {
+    return through > kMaxThrough * (on + more) || (best.sure() && cost >= best.cost * (in_view + more));
+  }
   bool sure() const { return in_view >= kFewPoints && on >= kMinOn * in_view && through <= kMaxThrough * on; }
 };
 
@@ -58,15 +63,17 @@ ArticulatedFronts::ArticulatedFronts(const mapping::World& world, const mapping:
 
 ArticulatedFronts::Match ArticulatedFronts::match(const Front& front, const Isometry3d& camera_from_link,
                                                   const cv::Mat& points, const mapping::PinholeCamera& camera,
-                                                  bool only_if_sure) const {
+                                                  const Match* best) const {
   Match match;
   if (out_of_view(camera_from_link * front.middle, front.radius, camera)) return match;
   const auto* measured = points.ptr<cv::Vec3f>();
   auto left = static_cast<int>(front.samples.size());
+  const Vector3d eye = camera_from_link.inverse().translation();
   for (const SurfaceSample& sample : front.samples) {
     // What stands open in the image's free space is soon found out.
-    if (only_if_sure && match.through > kMaxThrough * (match.on + left)) return {};
+    if (best && match.is_lost(left, *best)) return {};
     --left;
+    if (sample.normal.dot(eye - sample.point) < 0) continue;  // Half of them look away.
     const Vector3d point = camera_from_link * sample.point;
     const int pixel = pixel_of(point, camera);
     if (pixel < 0) continue;
@@ -99,15 +106,14 @@ std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points,
     state.position = state.given;
     const Isometry3d camera_from_joint =
         camera_from_map * map_from_links[front.link] * joint_motion(front.joint, state.given).inverse();
-    const auto at = [&](double position, bool only_if_sure) {
-      return match(front, camera_from_joint * joint_motion(front.joint, position), points, camera,
-                   only_if_sure);
+    const auto at = [&](double position, const Match* best) {
+      return match(front, camera_from_joint * joint_motion(front.joint, position), points, camera, best);
     };
-    const Match given = at(state.given, false);
+    const Match given = at(state.given, nullptr);
     const double low = front.joint.limits->lower, high = front.joint.limits->upper;
     Match best = given;
     const auto consider = [&](double position) {
-      const Match tried = at(std::clamp(position, low, high), true);
+      const Match tried = at(std::clamp(position, low, high), &best);
       if (!tried.sure() || (best.sure() && tried.cost >= best.cost)) return;
       best = tried;
       state.position = std::clamp(position, low, high);

@@ -73,9 +73,9 @@ class ArticulatedFronts {
   };
   struct Match;
 
-  /// With `only_if_sure` counting ends, with nothing, as soon as the match cannot be sure any more.
+  /// With `best` counting ends, with nothing, as soon as the match can no more be a sure one that is better.
   Match match(const Front& front, const Isometry3d& camera_from_link, const cv::Mat& points,
-              const mapping::PinholeCamera& camera, bool only_if_sure) const;
+              const mapping::PinholeCamera& camera, const Match* best) const;
 
   mapping::World world_;
   std::vector<Front> fronts_;

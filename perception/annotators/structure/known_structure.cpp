@@ -106,7 +106,7 @@ void grow_known_structure(const cv::Mat& points, const cv::Mat& normals, const m
       front.push_back(next);
     }
   };
-  for (int i = 0; i < static_cast<int>(points.total()); ++i)
+  for (int i = 0; i < points.rows * points.cols; ++i)
     if (kind[i] == kExplained && link[i] >= 0 && !is_surface[static_cast<size_t>(link[i])])
       take_neighbours(i);
   while (!front.empty()) {
@@ -492,7 +492,7 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
   for (size_t r = 0; r < known.regions.size(); ++r)
     if (known.regions[r].pixels >= kFewPixels) number[r + 1] = ++next;
   auto* label = known.region.ptr<uint16_t>();
-  for (size_t i = 0; i < known.region.total(); ++i) label[i] = number[label[i]];
+  for (int i = 0; i < points.rows * points.cols; ++i) label[i] = number[label[i]];
   for (size_t r = 0; r < known.regions.size(); ++r)
     if (number[r + 1] > 0) add_region(facade, known.regions[r], known.region, number[r + 1], options_);
   types::set_view_image(facade, kRegionsView, known.region);

@@ -49,7 +49,8 @@ class Fit {
         const Vector3d point = vector(points, v, u), normal = vector(normals, v, u);
         if (std::isnan(point.z())) continue;
         ++measured_;
-        if (normal.allFinite()) samples_.push_back({u, v, point, normal, depth_noise(point.z())});
+        if (normal.allFinite())
+          samples_.push_back({u, v, point, normal, coarse_.unproject(u, v, 1), depth_noise(point.z())});
       }
   }
 
@@ -67,7 +68,7 @@ class Fit {
       const cv::Vec3f& n = view.normal.at<cv::Vec3f>(sample.v, sample.u);
       const Vector3d normal(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
       if (normal.dot(sample.normal) < kSameNormal) continue;
-      const double distance = normal.dot(sample.point - coarse_.unproject(sample.u, sample.v, depth));
+      const double distance = normal.dot(sample.point - depth * sample.ray);
       pairs.push_back({sample.point, normal, distance, sample.noise});
     }
     return pairs;
@@ -90,6 +91,7 @@ class Fit {
   struct Sample {
     int u, v;
     Vector3d point, normal;
+    Vector3d ray;  ///< through that pixel, z = 1
     double noise;
   };
 

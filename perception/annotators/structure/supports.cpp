@@ -526,13 +526,16 @@ void leave_out_what_the_map_shows(const cv::Mat& map_depth, const cv::Mat& bare,
   constexpr double kBeside_m = 0.01;  // poses and maps are not exact
   cv::Mat other = (bare == 0) & inside;
   std::vector<float> depths;
-  for (int v = 0; v < inside.rows; ++v) {
+  const cv::Rect box = cv::boundingRect(inside);
+  for (int v = box.y; v < box.br().y; ++v) {
     const auto* depth = map_depth.ptr<float>(v);
-    for (int u = 0; u < inside.cols; ++u) {
-      if (inside.at<unsigned char>(v, u) == 0 || std::isnan(depth[u])) continue;
+    const auto* within = inside.ptr<unsigned char>(v);
+    auto* shown = other.ptr<unsigned char>(v);
+    for (int u = box.x; u < box.br().x; ++u) {
+      if (within[u] == 0 || std::isnan(depth[u])) continue;
       depths.push_back(depth[u]);
       if (normal.dot(camera.unproject(u, v, static_cast<double>(depth[u]))) - offset > kOver_m)
-        other.at<unsigned char>(v, u) = 255;
+        shown[u] = 255;
     }
   }
   if (depths.empty()) return;

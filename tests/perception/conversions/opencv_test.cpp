@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "mapping/base/math/random.h"
 #include "mapping/base/text/json.h"
 #include "perception/cas/json.h"
 
@@ -90,6 +94,35 @@ TEST(MatConversion, ViewsGiveTheirImages) {
   set_view_image(scene_cas, SceneCas::kColor, image);
   EXPECT_EQ(view_image(scene_cas, SceneCas::kColor).data, image.data);
   EXPECT_THROW(view_image(scene_cas, SceneCas::kDepth), Error);
+}
+
+std::vector<cv::Point2f> hull_of(const std::vector<cv::Point2f>& points) {
+  std::vector<cv::Point2f> hull;
+  cv::convexHull(points, hull);
+  return hull;
+}
+
+TEST(NearHull, KeepsTheHull) {
+  Random random(1);
+  for (const float grid :
+       {1e-6F, 0.01F, 0.2F})  // The coarser, the more points are in one place or on one edge.
+    for (const size_t count : {1U, 2U, 9U, 400U}) {
+      std::vector<cv::Point2f> points;
+      for (size_t i = 0; i < count; ++i)
+        points.emplace_back(grid * std::round(static_cast<float>(random.normal()) / grid),
+                            grid * std::round(0.3F * static_cast<float>(random.normal()) / grid));
+      EXPECT_EQ(hull_of(near_hull(points)), hull_of(points)) << grid << " " << count;
+    }
+  EXPECT_TRUE(near_hull({}).empty());
+}
+
+TEST(NearHull, LeavesOutMostOfADisc) {
+  std::vector<cv::Point2f> disc;
+  for (int u = -50; u <= 50; ++u)
+    for (int v = -50; v <= 50; ++v)
+      if (u * u + v * v <= 2500)
+        disc.emplace_back(0.01F * static_cast<float>(u), 0.01F * static_cast<float>(v));
+  EXPECT_LT(near_hull(disc).size(), disc.size() / 8);
 }
 
 TEST(RectConversion, ComesBack) {

@@ -10,7 +10,6 @@
 
 #include "mapping/base/math/math.h"
 #include "perception/annotators/segmentation/clustering/color_contrast.h"
-#include "perception/annotators/structure/supports.h"
 #include "perception/conversions/opencv.h"
 
 namespace loci::perception {
@@ -33,11 +32,40 @@ void set_hollowness(Piece& piece, const Vector2f& mean, const PlaneCloud& cloud)
   piece.facing_out = all > 0 ? facing / all : 0;
 }
 
+/// Where a point is seen from the viewpoint, and the point.
+using Bearings = std::vector<std::pair<float, Vector2f>>;
+
+/// The angle from `ahead` to the left.
+float angle_of(const Vector2f& ahead, const Vector2f& to) {
+  return std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
+}
+
+/// From -2 to 2, grows with that angle and is found much faster.
+float order_of_angle(const Vector2f& ahead, const Vector2f& to) {
+  const float side = ahead.x() * to.y() - ahead.y() * to.x(), along = ahead.dot(to);
+  const float part = side / std::max(std::abs(side) + std::abs(along), std::numeric_limits<float>::min());
+  return along >= 0 ? part : std::copysign(2.0f, side) - part;
+}
+
+/// The rightmost and the leftmost point when 2 % on either side are left out, with their angles; reorders
+/// the points so that those between stand between these two.
+std::pair<Bearings::iterator, Bearings::iterator> without_tails(Bearings& seen, const Vector2f& viewpoint,
+                                                                const Vector2f& ahead) {
+  for (auto& [angle, p] : seen) angle = order_of_angle(ahead, p - viewpoint);
+  const auto tail = static_cast<std::ptrdiff_t>(seen.size() / 50);
+  const auto by_angle = [](const auto& a, const auto& b) { return a.first < b.first; };
+  const auto first = seen.begin() + tail, last = seen.end() - 1 - tail;
+  std::nth_element(seen.begin(), first, seen.end(), by_angle);
+  if (last != first) std::nth_element(first + 1, last, seen.end(), by_angle);
+  for (const auto& end : {first, last}) end->first = angle_of(ahead, end->second - viewpoint);
+  return {first, last};
+}
+
 /// Convex hull of the points and of their reflection about the middle of the line between the outermost
 /// points to the left and to the right as the camera sees them.
 void set_footprint(Piece& piece, const PlaneCloud& cloud) {
   const size_t stride = std::max<size_t>(1, piece.points.size() / 2000);
-  std::vector<std::pair<float, Vector2f>> seen;
+  Bearings seen;
   Vector2f mean = Vector2f::Zero();
   for (size_t k = 0; k < piece.points.size(); k += stride) {
     const Vector2f p = cloud.points[static_cast<size_t>(piece.points[k])].head<2>();
@@ -47,15 +75,7 @@ void set_footprint(Piece& piece, const PlaneCloud& cloud) {
   mean /= static_cast<float>(seen.size());
   piece.distance = (mean - cloud.viewpoint).norm();
   const Vector2f ahead = (mean - cloud.viewpoint).normalized();
-  for (auto& [angle, p] : seen) {
-    const Vector2f to = p - cloud.viewpoint;
-    angle = std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
-  }
-  const size_t tail = seen.size() / 50;
-  const auto by_angle = [](const auto& a, const auto& b) { return a.first < b.first; };
-  const auto first = seen.begin() + static_cast<std::ptrdiff_t>(tail);
-  const auto last = seen.end() - 1 - static_cast<std::ptrdiff_t>(tail);
-  std::sort(seen.begin(), seen.end(), by_angle);
+  const auto [first, last] = without_tails(seen, cloud.viewpoint, ahead);
   const Vector2f middle = 0.5f * (first->second + last->second);
   std::vector<cv::Point2f> half;
   for (auto point = first; point <= last; ++point) half.emplace_back(point->second.x(), point->second.y());
@@ -64,7 +84,12 @@ void set_footprint(Piece& piece, const PlaneCloud& cloud) {
   for (const cv::Point2f& p : half) both.emplace_back(2.0f * middle.x() - p.x, 2.0f * middle.y() - p.y);
   cv::convexHull(both, piece.footprint);
   piece.extent.setEmpty();
-  for (const cv::Point2f& p : piece.footprint) piece.extent.extend(Vector2f(p.x, p.y));
+  std::vector<Eigen::Vector2d> corners;
+  for (const cv::Point2f& p : piece.footprint) {
+    piece.extent.extend(Vector2f(p.x, p.y));
+    corners.push_back(Vector2f(p.x, p.y).cast<double>());
+  }
+  piece.outline = ConvexOutline(corners);
   piece.left = first->first;
   piece.right = last->first;
   piece.bearing = std::atan2(ahead.y(), ahead.x());
@@ -76,7 +101,7 @@ void set_footprint(Piece& piece, const PlaneCloud& cloud) {
 OutlineBand outline_band(const std::vector<Eigen::Vector3f>& cloud, const std::vector<int>& members,
                          const Eigen::Vector2f& viewpoint, float low, float high) {
   OutlineBand band;
-  std::vector<std::pair<float, Vector2f>> seen;
+  Bearings seen;
   Vector2f mean = Vector2f::Zero();
   for (const int i : members) {
     const Eigen::Vector3f& p = cloud[static_cast<size_t>(i)];
@@ -90,13 +115,9 @@ OutlineBand outline_band(const std::vector<Eigen::Vector3f>& cloud, const std::v
   band.distance = (mean - viewpoint).norm();
   const Vector2f ahead = (mean - viewpoint).normalized();
   band.across = Vector2f(-ahead.y(), ahead.x());
-  for (auto& [angle, p] : seen) angle = std::atan2(band.across.dot(p - viewpoint), ahead.dot(p - viewpoint));
-  std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  const size_t tail = seen.size() / 50;
-  const auto& right = seen[tail];
-  const auto& left = seen[seen.size() - 1 - tail];
-  band.width = band.distance * (left.first - right.first);
-  band.middle = viewpoint + Eigen::Rotation2Df(0.5f * (left.first + right.first)) * (band.distance * ahead);
+  const auto [right, left] = without_tails(seen, viewpoint, ahead);
+  band.width = band.distance * (left->first - right->first);
+  band.middle = viewpoint + Eigen::Rotation2Df(0.5f * (left->first + right->first)) * (band.distance * ahead);
   return band;
 }
 

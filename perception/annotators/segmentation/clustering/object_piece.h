@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "perception/annotators/segmentation/clustering/part_assembly.h"
+#include "perception/annotators/structure/supports.h"
 
 namespace loci::perception {
 
@@ -32,6 +33,7 @@ struct Piece {
   float bottom = 0;
   float top = 0;
   std::vector<cv::Point2f> footprint;  ///< convex, completed by reflection
+  ConvexOutline outline;               ///< the same
   Eigen::AlignedBox2f extent;          ///< of the footprint
   float distance = 0;                  ///< of the mean from the viewpoint, in the plane
   float bearing = 0;                   ///< of the mean as seen from there, radians

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <tuple>
 
@@ -33,6 +34,8 @@ class Assembly {
         plane_from_camera_(cloud.camera_from_plane.inverse()),
         sets_(static_cast<size_t>(parts.count)) {
     pieces_.resize(static_cast<size_t>(parts.count));
+    alive_.resize(pieces_.size());
+    std::iota(alive_.begin(), alive_.end(), size_t{0});
     for (size_t i = 0; i < parts.part_of_point.size(); ++i)
       pieces_[static_cast<size_t>(parts.part_of_point[i])].points.push_back(static_cast<int>(i));
     for (const auto& [pair, count] : parts.contacts) contacts_[pair] = count;
@@ -44,8 +47,7 @@ class Assembly {
     }
     while (join_coplanar()) {
     }
-    for (size_t i = 0; i < pieces_.size(); ++i)
-      if (alive(i)) measure_shape(pieces_[i], cloud_);
+    for (const size_t i : alive_) measure_shape(pieces_[i], cloud_);
     while (join_hollow() || join_cavity() || join_contained() || join_appendage() || join_neck() ||
            join_lid() || join_bent() || join_hidden()) {
     }
@@ -54,8 +56,6 @@ class Assembly {
   int piece_of(int part) { return static_cast<int>(sets_.find(static_cast<size_t>(part))); }
 
  private:
-  bool alive(size_t i) { return sets_.find(i) == i; }
-
   enum class Check { within, before, around, facing_around, behind, hovers, bent, neck };
   /// What was found out about two pieces, which holds until one of them grows.
   template <class Find>
@@ -79,9 +79,19 @@ class Assembly {
     for (size_t k = 0; k < inner.points.size(); k += stride, ++count) {
       const Vector3f& p = cloud_.points[static_cast<size_t>(inner.points[k])];
       if (outer.extent.exteriorDistance(Vector2f(p.head<2>())) > static_cast<float>(slack)) continue;
-      within += cv::pointPolygonTest(outer.footprint, {p.x(), p.y()}, true) > -slack ? 1 : 0;
+      within += is_within(outer, p.head<2>(), slack) ? 1 : 0;
     }
     return static_cast<double>(within) / count;
+  }
+
+  /// Whether a position lies in a footprint, or nearly so. Only beside a corner the lines of the edges do not
+  /// tell.
+  static bool is_within(const Piece& piece, const Vector2f& position, double slack) {
+    constexpr double kRounding = 1e-6;
+    const double inside = piece.outline.inside(position.cast<double>());
+    if (inside > kRounding) return true;
+    if (inside < -slack - kRounding) return false;
+    return cv::pointPolygonTest(piece.footprint, {position.x(), position.y()}, true) > -slack;
   }
 
   double share_before(const Piece& a, const Piece& b) const {
@@ -101,6 +111,7 @@ class Assembly {
     const size_t keep = std::min(a, b);
     const size_t gone = std::max(a, b);
     sets_.join(keep, gone);
+    std::erase(alive_, gone);
     std::erase_if(found_, [&](const auto& entry) {
       const auto& [check, first, second] = entry.first;
       return first == keep || first == gone || second == keep || second == gone;
@@ -144,8 +155,8 @@ class Assembly {
 
   bool join_splinter() {
     size_t smallest = pieces_.size();
-    for (size_t i = 0; i < pieces_.size(); ++i) {
-      if (!alive(i) || pieces_[i].area >= options_.splinter_m2 * pieces_[i].noise) continue;
+    for (const size_t i : alive_) {
+      if (pieces_[i].area >= options_.splinter_m2 * pieces_[i].noise) continue;
       if (most_touched(i) == pieces_.size()) continue;
       if (smallest == pieces_.size() || pieces_[i].area < pieces_[smallest].area) smallest = i;
     }
@@ -171,10 +182,9 @@ class Assembly {
   }
 
   bool join_contained() {
-    for (size_t inner = 0; inner < pieces_.size(); ++inner) {
-      if (!alive(inner)) continue;
-      for (size_t outer = 0; outer < pieces_.size(); ++outer) {
-        if (outer == inner || !alive(outer) || pieces_[outer].area < pieces_[inner].area) continue;
+    for (const size_t inner : alive_) {
+      for (const size_t outer : alive_) {
+        if (outer == inner || pieces_[outer].area < pieces_[inner].area) continue;
         const Piece& a = pieces_[inner];
         const Piece& b = pieces_[outer];
         const auto slack = static_cast<float>(options_.slack_m);
@@ -295,13 +305,13 @@ class Assembly {
   /// The inside of a vessel with the wall before it.
   bool join_cavity() {
     const auto slack = static_cast<float>(options_.slack_m);
-    for (size_t inner = 0; inner < pieces_.size(); ++inner) {
+    for (const size_t inner : alive_) {
       const Piece& a = pieces_[inner];
-      if (!alive(inner) || a.facing_out > -0.1f || a.area < options_.splinter_m2) continue;
+      if (a.facing_out > -0.1f || a.area < options_.splinter_m2) continue;
       size_t best = pieces_.size();
-      for (size_t outer = 0; outer < pieces_.size(); ++outer) {
+      for (const size_t outer : alive_) {
         const Piece& b = pieces_[outer];
-        if (outer == inner || !alive(outer) || b.facing_out < 0 || b.area < options_.splinter_m2) continue;
+        if (outer == inner || b.facing_out < 0 || b.area < options_.splinter_m2) continue;
         const float width = std::max(0.1f, (b.right - b.left) * b.distance);
         if (std::abs(a.top - b.top) > slack || a.distance < b.distance) continue;
         if (a.distance > b.distance + width && !around_one_axis(a, b, false)) continue;
@@ -323,8 +333,8 @@ class Assembly {
   /// The nearest piece that is larger than `a`; pieces_.size() = none within `reach`.
   size_t nearest_host(size_t a, double reach) {
     size_t best = pieces_.size();
-    for (size_t i = 0; i < pieces_.size(); ++i) {
-      if (i == a || !alive(i) || pieces_[a].area > options_.appendage * pieces_[i].area) continue;
+    for (const size_t i : alive_) {
+      if (i == a || pieces_[a].area > options_.appendage * pieces_[i].area) continue;
       const double distance = gap(pieces_[a], pieces_[i], reach);
       if (distance > reach) continue;
       reach = distance;
@@ -355,8 +365,8 @@ class Assembly {
 
   /// Handles and other small parts that do not stand by themselves.
   bool join_appendage() {
-    for (size_t i = 0; i < pieces_.size(); ++i) {
-      if (!alive(i) || pieces_[i].points.size() < 20) continue;
+    for (const size_t i : alive_) {
+      if (pieces_[i].points.size() < 20) continue;
       const Piece& a = pieces_[i];
       const bool hovering = hovers(a);
       const bool small = a.area < (hovering ? 0.003 : 0.0015) * a.noise;
@@ -421,12 +431,12 @@ class Assembly {
   /// A lid reaches over the body below it: what hovers must stand on something, and a small strip right under
   /// it that does not reach out from under it is no object of its own.
   bool join_lid() {
-    for (size_t lid = 0; lid < pieces_.size(); ++lid) {
-      if (!alive(lid) || static_cast<double>(pieces_[lid].bottom) <= options_.hovering_m) continue;
-      for (size_t body = 0; body < pieces_.size(); ++body) {
+    for (const size_t lid : alive_) {
+      if (static_cast<double>(pieces_[lid].bottom) <= options_.hovering_m) continue;
+      for (const size_t body : alive_) {
         const Piece& a = pieces_[body];
         const Piece& b = pieces_[lid];
-        if (body == lid || !alive(body) || contact(body, lid) == 0) continue;
+        if (body == lid || contact(body, lid) == 0) continue;
         if (a.area > 0.35 * b.area || a.top > b.bottom + 0.03f || a.bottom > b.bottom) continue;
         if (share_within(a, b) < options_.within) continue;
         if (share_between(b, a) < 0.6) continue;
@@ -518,10 +528,10 @@ class Assembly {
 
   bool join_hidden() {
     constexpr float kMaxStep = 0.006f;  // two objects of nearly one height are as frequent as one half hidden
-    for (size_t i = 0; i < pieces_.size(); ++i) {
-      if (!alive(i) || pieces_[i].area < options_.splinter_m2) continue;
-      for (size_t k = i + 1; k < pieces_.size(); ++k) {
-        if (!alive(k) || pieces_[k].area < options_.splinter_m2 || contact(i, k) > 0) continue;
+    for (const size_t i : alive_) {
+      if (pieces_[i].area < options_.splinter_m2) continue;
+      for (const size_t k : alive_) {
+        if (k <= i || pieces_[k].area < options_.splinter_m2 || contact(i, k) > 0) continue;
         if (std::abs(pieces_[i].top - pieces_[k].top) > kMaxStep) continue;
         if (gap(pieces_[i], pieces_[k], options_.hidden_gap_m) > options_.hidden_gap_m) continue;
         if (!one_behind_something(pieces_[i], pieces_[k])) continue;
@@ -537,6 +547,7 @@ class Assembly {
   const Isometry3d plane_from_camera_;
   DisjointSets sets_;
   std::vector<Piece> pieces_;
+  std::vector<size_t> alive_;  ///< those that have not become part of another one, ascending
   std::map<std::array<int, 2>, int> contacts_;
   mutable std::map<std::tuple<Check, size_t, size_t>, double> found_;
 };

@@ -102,7 +102,7 @@ SupportPlane support_of_region(const types::PlanarSupport& known, int label, con
 std::vector<std::vector<int>> pixels_of_labels(const cv::Mat& labels, size_t count) {
   std::vector<std::vector<int>> pixels(count);
   const auto* label_of = labels.ptr<uint16_t>();
-  for (int i = 0; i < static_cast<int>(labels.total()); ++i)
+  for (int i = 0; i < labels.rows * labels.cols; ++i)
     if (label_of[i] > 0 && label_of[i] <= count) pixels[label_of[i] - 1U].push_back(i);
   return pixels;
 }

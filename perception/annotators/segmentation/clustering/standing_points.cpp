@@ -102,15 +102,23 @@ Standing subset(const Standing& all, const std::vector<size_t>& members) {
 void drop_specks(Standing& standing, const SupportPlane& support, const ClusterOptions& options,
                  cv::Mat& shows) {
   constexpr double kSigmas = 4, kMinShare = 0.3;
+  constexpr int kReach = 2;  // pixels of the box filter, on either side
+  if (standing.pixels.empty()) return;
+  const cv::Rect box = box_of(standing.pixels, shows.size());
+  const cv::Rect around =
+      cv::Rect(box.tl() - cv::Point(kReach, kReach), box.br() + cv::Point(kReach, kReach)) &
+      cv::Rect({}, shows.size());
   cv::Mat share;
-  cv::boxFilter(shows == static_cast<uint8_t>(Shows::candidate), share, CV_32F, {5, 5});
+  cv::boxFilter(shows(around) == static_cast<uint8_t>(Shows::candidate), share, CV_32F,
+                {2 * kReach + 1, 2 * kReach + 1});
   std::vector<size_t> kept;
   for (size_t i = 0; i < standing.pixels.size(); ++i) {
     const double reach = options.floor_m + support.uncertainty +
                          kSigmas * height_noise(support, standing.points[i].cast<double>());
     const int pixel = standing.pixels[i];
     if (static_cast<double>(standing.in_plane[i].z()) > reach ||
-        static_cast<double>(share.ptr<float>()[pixel]) > kMinShare * 255)
+        static_cast<double>(share.at<float>(pixel / shows.cols - around.y, pixel % shows.cols - around.x)) >
+            kMinShare * 255)
       kept.push_back(i);
     else
       shows.ptr<uint8_t>()[pixel] = static_cast<uint8_t>(Shows::support);
