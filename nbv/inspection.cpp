@@ -22,8 +22,10 @@ constexpr size_t kMinPoints = 10;     ///< on a patch, to know how it stands
 constexpr double kRoughness = 0.02;   ///< m rms off its plane: more is no surface
 constexpr double kPlaceStep = 0.2;    ///< m between places that are compared
 constexpr double kMinRaise = 1;       ///< patches that a height must show beyond those before it
-/// Of tops, which are seen at grazing angles: a point per cell of the raster in which supports are sought.
-constexpr double kTopPointsPerCm2 = 0.25;
+/// Of the points wanted on faces, those wanted on tops, which are seen at grazing angles: a point per 8 cm²,
+/// as the raster in which supports are sought closes wider gaps.
+constexpr double kTopPoints = 0.125;
+constexpr double kEnough = 0.5;        ///< part of the wanted points: the rest is not worth the way
 constexpr double kMinTopHeight = 0.2;  ///< m over the floor: nothing lower is a support
 constexpr int kMinTopNeighbours = 5;   ///< of eight: more than the edge of a face or a handle has
 
@@ -120,7 +122,7 @@ class Sharpness {
   }
 
   double wanted(const InspectedPatch& patch) const {
-    return patch.top() ? kTopPointsPerCm2 : options_.points_per_cm2;
+    return patch.top() ? kTopPoints * options_.points_per_cm2 : options_.points_per_cm2;
   }
 
   /// Area of a patch as area of faces: what is worth a scan is less of tops.
@@ -135,8 +137,7 @@ class Sharpness {
     for (const InspectedPatch& patch : patches) {
       if ((patch.centre - from).head<2>().norm() > options_.max_distance_m) continue;
       const double part = std::min(density(from, patch) / (wanted(patch) - patch.density), 1.0);
-      // What remains too coarse was not worth the way.
-      if (part > 0.5) shown.emplace_back(patch.centre, part * worth(patch));
+      if (part > kEnough) shown.emplace_back(patch.centre, part * worth(patch));
     }
     return best_yaw(from, shown, planner, laser_);
   }
@@ -243,7 +244,7 @@ std::vector<InspectedPatch> unseen_tops(const ScanRefs& scans, const mapping::Vo
         InspectedPatch top{voxels.center({x, y, z}), Vector3d::UnitZ(), 0,
                            voxels.resolution * voxels.resolution};
         top.density = sharpness.density(scans, top);
-        if (top.density < kTopPointsPerCm2) unseen.push_back(top);
+        if (top.density < kEnough * sharpness.wanted(top)) unseen.push_back(top);
       }
   return unseen;
 }
