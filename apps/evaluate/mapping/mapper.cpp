@@ -196,7 +196,7 @@ MappedWorld map_world(const Run& run, Progress& progress, Warnings& warnings) {
     if (joint.limits && !mapping::free_range(made.map.world, joint).blocker.empty()) ++mapped.jammed;
   const mapping::MapStructure truth = read_structure(run.truth, search_of(run, run.truth), warnings);
   mapping::ComparisonOptions comparison = run.comparison;
-  comparison.max_support_height_m = std::min(comparison.max_support_height_m, observable_height(run, made));
+  comparison.observable_height_m = std::min(comparison.observable_height_m, observable_height(run, made));
   const auto compared = [&] {
     return compare(structure_from_sidecar(made.map.semantics, made.map.world, run.world.string()), truth,
                    comparison);

@@ -110,7 +110,7 @@ void compare_supports(const MapStructure& map, const MapStructure& truth, const 
   };
   for (size_t j = 0; j < truth.supports.size(); ++j)
     if (!truth_used[j] && truth.supports[j].main && asked_for(truth.supports[j].region, options))
-      lone(truth.supports[j].height > options.max_support_height_m ? "not observable" : "missed", "",
+      lone(truth.supports[j].height > options.observable_height_m ? "not observable" : "missed", "",
            truth.supports[j].name);
   for (size_t i = 0; i < map.supports.size(); ++i)
     if (!map_used[i]) lone("extra", map.supports[i].name, "");
@@ -189,7 +189,7 @@ void ComparisonOptions::declare(OptionTable& table) {
                0.1, 45);
   table.number("handle_tolerance_m", handle_tolerance_m, "m",
                "Handles match when their centres are no further apart.", 0.001, 1);
-  table.number("max_support_height_m", max_support_height_m, "m",
+  table.number("observable_height_m", observable_height_m, "m",
                "Supports above this height that the map lacks are not observable rather than missed.", 0,
                100);
   table.text("region", region, "Asks only for elements of this region of the truth; empty = all.");

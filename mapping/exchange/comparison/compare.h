@@ -16,7 +16,7 @@ struct ComparisonOptions {
   double wall_tolerance_m = 0.10;
   double wall_angle_deg = 10;
   double handle_tolerance_m = 0.10;
-  double max_support_height_m = 10;  ///< tops of higher ones were out of the sensor's sight
+  double observable_height_m = 10;  ///< tops of higher ones were out of the sensor's sight
   std::string region;
 
   void declare(OptionTable& table);
@@ -35,7 +35,7 @@ struct ComparedJoint {
 
 /// One element of the map, of the truth, or of both.
 struct ComparedElement {
-  std::string kind;     ///< "support", "wall", "floor", "front", "handle" (and knobs)
+  std::string kind;  ///< "support", "wall", "floor", "front", "handle" (and knobs)
   /// "matched", "missed", "extra", "minor" (found, though not among the main elements), "not observable" (a
   /// support that is not in the map because no sensor pose could show its top)
   std::string verdict;

@@ -59,7 +59,7 @@ TEST(Compare, SupportsAboveTheSensorAreNotObservableUnlessTheyAreFound) {
                     rectangle("found", 1.5, {3, 0}, {4, 0.3})};
   map.supports = {rectangle("shelf_1", 1.5, {3, 0}, {4, 0.3})};
   ComparisonOptions options;
-  options.max_support_height_m = 1.45;
+  options.observable_height_m = 1.45;
   const Comparison result = compare(map, truth, options);
   const Comparison::Counts counts = result.counts("support");
   EXPECT_EQ(counts.matched, 1U);
