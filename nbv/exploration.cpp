@@ -131,7 +131,8 @@ struct Exploration::Impl {
     set.sensor = "hokuyo";
     set.levelled = true;
     set.range_max = options.laser.range_max_m;
-    options.inspection.heights = scanner_heights(options.height, options.laser.height_m);
+    options.planner.heights = options.inspection.heights =
+        scanner_heights(options.height, options.laser.height_m);
   }
 
   /// Processes a scan: registers all scans anew and updates the occupancy.
@@ -355,6 +356,7 @@ struct Exploration::Impl {
   ViewPlan plan_for(Purpose purpose, int attempt) {
     PlannerOptions planner = options.planner;
     planner.avoid = avoid;
+    if (purpose != Purpose::explore) planner.heights.clear();
     // Another scan from there would not be connected either.
     for (size_t i = 0; i < set.scans.size() && purpose != Purpose::tie; ++i)
       if (!connected(i)) planner.avoid.emplace_back(set.scans[i].map_from_scan.translation().head<2>());

@@ -18,6 +18,9 @@ constexpr int kMinSamples = 8;
 constexpr int kSamplesToStop = 4;    ///< factor on the number of positions that are cast before it stops
 constexpr double kCoarseSteps = 3;   ///< the coarse panorama has a ninth of the rays
 constexpr size_t kPlacesAtOnce = 2;  ///< cast with all rays per iteration
+/// Times the score of the height at which the scanner is carried: moving it takes time, and scans of one
+/// height overlap more.
+constexpr double kRaiseGain = 1.1;
 
 /// Voxels of a kind over each cell of the floor.
 std::vector<int> projected(const mapping::Voxels& voxels, const ViewVoxels& view,
@@ -191,6 +194,39 @@ const ViewSample* decide(ViewPlan& plan, const PlannerOptions& options) {
   return best;
 }
 
+/// Raises or lowers the scanner at the chosen pose where that scores higher.
+void choose_height(ViewPlan& plan, const ViewSample& chosen, const mapping::PlanarPose& robot,
+                   const mapping::LaserModel& laser, const PlannerOptions& options) {
+  double most = kRaiseGain * chosen.score;
+  for (const double height : options.heights) {
+    if (height == laser.height_m) continue;
+    mapping::LaserModel moved = laser;
+    moved.height_m = height;
+    ViewSample sample = chosen;
+    sample.counts =
+        ViewCaster(plan.voxels, plan.frontier, moved, options.max_distance_m, options.ray_step_deg)
+            .view(chosen.pose);
+    sample.score = score_of(sample, options.gain_weight);
+    if (sample.score <= most || !eligible(sample, options)) continue;
+    std::vector<mapping::PlanarPose> path = plan.view.path;
+    if (height > laser.height_m) {  // Higher than what the floor was judged for.
+      const mapping::FloorGrid floor = drivable_floor(plan.voxels, robot, moved, options);
+      const Reachability reach = reachability(floor, robot, options);
+      const Eigen::Vector2i cell = floor.cell_of({chosen.pose.x, chosen.pose.y});
+      if (!reach.stands(floor, floor.index(cell.x(), cell.y()))) continue;
+      path = path_to(floor, reach, chosen.pose);
+    }
+    most = sample.score;
+    plan.view.path = path;
+    plan.view.height_m = height;
+    plan.view.expected_overlap = sample.counts.overlap();
+    plan.view.expected_gain = sample.counts.frontier;
+    plan.view.reason =
+        fmt::format("may show {:.2f} m² behind the frontier from {} m height, {:.0f} % overlap",
+                    plan.view.expected_gain, height, 100 * plan.view.expected_overlap);
+  }
+}
+
 std::vector<VisibilityKernel> kernels_of(const PlannerOptions& options, double cell) {
   std::vector<VisibilityKernel> kernels;
   for (int i = 0; i < options.orientations; ++i)
@@ -322,8 +358,11 @@ ViewPlan plan_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& 
     plan.view.reason = "no pose can be reached: there is no free floor that was seen around the robot";
   else if (plan.frontier.frontier == 0)
     plan.view.reason = "free space borders on nothing unknown";
-  else if (const ViewSample* best = decide(plan, options); best != nullptr)
+  else if (const ViewSample* best = decide(plan, options); best != nullptr) {
     plan.view.path = path_to(plan.floor, plan.reach, best->pose);
+    choose_height(plan, *best, robot, laser, options);
+  }
+  times["height"] = watch.lap();
   plan.view.details["times_s"] = times;
   for (const ViewSample& sample : plan.samples) plan.view.details["samples"].push_back(sample_json(sample));
   return plan;

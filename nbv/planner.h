@@ -34,6 +34,7 @@ struct PlannerOptions {
   std::string within = {};  ///< mapping::FloorRegion that is explored and driven in
   /// Positions that the robot failed to reach: nothing within its radius of them is chosen.
   std::vector<Vector2d> avoid = {};
+  std::vector<double> heights = {};  ///< of the scanner; empty: as it is carried alone. Not declared
   int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
 
   void declare(OptionTable& table);
@@ -90,8 +91,9 @@ Reachability reachability(const mapping::FloorGrid& floor, const mapping::Planar
 /// orientation for planar poses; places sampled in proportion to C = min(C_F, C_O) are validated by ray
 /// casting with the sensor's model, in all orientations at once, and scored by c · H(n_o, n_f). With
 /// gain_weight other than 0.5 the score is the geometric mean between that and n_o alone (0) or n_f alone
-/// (1). Poses that the robot cannot drive to, or where no floor was seen, are not candidates. The map's floor
-/// is at z = 0. Same seed, same plan, on any number of threads.
+/// (1). Poses that the robot cannot drive to, or where no floor was seen, are not candidates. The height of
+/// the scanner is then chosen by the same score at that pose. The map's floor is at z = 0. Same seed, same
+/// plan, on any number of threads.
 ViewPlan plan_view(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
                    const mapping::LaserModel& laser, const PlannerOptions& options, const Random& random);
 

@@ -76,6 +76,16 @@ TEST(Inspection, InANarrowAisleFurnitureIsLookedAtFromALoweredScanner) {
   EXPECT_GT(lowered.expected_gain, 1.3 * carried.expected_gain);
 }
 
+TEST(Inspection, TheTopOfAWallShelfIsLookedAtFromARaisedScanner) {
+  mapping::BoxRoom room = furnished_room();
+  room.furniture.push_back({Vector3d(2.75, -0.6, 1.40), Vector3d(3, 0.6, 1.44)});
+  const mapping::ScanSet scans = scans_from(room, {{0.9, -0.7, 0}, {0.9, 0.7, 0}, {-2, 0, 0}});
+  EXPECT_FALSE(inspect(scans, {1.25}).pose);  // From below nothing shows the top.
+  const NextView raised = inspect(scans, {1.25, 0.9, 1.7});
+  ASSERT_TRUE(raised.pose) << raised.reason;
+  EXPECT_EQ(raised.height_m, 1.7);
+}
+
 TEST(Inspection, HeightsOfAScannerAreARangeAroundWhereItIsCarried) {
   EXPECT_EQ(scanner_heights("", 1.25), std::vector{1.25});
   EXPECT_EQ(scanner_heights("0.9..1.6", 1.25), (std::vector{1.25, 0.9, 1.6}));

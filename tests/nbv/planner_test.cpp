@@ -258,6 +258,22 @@ TEST(NextView, ChoosesNoViewThatSharesTooLittleWithWhatIsKnown) {
   EXPECT_GE(careful.expected_overlap, options.min_view_overlap);
 }
 
+TEST(NextView, TheScannerIsRaisedToSeeWhatIsBehindAnObstacle) {
+  mapping::BoxRoom room = divided_room();
+  room.furniture = {{Vector3d(0.5, -2, 0), Vector3d(0.9, 2, 1.35)}};
+  const mapping::OccupancyMap map = map_of(room, {kStart});
+  PlannerOptions options;
+  const NextView carried = next_view(map, kStart, mapping::LaserModel(), options, Random(2));
+  options.heights = {1.25, 0.9, 1.7};
+  const NextView raised = next_view(map, kStart, mapping::LaserModel(), options, Random(2));
+  ASSERT_TRUE(carried.pose) << carried.reason;
+  ASSERT_TRUE(raised.pose) << raised.reason;
+  EXPECT_FALSE(carried.height_m);
+  EXPECT_EQ(raised.height_m, 1.7) << raised.reason;
+  EXPECT_GT(raised.expected_gain, carried.expected_gain);
+  EXPECT_FALSE(raised.path.empty());
+}
+
 TEST(NextView, WeightTurnsFromOverlapToGain) {
   const mapping::OccupancyMap map = map_of(divided_room(), {kStart});
   PlannerOptions options;

@@ -68,6 +68,7 @@ class Table {
     spread("hinge after, mean", "cm", 100, hinges, mean_of, kNone);
     part("hinges within 2 cm", hinges, 0.02);
     count("supports found", "support", false);
+    unobservable();
     spread("support height, worst", "cm", 100,
            objects(kLast, "support", &mapping::ComparedElement::height_error), worst_of, most(1));
     spread("support IoU, mean", "", 1, objects(kLast, "support", &mapping::ComparedElement::overlap), mean_of,
@@ -141,6 +142,13 @@ class Table {
       all += joints.asked;
     }
     add(name, "%", percent(right, all), least(aim));
+  }
+
+  void unobservable() {
+    size_t count = 0;
+    for (const mapping::Comparison* comparison : comparisons(kLast))
+      count += comparison->counts("support").not_observable;
+    add("supports above the sensor", "", static_cast<double>(count), kNone);
   }
 
   void other_way() {

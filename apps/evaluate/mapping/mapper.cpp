@@ -159,6 +159,23 @@ nbv::SurveyResult survey_by_exploring(const Run& run, Progress& progress, Warnin
   return survey(robot, start, run.folder, false, options, progress, warnings);
 }
 
+/// A surface that is nearly level with the sensor shows no points from which it could be measured.
+constexpr double kMinOverTop = 0.05;
+
+/// Height of supports whose tops some pose of the sensor could show: as far up as the robot can move it, even
+/// if it did not, or as it was carried.
+double observable_height(const Run& run, const nbv::SurveyResult& made) {
+  double highest = 0;
+  for (const mapping::Scan& scan : made.scans.scans)
+    highest = std::max(highest, scan.map_from_scan.translation().z());
+  const nbv::ExplorationOptions& exploration = run.survey.exploration;
+  const bool explored = run.poses.empty() && !run.walk && !std::filesystem::is_directory(run.world);
+  if (explored)
+    for (const double height : nbv::scanner_heights(exploration.height, exploration.laser.height_m))
+      highest = std::max(highest, height);
+  return highest - kMinOverTop;
+}
+
 }  // namespace
 
 MappedWorld map_world(const Run& run, Progress& progress, Warnings& warnings) {
@@ -178,9 +195,11 @@ MappedWorld map_world(const Run& run, Progress& progress, Warnings& warnings) {
   for (const mapping::Joint& joint : made.map.world.joints)
     if (joint.limits && !mapping::free_range(made.map.world, joint).blocker.empty()) ++mapped.jammed;
   const mapping::MapStructure truth = read_structure(run.truth, search_of(run, run.truth), warnings);
+  mapping::ComparisonOptions comparison = run.comparison;
+  comparison.observable_height_m = std::min(comparison.observable_height_m, observable_height(run, made));
   const auto compared = [&] {
     return compare(structure_from_sidecar(made.map.semantics, made.map.world, run.world.string()), truth,
-                   run.comparison);
+                   comparison);
   };
   if (!made.interactions.empty()) {
     mapped.after = compared();

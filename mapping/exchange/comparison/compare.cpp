@@ -110,7 +110,8 @@ void compare_supports(const MapStructure& map, const MapStructure& truth, const 
   };
   for (size_t j = 0; j < truth.supports.size(); ++j)
     if (!truth_used[j] && truth.supports[j].main && asked_for(truth.supports[j].region, options))
-      lone("missed", "", truth.supports[j].name);
+      lone(truth.supports[j].height > options.observable_height_m ? "not observable" : "missed", "",
+           truth.supports[j].name);
   for (size_t i = 0; i < map.supports.size(); ++i)
     if (!map_used[i]) lone("extra", map.supports[i].name, "");
 }
@@ -188,6 +189,9 @@ void ComparisonOptions::declare(OptionTable& table) {
                0.1, 45);
   table.number("handle_tolerance_m", handle_tolerance_m, "m",
                "Handles match when their centres are no further apart.", 0.001, 1);
+  table.number("observable_height_m", observable_height_m, "m",
+               "Supports above this height that the map lacks are not observable rather than missed.", 0,
+               100);
   table.text("region", region, "Asks only for elements of this region of the truth; empty = all.");
 }
 

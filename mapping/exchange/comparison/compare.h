@@ -16,6 +16,7 @@ struct ComparisonOptions {
   double wall_tolerance_m = 0.10;
   double wall_angle_deg = 10;
   double handle_tolerance_m = 0.10;
+  double observable_height_m = 10;  ///< tops of higher ones were out of the sensor's sight
   std::string region;
 
   void declare(OptionTable& table);
@@ -34,8 +35,10 @@ struct ComparedJoint {
 
 /// One element of the map, of the truth, or of both.
 struct ComparedElement {
-  std::string kind;     ///< "support", "wall", "floor", "front", "handle" (and knobs)
-  std::string verdict;  ///< "matched", "missed", "extra", "minor" (found, though not among the main elements)
+  std::string kind;  ///< "support", "wall", "floor", "front", "handle" (and knobs)
+  /// "matched", "missed", "extra", "minor" (found, though not among the main elements), "not observable" (a
+  /// support that is not in the map because no sensor pose could show its top)
+  std::string verdict;
   std::string map_name, truth_name;       ///< empty where there is none
   std::optional<double> height_error;     ///< map minus truth, metres
   std::optional<double> overlap;          ///< intersection over union of the outlines
@@ -52,7 +55,7 @@ struct Comparison {
   std::string map_source, truth_source;
 
   struct Counts {
-    size_t matched = 0, missed = 0, extra = 0, minor = 0;
+    size_t matched = 0, missed = 0, extra = 0, minor = 0, not_observable = 0;
     double precision() const;
     double recall() const;
   };

@@ -153,6 +153,7 @@ Comparison::Counts Comparison::counts(const std::string& kind) const {
     counts.missed += element.verdict == "missed";
     counts.extra += element.verdict == "extra";
     counts.minor += element.verdict == "minor";
+    counts.not_observable += element.verdict == "not observable";
   }
   return counts;
 }
@@ -201,6 +202,7 @@ std::string Comparison::text() const {
     const Counts c = counts(kind);
     text += fmt::format("{}s: {} matched, {} missed, {} extra, {} minor; precision {:.2f}, recall {:.2f}",
                         kind, c.matched, c.missed, c.extra, c.minor, c.precision(), c.recall());
+    if (c.not_observable > 0) text += fmt::format("; {} not observable", c.not_observable);
     text += statistics_text("IoU", errors(kind, &ComparedElement::overlap), "{:.2f}");
     text += statistics_text("centre", errors(kind, &ComparedElement::centre_error), "{:.3f} m");
     text += "\n";

@@ -53,6 +53,22 @@ TEST(Compare, CountsMatchedMissedAndExtra) {
   EXPECT_EQ(result.counts("wall").matched, 1U);
 }
 
+TEST(Compare, SupportsAboveTheSensorAreNotObservableUnlessTheyAreFound) {
+  MapStructure truth, map;
+  truth.supports = {rectangle("low", 1.2, {0, 0}, {1, 0.3}), rectangle("high", 1.5, {0, 0}, {1, 0.3}),
+                    rectangle("found", 1.5, {3, 0}, {4, 0.3})};
+  map.supports = {rectangle("shelf_1", 1.5, {3, 0}, {4, 0.3})};
+  ComparisonOptions options;
+  options.observable_height_m = 1.45;
+  const Comparison result = compare(map, truth, options);
+  const Comparison::Counts counts = result.counts("support");
+  EXPECT_EQ(counts.matched, 1U);
+  EXPECT_EQ(counts.missed, 1U);
+  EXPECT_EQ(counts.not_observable, 1U);
+  EXPECT_THAT(result.text(), testing::HasSubstr("1 not observable"));
+  EXPECT_EQ(compare(map, truth, {}).counts("support").missed, 2U);
+}
+
 TEST(Compare, SideThingsOfTheTruthAreNeitherExtraNorMissed) {
   MapStructure truth, map;
   truth.supports = {rectangle("board", 1.2, {0, 0}, {1, 0.3}), rectangle("inside", 0.3, {0, 0}, {1, 0.3})};
