@@ -70,7 +70,7 @@ std::optional<Rgba> diffuse_color(const aiScene& scene, unsigned material_index)
 }
 
 /// The image of a material in the package of the mesh that names it: relative, and at most two folders up
-/// (meshes/x/a.dae and materials/a.png), so that no foreign mesh brings this machine's pictures into an
+/// (meshes/x/a.dae and materials/a.png), so that no foreign mesh brings this machine's images into an
 /// export; empty for none.
 fs::path diffuse_texture(const aiScene& scene, unsigned material_index, const fs::path& folder) {
   aiString name;
