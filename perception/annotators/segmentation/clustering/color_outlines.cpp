@@ -446,24 +446,27 @@ class ClusterMap {
   }
 
   /// Makes one cluster of pixels and the low clusters that lie in them, unless one fills them already.
-  void join(std::vector<int> pixels) {
+  void join(std::vector<int> pixels, int min_points) {
     constexpr double kFilled = 0.75;
     std::vector<int> shared(clusters_.size());
     for (const int pixel : pixels)
       if (at(pixel) >= 0) ++shared[static_cast<size_t>(at(pixel))];
     const double filled = kFilled * static_cast<double>(pixels.size());
     if (std::ranges::any_of(shared, [&](int count) { return count > filled; })) return;
-    for (size_t c = 0; c < shared.size(); ++c) {
-      ObjectCluster& piece = clusters_[c];
-      if (shared[c] == 0 || shared[c] < kFilled * static_cast<double>(piece.pixels.size())) continue;
+    const auto is_inside = [&](int cluster) {
+      const auto c = static_cast<size_t>(cluster);
+      return shared[c] > 0 && shared[c] >= kFilled * static_cast<double>(clusters_[c].pixels.size());
+    };
+    std::erase_if(pixels, [&](int pixel) { return at(pixel) >= 0 && !is_inside(at(pixel)); });
+    if (std::ssize(pixels) < min_points) return;  // most is of clusters that reach beyond the outline
+    for (int c = 0; c < static_cast<int>(shared.size()); ++c) {
+      if (!is_inside(c)) continue;
+      ObjectCluster& piece = clusters_[static_cast<size_t>(c)];
       pixels.insert(pixels.end(), piece.pixels.begin(), piece.pixels.end());
       piece.pixels.clear();
       for (ObjectCluster& upper : clusters_)
-        if (upper.stands_on == static_cast<int>(c)) upper.stands_on = static_cast<int>(clusters_.size());
+        if (upper.stands_on == c) upper.stands_on = static_cast<int>(clusters_.size());
     }
-    std::erase_if(pixels, [&](int pixel) {
-      return at(pixel) >= 0 && !clusters_[static_cast<size_t>(at(pixel))].pixels.empty();
-    });
     std::ranges::sort(pixels);
     pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
     for (const int pixel : pixels) cluster_of_.ptr<int>()[pixel] = static_cast<int>(clusters_.size());
@@ -496,7 +499,8 @@ void join_by_color_outline(std::vector<ObjectCluster>& clusters, const ClusterIm
   const OutlineFinder finder(images, ground, shows, options);
   for (const Outline& outline : finder.find(view, lab, heights, map.high()(view.box))) {
     const std::vector<int> pixels = pixels_of(outline, view, images.points);
-    if (!pixels.empty() && !map.fill_hollow(pixels, outline, view) && outline.rises) map.join(pixels);
+    if (!pixels.empty() && !map.fill_hollow(pixels, outline, view) && outline.rises)
+      map.join(pixels, options.min_points);
   }
   drop_empty(clusters);
 }
