@@ -255,8 +255,13 @@ std::vector<FacePhoto> photos_of_textures(const InterpretedMap& map, const std::
     if (visual == nullptr || !panel || panel->up.z() < kParallel) continue;
     const auto parts = load_mesh_parts(std::get<Mesh>(visual->geometry), {{}, folder}, warnings);
     if (parts.empty() || parts.front().texture.empty()) continue;
-    FacePhoto& photo = photos.emplace_back();
-    photo.color = read_color(parts.front().texture);
+    FacePhoto photo;
+    try {
+      photo.color = read_color(parts.front().texture);
+    } catch (const Error& error) {
+      warnings.add(error.what());
+      continue;
+    }
     photo.pixel_m = panel->width / photo.color.cols;
     const int rows = std::max(1, static_cast<int>(std::lround(panel->height / photo.pixel_m)));
     cv::resize(photo.color, photo.color, {photo.color.cols, rows});
@@ -268,6 +273,7 @@ std::vector<FacePhoto> photos_of_textures(const InterpretedMap& map, const std::
     face.u_max = centre.x() + panel->width / 2;
     face.v_min = photo.v0 = centre.y() - panel->height / 2;
     face.v_max = centre.y() + panel->height / 2;
+    photos.push_back(std::move(photo));
   }
   return photos;
 }

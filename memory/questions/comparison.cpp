@@ -29,7 +29,7 @@ bool is_of_time(const std::string& by) {
   return by == "left-before" || by == "moved-before";
 }
 
-bool of_distance(const std::string& by) {
+bool is_of_distance(const std::string& by) {
   return by == "distance" || by == "nearer";
 }
 
@@ -178,7 +178,7 @@ ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question) {
       continue;
     }
     if (const auto places = snapshot.places_called(subject);
-        of_distance(question.by) && !answer.compared.empty() && !places.empty()) {
+        is_of_distance(question.by) && !answer.compared.empty() && !places.empty()) {
       answer.compared.push_back({.name = places.front().name});
       if (const auto from = position_of(snapshot, answer.compared[0]))
         answer.compared.back().value = distance_to_place(*from, places.front());
@@ -189,7 +189,7 @@ ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question) {
     if (is_of_time(question.by))
       one.time =
           last_change(store, subject, question.by == "left-before" ? "left" : "handled", question.as_of);
-    if (of_distance(question.by) && !answer.compared.empty())
+    if (is_of_distance(question.by) && !answer.compared.empty())
       one.value = distance_between(snapshot, answer.compared[0], one);
     answer.compared.push_back(std::move(one));
   }

@@ -16,8 +16,8 @@ struct WallOpening {
 };
 
 /// Doorways and windows of each wall, in order along it: where rays passed through its plane in a rectangle
-/// whose sides and top (and sill) they ended on. What furniture hides is no opening, nor is the end of a
-/// wall. Same result on any number of threads.
+/// whose sides and top (and sill) they ended on. What furniture hides does not count, nor does the
+/// end of a wall. Same result on any number of threads.
 std::vector<std::vector<WallOpening>> find_openings(const Surface& surface,
                                                     const std::vector<VerticalPlane>& walls,
                                                     double floor_height, int threads);

@@ -150,6 +150,14 @@ TEST(Textures, ArePhotosAgain) {
   }
 }
 
+TEST(Textures, ADamagedOneIsNamedAndLeftOut) {
+  UpdatedPair pair(0);
+  write_file_atomically(pair.folder / "textures/door_1.jpg", "damaged");
+  Warnings warnings;
+  EXPECT_EQ(photos_of_textures(pair.map, pair.folder, warnings).size(), 1U);
+  EXPECT_FALSE(warnings.empty());
+}
+
 /// The counter's top in brown with a white object on it.
 ScanSet colored_scan() {
   ScanSet scans;

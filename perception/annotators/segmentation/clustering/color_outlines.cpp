@@ -395,16 +395,6 @@ ObjectCluster cluster_of(std::vector<int> pixels, const SupportPlane& support, i
   return cluster;
 }
 
-/// Removes clusters without pixels.
-void drop_empty(std::vector<ObjectCluster>& clusters) {
-  std::vector<int> number;
-  int kept = 0;
-  for (const ObjectCluster& cluster : clusters) number.push_back(cluster.pixels.empty() ? -1 : kept++);
-  std::erase_if(clusters, [](const ObjectCluster& cluster) { return cluster.pixels.empty(); });
-  for (ObjectCluster& cluster : clusters)
-    if (cluster.stands_on >= 0) cluster.stands_on = number[static_cast<size_t>(cluster.stands_on)];
-}
-
 /// Clusters on one support, by pixel.
 class ClusterMap {
  public:
@@ -502,7 +492,9 @@ void join_by_color_outline(std::vector<ObjectCluster>& clusters, const ClusterIm
     if (!pixels.empty() && !map.fill_hollow(pixels, outline, view) && outline.rises)
       map.join(pixels, options.min_points);
   }
-  drop_empty(clusters);
+  std::vector<bool> keep;
+  for (const ObjectCluster& cluster : clusters) keep.push_back(!cluster.pixels.empty());
+  keep_only(keep, clusters);
 }
 
 }  // namespace loci::perception

@@ -476,19 +476,23 @@ void keep_what_rests(std::vector<ObjectCluster>& clusters, const ClusterMaker& m
     clusters[i].stands_on = below(clusters[i]);
     keep[i] = clusters[i].stands_on >= 0 || maker.may_reach_support(clusters[i], shows);
   }
+  keep_only(keep, clusters);
+}
+
+}  // namespace
+
+void keep_only(const std::vector<bool>& keep, std::vector<ObjectCluster>& clusters) {
   std::vector<int> number(clusters.size(), -1);
   std::vector<ObjectCluster> kept;
   for (size_t i = 0; i < clusters.size(); ++i)
     if (keep[i]) {
       number[i] = static_cast<int>(kept.size());
-      kept.push_back(clusters[i]);
+      kept.push_back(std::move(clusters[i]));
     }
   for (ObjectCluster& cluster : kept)
     if (cluster.stands_on >= 0) cluster.stands_on = number[static_cast<size_t>(cluster.stands_on)];
   clusters = std::move(kept);
 }
-
-}  // namespace
 
 void ClusterOptions::declare(OptionTable& table) {
   table.number("tolerance_m", tolerance_m, "m", "Maximum gap inside one object.", 0.001, 1);

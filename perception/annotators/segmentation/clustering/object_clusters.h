@@ -64,6 +64,9 @@ struct ClusterImages {
   Isometry3d color_from_depth = Isometry3d::Identity();
 };
 
+/// Leaves out the other clusters; `stands_on` follows, and is -1 where what it meant is left out.
+void keep_only(const std::vector<bool>& keep, std::vector<ObjectCluster>& clusters);
+
 /// Objects on supports: connected points above a plane, split where they are concave, put together again
 /// where one object only looks like several, and cut where one stands upon another. Left out is what is not
 /// an object: surfaces that go on beyond their outline in the surroundings, that protrude from a surface of
