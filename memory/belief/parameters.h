@@ -86,17 +86,16 @@ struct Parameters {
   double seen_empty_factor = 1.1;  ///< … this much more than a missed detection
 
   // Fusion of views
-  double merged_cluster_volume = 2.5;  ///< a box this much larger is rather two objects in one cluster …
-  double merged_cluster_gain = 0.1;    ///< … and hardly counts
-  double grow_gain = 0.5;              ///< another view point shows further parts: boxes grow quickly …
-  double shrink_gain = 0.1;            ///< … and shrink slowly
-  double min_variance_share = 0.25;    ///< of one view's: errors of one view point repeat
-  double same_view_log_ratio = 2.5;    ///< views at least this similar are stored once
-  double whole_view_bonus = 5;         ///< in views: whole ones are stored rather than partial ones
-  size_t surface_points = 200;         ///< of an object's surface that are kept
-  size_t textures = 4;                 ///< sides of an object whose texture is kept …
-  double same_side_deg = 30;           ///< … of view points farther apart than this
-  double certain_partner = 0.9;        ///< a moved object is known so surely before another side is learned
+  double max_resize_deviations = 2;  ///< of the extent between two views: farther, one view moves no face
+  double grow_gain = 0.5;            ///< another view point shows further parts: boxes grow quickly …
+  double shrink_gain = 0.05;         ///< … and shrink slowly
+  double min_variance_share = 0.25;  ///< of one view's: errors of one view point repeat
+  double same_view_log_ratio = 2.5;  ///< views at least this similar are stored once
+  double whole_view_bonus = 5;       ///< in views: whole ones are stored rather than partial ones
+  size_t surface_points = 200;       ///< of an object's surface that are kept
+  size_t textures = 4;               ///< sides of an object whose texture is kept …
+  double same_side_deg = 30;         ///< … of view points farther apart than this
+  double certain_partner = 0.9;      ///< a moved object is known so surely before another side is learned
 
   // Learning
   double similarity_weight = 0.5;  ///< of one comparison: views of one object repeat each other

@@ -11,16 +11,19 @@ namespace loci::memory::belief {
 namespace {
 
 /// From the same view point the faces are averaged. Another one shows further parts: the box grows quickly
-/// and shrinks slowly.
+/// and shrinks slowly, but does shrink, so that it stays around most views and not around all. What one view
+/// changes is bounded by what views differ: a cluster that holds a neighbour hardly counts, a side that stays
+/// in view does.
 AxisBox fused_box(const AxisBox& believed, const AxisBox& seen, double gain, bool other_view) {
-  const bool merged = other_view && seen.volume() > kParameters.merged_cluster_volume * believed.volume();
-  const double outward = merged       ? kParameters.merged_cluster_gain * gain
-                         : other_view ? std::max(gain, kParameters.grow_gain)
-                                      : gain;
-  const double inward = other_view ? kParameters.shrink_gain * gain : gain;
+  const double outward = other_view ? std::max(gain, kParameters.grow_gain) : gain;
+  const double inward = other_view ? kParameters.shrink_gain : gain;
   Vector3d low = believed.low(), high = believed.high();
   for (int axis = 0; axis < 3; ++axis) {
-    const double below = seen.low()[axis] - low[axis], above = seen.high()[axis] - high[axis];
+    const double most =
+        kParameters.max_resize_deviations *
+        (kParameters.extent_noise_m + kParameters.extent_noise_per_size * believed.size[axis]);
+    const double below = std::clamp(seen.low()[axis] - low[axis], -most, most);
+    const double above = std::clamp(seen.high()[axis] - high[axis], -most, most);
     low[axis] += (below < 0 ? outward : inward) * below;
     high[axis] += (above > 0 ? outward : inward) * above;
   }
@@ -79,9 +82,8 @@ void fuse_box(ProtoObject& object, const Prediction& predicted, const Observatio
   }
   if (observation.partial) {
     if (!object.partial) return;  // a whole view outweighs a partial one
-    AxisBox both = join(box_now, observation.box);
-    both.centre = place_pose(object.place, scene.places).inverse() * both.centre;
-    object.box = both;
+    object.box = fused_box(box_now, observation.box, kParameters.grow_gain, true);
+    object.box.centre = place_pose(object.place, scene.places).inverse() * object.box.centre;
     return;
   }
   const double variance = std::max(predicted.variance, 1e-12);

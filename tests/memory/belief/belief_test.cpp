@@ -376,6 +376,23 @@ TEST_F(Belief, PartialViewAtTheBorderIsTheSameObject) {
   EXPECT_NEAR(state.find(1)->box.size.x(), 0.3, 0.01) << "pieces do not shrink what was seen whole";
 }
 
+TEST_F(Belief, SizeIsThatOfMostViewsWhereNoneShowsTheWholeObject) {
+  kitchen.objects = {{"tub", at(0, 0), {0.3, 0.2, 0.1}, kRed}};
+  for (int i = 0; i < 120; ++i) {
+    kitchen.map_from_camera = SyntheticKitchen::look_from({0.002 * i, -1, 1.4}, {0, 0, 0.72});
+    Scene scene = kitchen.scene(0.2 * i, 0.2);
+    Observation& tub = scene.observations.front();
+    tub.partial = true;
+    const bool with_neighbour = i % 20 == 19, left = i % 2 == 0;
+    tub.box.size.x() = with_neighbour ? 0.6 : 0.2;
+    tub.box.centre.x() = with_neighbour ? 0.15 : left ? -0.05 : 0.05;
+    advance(state, scene);
+  }
+  ASSERT_EQ(state.objects.size(), 1U);
+  EXPECT_NEAR(state.find(1)->box.size.x(), 0.3, 0.05);
+  EXPECT_NEAR(state.find(1)->box.centre.x(), 0, 0.03);
+}
+
 TEST_F(Belief, AnEdgeInViewIsOfTheObjectThoughMostOfItIsNot) {
   kitchen.objects = {{"mug", at(0, 0)}, {"box", at(-0.3, 0.1), {0.1, 0.1, 0.1}, kBlue}};
   const int whole = kitchen.scene(0).observations.at(0).points;
