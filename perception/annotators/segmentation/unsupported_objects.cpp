@@ -231,8 +231,11 @@ std::vector<std::vector<int>> find_unsupported_objects(const cv::Mat& points, co
     near_points.push_back(to_vector3f(p));
     near_normals.push_back(to_vector3f(n));
   }
-  const ConvexParts parts = split_groups(near_points, near_normals, {},
-                                         static_cast<float>(options.tolerance_m), options.parts, threads);
+  int groups = 0;
+  const std::vector<int> group_of =
+      euclidean_groups(near_points, static_cast<float>(options.tolerance_m), groups);
+  const ConvexParts parts =
+      split_groups(near_points, near_normals, {}, members_of(group_of, groups), options.parts, threads);
   std::vector<Pixels> candidates;
   for (const std::vector<size_t>& members : members_of(parts.part_of_point, parts.count)) {
     Pixels part;

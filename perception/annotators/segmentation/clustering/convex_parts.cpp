@@ -296,6 +296,19 @@ bool convex(const Element& a, const Element& b, const ConvexPartsOptions& option
   return skew >= limit;
 }
 
+/// The joined set of each of `members`, numbered in the order in which they come.
+std::vector<int> numbered(const std::vector<int>& members, DisjointSets& sets, size_t size, int& count) {
+  std::vector<int> number(size, -1), group_of;
+  group_of.reserve(members.size());
+  count = 0;
+  for (const int member : members) {
+    int& n = number[sets.find(static_cast<size_t>(member))];
+    if (n < 0) n = count++;
+    group_of.push_back(n);
+  }
+  return group_of;
+}
+
 }  // namespace
 
 void ConvexPartsOptions::declare(OptionTable& table) {
@@ -309,15 +322,30 @@ std::vector<int> euclidean_groups(const std::vector<Vector3f>& points, float rea
   const VoxelGrid grid(points, reach);
   DisjointSets sets(grid.cells.keys.size());
   for (const auto& [a, b] : grid.pairs) sets.join(static_cast<size_t>(a), static_cast<size_t>(b));
-  std::vector<int> number(grid.cells.keys.size(), -1);
-  std::vector<int> groups(points.size());
-  count = 0;
-  for (size_t i = 0; i < points.size(); ++i) {
-    int& n = number[sets.find(static_cast<size_t>(grid.cells.cell_of[i]))];
-    if (n < 0) n = count++;
-    groups[i] = n;
-  }
-  return groups;
+  return numbered(grid.cells.cell_of, sets, grid.cells.keys.size(), count);
+}
+
+std::vector<int> join_groups(const std::vector<int>& group_of, const std::vector<int>& pixels,
+                             const cv::Size& image, const std::function<bool(int, int)>& goes_on,
+                             int& count) {
+  constexpr int kMinContact = 3;  // pixels
+  cv::Mat shown(image, CV_32S, cv::Scalar(-1));
+  for (size_t i = 0; i < pixels.size(); ++i) shown.ptr<int>()[pixels[i]] = group_of[i];
+  std::map<std::array<int, 2>, std::array<int, 2>> contacts;  // pairs of pixels: of one surface, of two
+  for (size_t i = 0; i < pixels.size(); ++i)
+    for (const int other : {pixels[i] + 1, pixels[i] + image.width}) {
+      if (other >= image.area() || (other == pixels[i] + 1 && other % image.width == 0)) continue;
+      const int group = shown.ptr<int>()[other];
+      if (group < 0 || group == group_of[i]) continue;
+      ++contacts[{std::min(group, group_of[i]), std::max(group, group_of[i])}]
+                [goes_on(pixels[i], other) ? 0 : 1];
+    }
+  const auto groups = static_cast<size_t>(count);
+  DisjointSets sets(groups);
+  for (const auto& [pair, contact] : contacts)
+    if (contact[0] >= kMinContact && contact[0] > contact[1])
+      sets.join(static_cast<size_t>(pair[0]), static_cast<size_t>(pair[1]));
+  return numbered(group_of, sets, groups, count);
 }
 
 ConvexParts split_at_concave_edges(const std::vector<Vector3f>& points, const std::vector<Vector3f>& normals,
@@ -392,16 +420,14 @@ std::vector<std::vector<size_t>> members_of(const std::vector<int>& group_of, in
 
 ConvexParts split_groups(const std::vector<Eigen::Vector3f>& points,
                          const std::vector<Eigen::Vector3f>& normals, const std::vector<cv::Vec3b>& lab,
-                         float reach, const ConvexPartsOptions& options, int threads) {
-  int groups = 0;
-  const std::vector<int> group_of = euclidean_groups(points, reach, groups);
-  const std::vector<std::vector<size_t>> members = members_of(group_of, groups);
-  std::vector<ConvexParts> of_group(members.size());
-  parallel_each(members.size(), threads, [&](size_t g) {
+                         const std::vector<std::vector<size_t>>& groups, const ConvexPartsOptions& options,
+                         int threads) {
+  std::vector<ConvexParts> of_group(groups.size());
+  parallel_each(groups.size(), threads, [&](size_t g) {
     std::vector<Eigen::Vector3f> own_points, own_normals;
     std::vector<cv::Vec3b> own_lab;
     std::vector<float> depths;
-    for (const size_t i : members[g]) {
+    for (const size_t i : groups[g]) {
       own_points.push_back(points[i]);
       own_normals.push_back(normals[i]);
       if (!lab.empty()) own_lab.push_back(lab[i]);
@@ -413,10 +439,10 @@ ConvexParts split_groups(const std::vector<Eigen::Vector3f>& points,
   });
   ConvexParts parts;
   parts.part_of_point.assign(points.size(), -1);
-  for (size_t g = 0; g < members.size(); ++g) {
+  for (size_t g = 0; g < groups.size(); ++g) {
     const ConvexParts& own = of_group[g];
-    for (size_t i = 0; i < members[g].size(); ++i)
-      parts.part_of_point[members[g][i]] = parts.count + own.part_of_point[i];
+    for (size_t i = 0; i < groups[g].size(); ++i)
+      parts.part_of_point[groups[g][i]] = parts.count + own.part_of_point[i];
     for (const auto& [pair, contact] : own.contacts)
       parts.contacts.push_back({{pair[0] + parts.count, pair[1] + parts.count}, contact});
     parts.count += own.count;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <numeric>
 #include <opencv2/core.hpp>
 #include <utility>
@@ -58,6 +59,12 @@ struct ConvexParts {
 /// are.
 std::vector<int> euclidean_groups(const std::vector<Eigen::Vector3f>& points, float reach, int& count);
 
+/// Joins groups that the image shows side by side if one surface goes on over most of their contact: far away
+/// a slanted surface comes in steps, the quanta of the depth. `pixels`: of each point, row by row; `goes_on`:
+/// whether two neighbouring pixels show one surface. `count`: of the groups, before and after.
+std::vector<int> join_groups(const std::vector<int>& group_of, const std::vector<int>& pixels,
+                             const cv::Size& image, const std::function<bool(int, int)>& goes_on, int& count);
+
 /// Splits a cloud where its surface is concave, as touching objects are and single objects mostly are not
 /// (after Stein et al., "Object partitioning using local convexity", CVPR 2014): voxels grow into patches of
 /// one orientation, and neighbouring patches stay together when their connection is convex; patches of
@@ -68,11 +75,12 @@ ConvexParts split_at_concave_edges(const std::vector<Eigen::Vector3f>& points,
                                    const std::vector<cv::Vec3b>& lab, double scale,
                                    const ConvexPartsOptions& options);
 
-/// Connected groups of points as euclidean_groups() makes them, each split at its concave edges, at a scale
-/// that follows the depth noise at its distance. `points`: camera frame. The same on any number of threads.
+/// Groups of points, given by their members, each split at its concave edges, at a scale that follows the
+/// depth noise at its distance. `points`: camera frame. The same on any number of threads.
 ConvexParts split_groups(const std::vector<Eigen::Vector3f>& points,
                          const std::vector<Eigen::Vector3f>& normals, const std::vector<cv::Vec3b>& lab,
-                         float reach, const ConvexPartsOptions& options, int threads);
+                         const std::vector<std::vector<size_t>>& groups, const ConvexPartsOptions& options,
+                         int threads);
 
 /// The numbers of the points of each group, in order.
 std::vector<std::vector<size_t>> members_of(const std::vector<int>& group_of, int count);

@@ -281,6 +281,18 @@ class ClusterMaker {
     cluster.open = measured == 0 ? 0 : static_cast<double>(open) / measured;
   }
 
+  /// Whether two pixels near each other, on either side of an edge, show one surface: each lies on the
+  /// other's tangent plane.
+  bool goes_on(int from, int to) const {
+    const cv::Vec3f apart = points_.ptr<cv::Vec3f>()[to] - points_.ptr<cv::Vec3f>()[from];
+    const cv::Vec3f& a = normals_.ptr<cv::Vec3f>()[from];
+    const cv::Vec3f& b = normals_.ptr<cv::Vec3f>()[to];
+    const auto z = static_cast<double>(points_.ptr<cv::Vec3f>()[from][2]);
+    const auto reach = static_cast<float>(0.002 + 2.5 * depth_noise(z));
+    constexpr float kMinCosine = 0.8f;
+    return a.dot(b) > kMinCosine && std::abs(a.dot(apart)) < reach && std::abs(b.dot(apart)) < reach;
+  }
+
  private:
   /// Whether the map has a surface where a pixel is measured, or up to `behind` metres behind it.
   bool near_map(int pixel, double behind) const {
@@ -308,18 +320,6 @@ class ClusterMaker {
       }
     if (errors.size() < kMinPixels) return std::nullopt;
     return static_cast<double>(median(std::move(errors)));
-  }
-
-  /// Whether two pixels near each other, on either side of an edge, show one surface: each lies on the
-  /// other's tangent plane.
-  bool goes_on(int from, int to) const {
-    const cv::Vec3f apart = points_.ptr<cv::Vec3f>()[to] - points_.ptr<cv::Vec3f>()[from];
-    const cv::Vec3f& a = normals_.ptr<cv::Vec3f>()[from];
-    const cv::Vec3f& b = normals_.ptr<cv::Vec3f>()[to];
-    const auto z = static_cast<double>(points_.ptr<cv::Vec3f>()[from][2]);
-    const auto reach = static_cast<float>(0.002 + 2.5 * depth_noise(z));
-    constexpr float kMinCosine = 0.8f;
-    return a.dot(b) > kMinCosine && std::abs(a.dot(apart)) < reach && std::abs(b.dot(apart)) < reach;
   }
 
   /// Most of an object is over the support, as far as one can see; a chair or a wall behind it is not. The
@@ -370,13 +370,16 @@ class ClusterMaker {
 };
 
 /// Convex parts of everything on a support.
-ConvexParts parts_of(const Standing& all, const std::vector<cv::Vec3b>& lab, const ClusterOptions& options,
-                     int threads) {
-  const auto reach = static_cast<float>(options.tolerance_m * 0.6);
-  if (options.split) return split_groups(all.points, all.normals, lab, reach, options.parts, threads);
+ConvexParts parts_of(const Standing& all, const std::vector<cv::Vec3b>& lab, const ClusterMaker& maker,
+                     const cv::Size& image, const ClusterOptions& options, int threads) {
   ConvexParts groups;
-  groups.part_of_point = euclidean_groups(all.points, reach, groups.count);
-  return groups;
+  const std::vector<int> near =
+      euclidean_groups(all.points, static_cast<float>(options.tolerance_m * 0.6), groups.count);
+  groups.part_of_point = join_groups(
+      near, all.pixels, image, [&](int from, int to) { return maker.goes_on(from, to); }, groups.count);
+  if (!options.split) return groups;
+  return split_groups(all.points, all.normals, lab, members_of(groups.part_of_point, groups.count),
+                      options.parts, threads);
 }
 
 /// Takes apart what touches beside each other or stands upon each other in each of `objects` (indices into
@@ -540,7 +543,7 @@ std::vector<ObjectCluster> extract_clusters(const ClusterImages& images, const m
     const ClusterMaker maker(images, camera, grounds[s], static_cast<int>(s), options);
     const Vector2f viewpoint = supports[s].in_plane(Vector3d::Zero()).head<2>().cast<float>();
     const std::vector<cv::Vec3b> lab = lab_colors(all.points, images);
-    const ConvexParts parts = parts_of(all, lab, options, threads);
+    const ConvexParts parts = parts_of(all, lab, maker, points.size(), options, threads);
     int count = 0;
     const std::vector<int> object_of_part =
         assemble_parts(parts,
