@@ -198,7 +198,7 @@ bool is_of_one(const Outline& outline) {
   cv::findNonZero(outline.mask, points);
   cv::convexHull(points, hull);
   const cv::Size2f sides = cv::minAreaRect(hull).size;
-  const auto [thin, length] = std::minmax(sides.width + 1, sides.height + 1);
+  const auto [thin, length] = std::minmax({sides.width + 1, sides.height + 1});
   // The hull runs through the middle of pixels.
   const double area = cv::contourArea(hull) + cv::arcLength(hull, true) / 2 + 1;
   return length > kMinLong * static_cast<double>(thin) || outline.pixels > kMinSolid * area;
