@@ -1,4 +1,5 @@
 #include "apps/evaluate/changes/comparison.h"
+#include "apps/evaluate/changes/mistakes.h"
 #include "apps/evaluate/changes/remember.h"
 #include "apps/evaluate/commands.h"
 #include "mapping/base/files.h"
@@ -13,10 +14,14 @@ struct Arguments {
   std::string memory;
   std::string map;
   std::string pipeline;
-  std::string diagram;
+  std::string diagram, mistakes;
 };
 
 void run(const Arguments& arguments, Session& session) {
+  if (!arguments.mistakes.empty()) {
+    make_folder(arguments.mistakes);
+    session.check_outputs(arguments.mistakes, {changes::kMistakesFile});
+  }
   const std::shared_ptr<mapping::Recording> recording = mapping::open_recording(arguments.folder);
   const TemporaryFolder folder("loci-evaluate-changes");
   changes::RememberOptions options;
@@ -27,11 +32,15 @@ void run(const Arguments& arguments, Session& session) {
   options.program = "loci-evaluate changes";
   options.threads = session.flags().threads;
   changes::remember(recording, options, session.progress(), session.warnings());
-  const std::vector<changes::Comparison> methods =
-      changes::compare_all(arguments.folder, *recording, memory::Store::open_read(options.memory));
+  const memory::Store store = memory::Store::open_read(options.memory);
+  const std::vector<changes::Comparison> methods = changes::compare_all(arguments.folder, *recording, store);
   if (!arguments.diagram.empty())
     write_file_atomically(arguments.diagram,
-                          changes::reliability_diagrams({{"association", methods.front().association}}));
+                          changes::reliability_diagrams(changes::stated_associations(methods)));
+  if (!arguments.mistakes.empty())
+    write_file_atomically(std::filesystem::path(arguments.mistakes) / changes::kMistakesFile,
+                          changes::mistakes_page(
+                              changes::worst_mistakes(methods.front(), arguments.folder, *recording, store)));
   session.answer(changes::text(methods, session.flags().verbose), changes::to_json(methods));
 }
 
@@ -49,6 +58,9 @@ Command changes_command() {
             table.option("-o,--output MEMORY", &arguments->memory, "Keep the memory in this file");
             table.option("--map MAP", &arguments->map, "URDF of the map; the sidecar is found beside it");
             table.option("--diagram FILE", &arguments->diagram, "Draw the reliability of associations (SVG)");
+            table.option("--mistakes FOLDER", &arguments->mistakes,
+                         "Write mistakes.html, a page of the ten worst mistakes, into this folder",
+                         {.replaces = true});
             table.option("--pipeline FILE", &arguments->pipeline,
                          "Pipeline as YAML instead of the default one");
             return [arguments](Session& session) { run(*arguments, session); };

@@ -2,6 +2,7 @@
 
 #include "apps/evaluate/changes/answers.h"
 #include "apps/evaluate/changes/comparison.h"
+#include "apps/evaluate/changes/mistakes.h"
 #include "apps/evaluate/changes/random_day.h"
 #include "apps/evaluate/changes/remember.h"
 #include "apps/evaluate/changes/truth.h"
@@ -21,7 +22,7 @@ struct Arguments {
   uint64_t seed = 1;
   std::vector<std::string> worlds, package_paths;
   std::string samples = "apps/samples", map, keep;
-  std::string diagrams;
+  std::string diagrams, mistakes;
   bool drawers = false;
 };
 
@@ -29,6 +30,7 @@ struct Arguments {
 struct DayResult {
   std::vector<changes::Comparison> methods;
   changes::AnswerScore answers;
+  std::vector<changes::Mistake> mistakes = {};  ///< where they are asked for
 };
 
 /// A kitchen, and where days can be in it.
@@ -79,15 +81,23 @@ DayResult one_day(const Arguments& arguments, const Kitchen& kitchen, int run, c
   std::vector<changes::TrueObject> clutter;
   if (!arguments.map.empty())
     clutter = changes::clutter_of(kitchen.urdf, record_options.package_paths, session.warnings());
-  return {changes::compare_all(day, *recording, store, clutter), changes::score_answers(day, store)};
+  DayResult result{changes::compare_all(day, *recording, store, clutter), changes::score_answers(day, store)};
+  if (!arguments.mistakes.empty())
+    result.mistakes = changes::worst_mistakes(result.methods.front(), day, *recording, store);
+  return result;
 }
 
 void run(const Arguments& arguments, Session& session) {
   const TemporaryFolder temporary("loci-evaluate-days");
   const fs::path folder = arguments.keep.empty() ? temporary.path() : fs::path(arguments.keep);
   make_folder(folder);
+  if (!arguments.mistakes.empty()) {
+    make_folder(arguments.mistakes);
+    session.check_outputs(arguments.mistakes, {changes::kMistakesFile});
+  }
   const std::vector<Kitchen> kitchens = kitchens_of(arguments, session.warnings());
   std::vector<changes::Comparison> all;
+  std::vector<changes::Mistake> mistakes;
   changes::AnswerScore answers;
   std::string text;
   Json days = Json::array();
@@ -97,6 +107,7 @@ void run(const Arguments& arguments, Session& session) {
         one_day(arguments, kitchens[static_cast<size_t>(i) % kitchens.size()], i, folder, progress, session);
     const std::vector<changes::Comparison>& day = result.methods;
     answers.add(result.answers);
+    mistakes.insert(mistakes.end(), result.mistakes.begin(), result.mistakes.end());
     text += fmt::format("day {}: {} of {} right; identity F1 {:.3f}, {:.3f}, {:.3f}\n", i + 1, day[0].right(),
                         day[0].certain(), day[0].identity_f1(), day[1].identity_f1(), day[2].identity_f1());
     days.push_back(
@@ -104,14 +115,19 @@ void run(const Arguments& arguments, Session& session) {
     all.resize(day.size());
     for (size_t method = 0; method < day.size(); ++method) all[method].add(day[method]);
   }
-  if (!arguments.diagrams.empty())
-    write_file_atomically(arguments.diagrams,
-                          changes::reliability_diagrams({{"association", all.front().association},
-                                                         {"existence", answers.existence_stated},
-                                                         {"place", answers.place_stated},
-                                                         {"was", answers.was_stated}}));
+  if (!arguments.diagrams.empty()) {
+    std::vector<std::pair<std::string, changes::Stated>> stated = changes::stated_associations(all);
+    stated.emplace_back("existence", answers.existence_stated);
+    stated.emplace_back("place", answers.place_stated);
+    stated.emplace_back("was", answers.was_stated);
+    write_file_atomically(arguments.diagrams, changes::reliability_diagrams(stated));
+  }
+  if (!arguments.mistakes.empty())
+    write_file_atomically(fs::path(arguments.mistakes) / changes::kMistakesFile,
+                          changes::mistakes_page(mistakes));
   Json json = changes::to_json(all);
   json.erase("transitions");
+  json.erase("statements");
   json["days"] = days;
   json["answers"] = to_json(answers);
   session.answer(text + "\n" + changes::text(all, false) + "\n" + changes::text(answers), json);
@@ -141,6 +157,9 @@ Command days_command() {
                          "Perceive against this map (URDF) instead of the world itself");
             table.option("--diagrams FILE", &arguments->diagrams,
                          "Draw reliability diagrams (SVG) of association, existence, place and was");
+            table.option("--mistakes FOLDER", &arguments->mistakes,
+                         "Write mistakes.html, a page of the ten worst mistakes, into this folder",
+                         {.replaces = true});
             table.option("-o,--output FOLDER", &arguments->keep,
                          "Keep scenarios, recordings and memories in this folder");
             return [arguments](Session& session) { run(*arguments, session); };

@@ -38,11 +38,15 @@ bool in_image(const Vector3d& point, const Moment& moment) {
   return u >= 0 && v >= 0 && u < moment.camera->width && v < moment.camera->height;
 }
 
+/// RoboSherlock's similarity of a pair, in [0,1].
+double combined(const Entry& old, const Sight& seen) {
+  const double proximity = memory::belief::gaussian_similarity(distance(old, seen), kReach);
+  return 0.5 * similar(old, seen) + 0.5 * proximity;
+}
+
 Pairs greedy_pairs(const std::vector<Entry>& old, const std::vector<Sight>& seen) {
-  return mutual_best(old.size(), seen.size(), kMinCombined, [&](size_t o, size_t k) {
-    const double proximity = memory::belief::gaussian_similarity(distance(old[o], seen[k]), kReach);
-    return 0.5 * similar(old[o], seen[k]) + 0.5 * proximity;
-  });
+  return mutual_best(old.size(), seen.size(), kMinCombined,
+                     [&](size_t o, size_t k) { return combined(old[o], seen[k]); });
 }
 
 Pairs nearest_pairs(const std::vector<Entry>& old, const std::vector<Sight>& seen) {
@@ -50,18 +54,27 @@ Pairs nearest_pairs(const std::vector<Entry>& old, const std::vector<Sight>& see
                        [&](size_t o, size_t k) { return distance(old[o], seen[k]); });
 }
 
+using Similarity = double (*)(const Entry&, const Sight&);
+
+/// A similarity read as the probability of being the same; of what is new, that it is none of the known.
 template <class PairUp>
-Story tell(const Moments& moments, PairUp pair_up) {
+Story tell(const Moments& moments, PairUp pair_up, Similarity similarity) {
   Story story;
   std::vector<Entry> old;
   memory::Id next = 1;
   for (const auto& [frame, moment] : moments) {
     Told& told = story[frame];
     std::vector<bool> found(old.size()), known(moment.sights.size());
+    if (similarity != nullptr)
+      for (const Sight& sight : moment.sights) {
+        double& is_new = told.probability[sight.observation] = 1;
+        for (const Entry& entry : old) is_new = std::min(is_new, 1 - similarity(entry, sight));
+      }
     for (const auto& [o, k] : pair_up(old, moment.sights)) {
       const Sight& sight = moment.sights[k];
       found[o] = known[k] = true;
       told.object_of[sight.observation] = old[o].id;
+      if (similarity != nullptr) told.probability[sight.observation] = similarity(old[o], sight);
       if (distance(old[o], sight) > kMoved)
         told.events[old[o].id].insert("moved");
       else if (similar(old[o], sight) < kMinSimilar)
@@ -89,11 +102,11 @@ Story tell(const Moments& moments, PairUp pair_up) {
 }  // namespace
 
 Story greedy_story(const Moments& moments) {
-  return tell(moments, greedy_pairs);
+  return tell(moments, greedy_pairs, combined);
 }
 
 Story nearest_story(const Moments& moments) {
-  return tell(moments, nearest_pairs);
+  return tell(moments, nearest_pairs, nullptr);
 }
 
 }  // namespace loci::apps::changes

@@ -11,8 +11,9 @@ namespace {
 
 /// One frame: which object each true object is taken for.
 struct Frame {
-  std::map<std::string, memory::Id> object;   ///< of true objects that were found; 0 = not attributed
-  std::map<std::string, double> probability;  ///< of true objects: stated, of being this object
+  std::map<std::string, memory::Id> object;       ///< of true objects that were found; 0 = not attributed
+  std::map<std::string, memory::Id> observation;  ///< of true objects that were found
+  std::map<std::string, double> probability;      ///< of true objects: stated, of being this object
   std::map<memory::Id, std::set<std::string>> events;
   std::set<memory::Id> seen;     ///< objects
   std::set<memory::Id> clutter;  ///< of these, what the room's clutter was taken for
@@ -62,6 +63,7 @@ std::vector<TrueObject> true_objects_in(const std::map<int64_t, std::vector<True
 }
 
 void record(const std::string& true_object, memory::Id observation, const Told& told, Frame& frame) {
+  frame.observation[true_object] = observation;
   const auto object = told.object_of.find(observation);
   frame.object[true_object] = object == told.object_of.end() ? 0 : object->second;
   const auto stated = told.probability.find(observation);
@@ -99,9 +101,10 @@ std::map<int64_t, Frame> read_frames(const Truth& truth, const Moments& moments,
   return frames;
 }
 
-memory::Id object_in(const Frame& frame, const std::string& true_object) {
-  const auto found = frame.object.find(true_object);
-  return found == frame.object.end() ? 0 : found->second;
+/// What it is in a frame; 0 = not in it.
+memory::Id id_in(const std::map<std::string, memory::Id>& ids, const std::string& true_object) {
+  const auto found = ids.find(true_object);
+  return found == ids.end() ? 0 : found->second;
 }
 
 class Judge {
@@ -109,11 +112,17 @@ class Judge {
   explicit Judge(const std::map<int64_t, Frame>& frames) : frames_(frames) {}
 
   JudgedTransition judge(const TrueTransition& truth) const {
-    JudgedTransition judged{truth, "", 0, 0};
+    JudgedTransition judged{truth, ""};
     const Frame& from = frames_.at(truth.from_frame);
     const Frame& to = frames_.at(truth.to_frame);
-    judged.from_object = truth.kind == "added" ? 0 : object_in(from, truth.object);
-    judged.to_object = truth.kind == "removed" ? 0 : object_in(to, truth.object);
+    if (truth.kind != "added") {
+      judged.from_object = id_in(from.object, truth.object);
+      judged.from_observation = id_in(from.observation, truth.object);
+    }
+    if (truth.kind != "removed") {
+      judged.to_object = id_in(to.object, truth.object);
+      judged.to_observation = id_in(to.observation, truth.object);
+    }
     if (truth.kind == "added")
       judged.said = said_added(judged);
     else if (truth.kind == "removed")
@@ -335,11 +344,16 @@ double Comparison::identity_f1() const {
   return sum == 0 ? 1.0 : 2 * double(agreed) / double(sum);
 }
 
+std::vector<std::pair<std::string, Stated>> stated_associations(const std::vector<Comparison>& methods) {
+  std::vector<std::pair<std::string, Stated>> stated;
+  for (const Comparison& method : methods)
+    if (!method.association.empty()) stated.emplace_back("association, " + method.method, method.association);
+  return stated;
+}
+
 std::vector<Comparison> compare_all(const std::filesystem::path& folder, const mapping::Recording& recording,
                                     const memory::Store& memory, const std::vector<TrueObject>& clutter) {
-  std::vector<int64_t> frames;
-  for (size_t i = 0; i < recording.size(); ++i) frames.push_back(recording.index_of(i));
-  Truth truth = read_truth(folder, frames);
+  Truth truth = read_truth(folder, recording);
   truth.clutter = clutter;
   const Moments moments = read_moments(memory);
   std::vector<Comparison> methods = {compare("loci", truth, moments, memory_story(memory, moments)),

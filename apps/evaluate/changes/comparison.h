@@ -23,8 +23,9 @@ inline constexpr const char* kSaidKinds[] = {"unchanged", "moved",         "look
 /// What is said about one true transition.
 struct JudgedTransition {
   TrueTransition truth;
-  std::string said;                           ///< one of kSaidKinds
-  memory::Id from_object = 0, to_object = 0;  ///< objects at the two ends; 0 = none
+  std::string said;                                     ///< one of kSaidKinds
+  memory::Id from_object = 0, to_object = 0;            ///< objects at the two ends; 0 = none
+  memory::Id from_observation = 0, to_observation = 0;  ///< of it at the two ends; 0 = not found
   bool counts() const { return truth.kind != "uncertain"; }
   /// The kind of the truth; moved also for what moved and turned, moved or looks_different for what turned in
   /// its place, looks_different for what was given another colour.
@@ -56,6 +57,9 @@ struct Comparison {
   /// F1 over the sightings of objects: 2 agreed / (visible + attributed), [Ristani 2016].
   double identity_f1() const;
 };
+
+/// The associations of the methods that state probabilities, for reliability_diagrams().
+std::vector<std::pair<std::string, Stated>> stated_associations(const std::vector<Comparison>& methods);
 
 /// Pairs true objects with what was observed in a frame, nearest first; index of the object by that of the
 /// sight.

@@ -29,7 +29,8 @@ Story memory_story(const memory::Store& store, const Moments& moments) {
   std::set<memory::Id> put_elsewhere;  // observations whose object was found in another place than before
   for (const auto& [frame, moment] : moments) {
     frame_of_scene[moment.scene] = frame;
-    const std::vector<memory::AssociationRow> rows = store.associations(moment.scene);
+    const std::vector<memory::AssociationRow>& rows = story[frame].alternatives =
+        store.associations(moment.scene);
     for (const memory::AssociationRow& row : rows) {
       if (!row.chosen || !row.observation || !row.object) continue;
       story[frame].object_of[*row.observation] = *row.object;

@@ -34,6 +34,7 @@ struct Told {
       events;  ///< by object: appeared, moved, looks_different, gone, ...
   /// Of observations: that it is of this object. Only of methods that state one.
   std::map<memory::Id, double> probability = {};
+  std::vector<memory::AssociationRow> alternatives = {};  ///< of a memory: all that it considered
 };
 
 using Moments = std::map<int64_t, Moment>;  ///< by frame index of the recording

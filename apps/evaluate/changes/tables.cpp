@@ -33,6 +33,12 @@ std::string figures(const std::vector<Comparison>& methods) {
   out += line("false disappearances", methods, [](const Comparison& c) { return c.false_gone; });
   out += line("recognised on return", methods,
               [](const Comparison& c) { return share(c.recognised, c.returned); });
+  out += line("association, Brier score", methods, [](const Comparison& c) {
+    return c.association.empty() ? std::string("-") : fmt::format("{:.3f}", brier_score(c.association));
+  });
+  out += line("calibration error", methods, [](const Comparison& c) {
+    return c.association.empty() ? std::string("-") : fmt::format("{:.3f}", calibration_error(c.association));
+  });
   out += line("objects that are no object", methods, [](const Comparison& c) { return c.phantoms; });
   return out;
 }
@@ -74,6 +80,16 @@ Json list_of(const Comparison& comparison) {
   return list;
 }
 
+Json association_of(const Stated& stated) {
+  Json bins = Json::array();
+  for (const ReliabilityBin& bin : reliability_bins(stated))
+    bins.push_back({{"count", bin.count}, {"stated", bin.stated}, {"right", bin.right}});
+  return {{"stated", stated.size()},
+          {"calibration_error", calibration_error(stated)},
+          {"brier", brier_score(stated)},
+          {"bins", bins}};
+}
+
 Json figures_of(const Comparison& comparison) {
   Json table = Json::object(), kinds = Json::object();
   for (const char* kind : kTrueKinds) {
@@ -94,6 +110,7 @@ Json figures_of(const Comparison& comparison) {
           {"returned", comparison.returned},
           {"recognised", comparison.recognised},
           {"phantoms", comparison.phantoms},
+          {"association", association_of(comparison.association)},
           {"arbiter",
            {{"observations", comparison.arbiter.observations},
             {"settled", comparison.arbiter.settled},
@@ -118,11 +135,10 @@ std::string text(const std::vector<Comparison>& methods, bool verbose) {
 Json to_json(const std::vector<Comparison>& methods) {
   Json json = figures_of(methods.front());
   json["transitions"] = list_of(methods.front());
-  const Stated& association = methods.front().association;
-  json["association"] = {{"stated", association.size()},
-                         {"calibration_error", calibration_error(association)},
-                         {"brier", brier_score(association)}};
-  for (const Comparison& method : methods) json["methods"][method.method] = figures_of(method);
+  for (const Comparison& method : methods) {
+    json["methods"][method.method] = figures_of(method);
+    json["statements"][method.method] = method.association;
+  }
   return json;
 }
 

@@ -182,8 +182,10 @@ Truth read_simulation(const std::filesystem::path& file) {
 
 }  // namespace
 
-Truth read_truth(const std::filesystem::path& folder, const std::vector<int64_t>& frames) {
+Truth read_truth(const std::filesystem::path& folder, const mapping::Recording& recording) {
   if (std::filesystem::exists(folder / "truth.jsonl")) return read_simulation(folder / "truth.jsonl");
+  std::vector<int64_t> frames;
+  for (size_t i = 0; i < recording.size(); ++i) frames.push_back(recording.index_of(i));
   if (std::filesystem::exists(folder / "transitions.csv")) return read_tables(folder, frames);
   throw Error("this folder has no truth to compare with", {folder.string(), 0, {}},
               "it needs objects.csv and transitions.csv, or truth.jsonl");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mapping/base/math/pose.h"
+#include "mapping/recording/recording.h"
 
 namespace loci::apps::changes {
 
@@ -42,8 +43,8 @@ struct Truth {
 };
 
 /// Reads objects.csv and transitions.csv (the layout of osd_changes), or truth.jsonl of a simulated
-/// recording. `frames` are the recording's frame indexes in order. Error when the folder has neither.
-Truth read_truth(const std::filesystem::path& folder, const std::vector<int64_t>& frames);
+/// recording. Error when the folder has neither.
+Truth read_truth(const std::filesystem::path& folder, const mapping::Recording& recording);
 
 /// What stands about in a world and does not belong to its furniture: links whose names begin with bottle,
 /// box, crate, cup, kettle, pot or toaster.

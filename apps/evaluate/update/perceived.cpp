@@ -168,9 +168,7 @@ struct Said {
 
 Said said_of(const fs::path& folder, const mapping::Recording& recording, const memory::Store& store,
              const std::map<std::string, Table>& table_of, const std::set<std::string>& moved_links) {
-  std::vector<int64_t> frames;
-  for (size_t i = 0; i < recording.size(); ++i) frames.push_back(recording.index_of(i));
-  const changes::Truth truth = changes::read_truth(folder, frames);
+  const changes::Truth truth = changes::read_truth(folder, recording);
   memory::Id number = 0;
   for (const memory::RecordingRow& row : store.recordings())
     if (row.name == folder.filename()) number = row.id;
