@@ -44,6 +44,14 @@ const std::set<std::string> kFillers = {"the",   "a",      "an",     "my",      
                                         "thing", "things", "object", "objects", "item", "items",
                                         "one",   "ones",   "all",    "any",     "some", "everything"};
 
+/// "South counter" is counter_south.
+bool has_all_words(const std::string& name, const std::vector<std::string>& asked) {
+  const std::vector<std::string> words = words_of(lower_case(name), "_ ");
+  return asked.size() > 1 && std::ranges::all_of(asked, [&](const std::string& word) {
+    return std::ranges::count(words, word.ends_with("ern") ? word.substr(0, word.size() - 3) : word) > 0;
+  });
+}
+
 std::vector<Id> unique(std::vector<Id> ids) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
@@ -141,6 +149,8 @@ std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
   }
   take([&](const PlaceRow& place) { return lower_case(place.name).starts_with(joined + "_"); });
   take([&](const PlaceRow& place) { return lower_case(place.class_name) == joined; });
+  const std::vector<std::string> words = lower_case_words(name);
+  take([&](const PlaceRow& place) { return has_all_words(place.name, words); });
   return found;
 }
 
@@ -148,9 +158,10 @@ std::vector<PlaceRow> Snapshot::places_meant(const std::string& asked) const {
   std::vector<std::string> words = lower_case_words(with_names_joined(asked));
   while (words.size() > 1 && kFillers.contains(words.front())) words.erase(words.begin());
   std::vector<PlaceRow> found = places_called(phrase(words, 0));
-  // "kitchen table" may be any table, "top drawer" not any drawer.
-  static const std::set<std::string> restricting = {"top",   "bottom", "upper", "lower", "left",
-                                                    "right", "middle", "other", "next",  "lowest"};
+  // "kitchen table" may be any table, "top drawer" and "north counter" not any of their kind.
+  static const std::set<std::string> restricting = {
+      "top",   "bottom", "upper", "lower", "left",     "right",    "middle",  "other",  "next", "lowest",
+      "north", "south",  "east",  "west",  "northern", "southern", "eastern", "western"};
   const bool restricted =
       std::ranges::any_of(words, [](const std::string& word) { return restricting.contains(word); });
   if (found.empty() && words.size() > 1 && !restricted) found = places_called(words.back());
