@@ -246,6 +246,8 @@ const std::vector<Pattern>& meanings() {
       {"the|my <x:name> , the <c:colour> one $", "the <c> <x>"},
       {"the|my <x:name> , the one that? is? in|inside <p:name> , <z>", "the <x> in <p> , <z>"},
       {"the|my <x:name> , the one that? is? on|at <p:name> , <z>", "the <x> on <p> , <z>"},
+      {"^ has|have <p:name> stayed|remained put", "was <p> never moved"},
+      {"^ did <p:name> stay|remain put", "was <p> never moved"},
       // A choice of places in the past: where it was.
       {"^ was|were <x:name> in|on|at <a:name> or in|on|at? <b:name> <t> $", "where was <x> <t>"},
       // Telegrams.
@@ -307,8 +309,6 @@ const std::vector<Pattern>& constructions() {
       {"^ is|are <p:name> still? where it|they was|were at|in? <t> $", "was <p> never moved since <t>"},
       {"^ is|are <p:name> still? where i|we|someone left|put it|them $", "was <p> never moved"},
       {"^ is|are it|they still? where i|we|someone left|put it|them $", "was it never moved"},
-      {"^ has|have <p:name> stayed|remained put", "was <p> never moved"},
-      {"^ did <p:name> stay|remain put", "was <p> never moved"},
       // When it ends.
       {"how long <x> before|until|till someone|somebody|anyone|anybody <v> it|them|that away|up|again|shut? "
        "$",
@@ -386,7 +386,7 @@ bool asks_to_confirm(const Words& words) {
 /// Of "which one", "which of these" at a word; 0 = another word is there.
 size_t length_of_choice(const Words& words, size_t at) {
   static const std::vector<Words> choices =
-      expand_form("which (one|ones)|which [one|ones] of (these|those|them)|which [one|ones] of the two");
+      expand_form("which (one|ones)|which [one|ones] of (these|those|them)");
   size_t longest = 0;
   for (const Words& choice : choices)
     if (starts_with_words(words, choice, at)) longest = std::max(longest, choice.size());
@@ -417,6 +417,18 @@ bool take_list(Words& words, const IsName& is_name) {
   words.erase(mark, words.end());
   replace_words(words, 1, length - 1, list);
   return true;
+}
+
+/// "So the oil left the counter": "did the oil left the counter"; others as they are.
+void ask_whether(Words& words) {
+  const auto is_auxiliary = [](const std::string& word) {
+    return class_of(lemma_of(word)) == WordClass::auxiliary;
+  };
+  if (std::ranges::any_of(words, is_auxiliary)) return;
+  const auto that = std::ranges::find(words, "that");
+  auto first = that == words.end() ? words.begin() : that + 1;
+  while (first != words.end() && (*first == "so" || *first == "and" || is_mark(*first))) ++first;
+  words.insert(words.erase(words.begin(), first), "did");
 }
 
 }  // namespace
@@ -460,8 +472,9 @@ std::optional<ContraryQuestion> contrary_question(const std::string& sentence) {
       std::swap(words[*at], words[*at + 1]);
     else
       words.insert(words.begin() + static_cast<std::ptrdiff_t>(*at), "did");
-  } else if (!affirm(words)) {
-    replace_words(words, *at, 1, {});
+  } else {
+    if (!affirm(words)) replace_words(words, *at, 1, {});
+    ask_whether(words);
   }
   return ContraryQuestion{joined(words, " "), nobody};
 }
