@@ -331,6 +331,9 @@ std::optional<SentencePeriod> cut_longest(Words& words, TimesOfSentence& times) 
 /// "between 8 and 9" with "yesterday"; unset when both cannot hold.
 std::optional<SentencePeriod> combined(const SentencePeriod& inner, const SentencePeriod& outer,
                                        const TimeReader& times) {
+  // "After lunch and before dinner".
+  if (inner.to.empty() && outer.from.empty() && times.read(inner.from).first <= times.read(outer.to).last)
+    return SentencePeriod{inner.from, outer.to};
   if (outer.from != outer.to) return std::nullopt;
   const TimeSpan day = times.read(outer.from);
   SentencePeriod period = inner;
@@ -357,6 +360,7 @@ std::optional<SentencePeriod> cut_time(Words& words, const TimeReader& times) {
   auto both = combined(*first, *second, times);
   if (!both) both = combined(*second, *first, times);
   if (both) words = rest;
+  if (both && !words.empty() && words.back() == "and") words.pop_back();
   return both ? both : first;
 }
 

@@ -252,6 +252,7 @@ const std::vector<Pattern>& meanings() {
       {"^ was|were <x:name> in|on|at <a:name> or in|on|at? <b:name> <t> $", "where was <x> <t>"},
       // Telegrams.
       {"^ objects|things|items that|which <x>", "what <x>"},
+      {"^ objects|things|items within <x>", "what is within <x>"},
       {"^ objects|things|items moved|touched|handled <x>", "what was moved <x>"},
       {"^ objects|things|items appeared|added <x>", "what appeared <x>"},
       {"^ gone|missing|vanished objects|things|items $", "what has gone"},
@@ -480,8 +481,12 @@ std::optional<ContraryQuestion> contrary_question(const std::string& sentence) {
 }
 
 std::string with_choice(const std::string& question, const std::string& subject) {
+  static const std::vector<Words> any =
+      expand_form("(is|are) there (any|some|one) [left]|have (i|we) [got] (any|some|one) [left]");
   Words words = words_and_marks(question);
   const size_t length = length_of_choice(words, 0);
+  while (!words.empty() && is_mark(words.back())) words.pop_back();
+  if (!subject.empty() && std::ranges::count(any, words) > 0) return "is there any " + subject + "?";
   if (length == 0 || subject.empty()) return question;
   replace_words(words, 1, length - 1, words_of(subject));
   return joined(words, " ");

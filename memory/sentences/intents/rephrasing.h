@@ -32,7 +32,7 @@ struct ContraryQuestion {
 /// Of what nobody did, of nothing, and of negations that are to be confirmed; unset for other sentences.
 std::optional<ContraryQuestion> contrary_question(const std::string& sentence);
 
-/// "Which one has moved?" asks which of what was spoken of; "" = nothing was.
+/// "Which one has moved?", "is there any left?" ask of what was spoken of; "" = nothing was.
 std::string with_choice(const std::string& question, const std::string& subject);
 /// Whether the sentence asks which of what was spoken of: an answer about everything is none.
 bool chooses(const std::string& sentence);
