@@ -28,9 +28,9 @@ void run(const Arguments& arguments, Session& session) {
     const double share = 1 / static_cast<double>(by_memory.size());
     PartialProgress progress(session.progress(), done, done + share);
     done += share;
-    const questions::AskedMemory memory = questions::asked_memory(
-        name, folder, {arguments.samples, arguments.kitchens}, session.flags().threads, progress,
-        session.warnings());
+    const questions::AskedMemory memory =
+        questions::asked_memory(name, folder, {arguments.samples, arguments.kitchens},
+                                session.flags().threads, progress, session.warnings());
     const memory::Store store = memory::Store::open_read(memory.file);
     for (const questions::AskedQuestion& one : asked)
       figures.answers.push_back(judge(one, store, memory.names, memory.twins));

@@ -79,7 +79,7 @@ class Conversation {
     NaturalLanguageAnswer answer = answer_text(named);
     if (!answer.reply)
       if (auto respelled = answer_respelled(named)) answer = std::move(*respelled);
-    if (answer.reply && !answer.query->arguments.contains("object") && chooses(named)) answer = {};
+    if (answer.reply && names_nothing(*answer.query) && chooses(named)) answer = {};
     answer.sentence = sentence;
     if (!answer.query) {
       set_not_understood(answer);
@@ -172,6 +172,12 @@ class Conversation {
   void add_more(const std::string& question, NaturalLanguageAnswer& answer) {
     const NaturalLanguageAnswer more = answer_by_rules(question);
     if (more.reply) answer.reply = in_lines({*answer.reply, *more.reply});
+  }
+
+  /// Whether a query is about all objects, or the biggest of all.
+  static bool names_nothing(const Query& query) {
+    const std::string object = query.argument("object");
+    return object.empty() || is_superlative(object);
   }
 
   bool is_name(const std::string& words) const {

@@ -101,8 +101,7 @@ class PeriodReader {
     for (const Words& whole : wholes)
       if (starts_with_words(words_, whole, first_) && first_ + whole.size() + 1 == last_) {
         const std::string text = words_[last_ - 1] == "day" ? "today" : "this " + words_[last_ - 1];
-        if (times_.try_read(text))
-          return SentencePeriod{text, text, false, !within.contains(whole[0])};
+        if (times_.try_read(text)) return SentencePeriod{text, text, false, !within.contains(whole[0])};
       }
     return std::nullopt;
   }
@@ -118,13 +117,15 @@ class PeriodReader {
 
   /// "right after lunch", "just before noon": the hour next to it.
   std::optional<SentencePeriod> read_next_to() const {
-    static const WordSet near = {"right",    "just", "straight", "directly", "immediately",
-                                 "shortly", "soon", "briefly"};
+    static const WordSet near = {"right",       "just",    "straight", "directly",
+                                 "immediately", "shortly", "soon",     "briefly"};
     if (last_ - first_ < 3 || !near.contains(words_[first_]) || !is_time(first_ + 2, last_, true))
       return std::nullopt;
     const TimeSpan span = times_.read(join(first_ + 2, last_));
-    if (words_[first_ + 1] == "after") return SentencePeriod{format_time(span.last), format_time(span.last + kHour)};
-    if (words_[first_ + 1] == "before") return SentencePeriod{format_time(span.first - kHour), format_time(span.first)};
+    if (words_[first_ + 1] == "after")
+      return SentencePeriod{format_time(span.last), format_time(span.last + kHour)};
+    if (words_[first_ + 1] == "before")
+      return SentencePeriod{format_time(span.first - kHour), format_time(span.first)};
     return std::nullopt;
   }
 

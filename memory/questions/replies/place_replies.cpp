@@ -143,13 +143,14 @@ void contents_verdict(const ContentsAnswer& answer, const Contents& contents, co
   }
   // Missed by the last look only.
   const bool missed = contents.sure.empty() && !contents.perhaps.empty() &&
-                      (asks == Asks::verdict || asks == Asks::exists) &&
-                      !answer.subject.empty() && contents.perhaps.front().probability >= kCertain;
+                      (asks == Asks::verdict || asks == Asks::exists) && !answer.subject.empty() &&
+                      contents.perhaps.front().probability >= kCertain;
   if (verdict == Verdict::not_observed && missed) {
     const ObjectBelief& object = contents.perhaps.front();
     reply.verdict = Verdict::yes;
-    reply.text = fmt::format("Yes, with {}: {} {} {}, but was not seen at the last look.", percent(object.probability),
-                             bare_subject(object.object, names), is_or_was(context), contents.where);
+    reply.text =
+        fmt::format("Yes, with {}: {} {} {}, but was not seen at the last look.", percent(object.probability),
+                    bare_subject(object.object, names), is_or_was(context), contents.where);
     return;
   }
   if (verdict == Verdict::not_observed) {

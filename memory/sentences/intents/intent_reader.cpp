@@ -177,7 +177,8 @@ bool restricts(const std::string& lemma) {
       "newsince until between during within back or tomorrow predict closed open empty full fresh new "
       "breakfast lunch dinner supper noon midday midnight morning afternoon evening night tonight "
       "will should howlong howmany howmuch howsure howfar howbig howoften when where why who whose which");
-  return restricting.contains(lemma) || count_of(lemma).value_or(0) > 1 || is_digit(lemma[0]) || lemma.size() == 1 || is_degree(lemma);
+  return restricting.contains(lemma) || count_of(lemma).value_or(0) > 1 || is_digit(lemma[0]) ||
+         lemma.size() == 1 || is_degree(lemma);
 }
 
 /// Whether the form says all that a sentence does. Words that it has not met are passed over where the rest
@@ -222,7 +223,8 @@ bool drops_negation(const std::string& form, const Tokens& tokens) {
   if (std::ranges::any_of(of_form.words, [](const std::string& word) { return denying.contains(word); }) ||
       std::ranges::count(of_form.lemmas, "not") > 0)
     return false;
-  const bool asks_which = form.starts_with("What") || form.starts_with("Which") || form.starts_with("How many");
+  const bool asks_which =
+      form.starts_with("What") || form.starts_with("Which") || form.starts_with("How many");
   const bool asks_where = form.starts_with("Where") || form.starts_with("When") || form.starts_with("Who");
   for (size_t i = 0; i < tokens.words.size(); ++i) {
     const bool before_name = i + 1 < tokens.words.size() && tokens.words[i + 1] == "OBJECT";
@@ -258,9 +260,9 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   // "Is it on the table or on the counter?" asks for one of them.
   const bool choice = form == "Is OBJECT on PLACE?" && sentence.places[0].find(" or ") != std::string::npos;
   const std::string asked = sentence.throughout && stays ? "Was OBJECT on PLACE?"
-                            : choice            ? "Where is OBJECT?"
-                            : past && contents  ? "What has been on PLACE?"
-                                                : form;
+                            : choice                     ? "Where is OBJECT?"
+                            : past && contents           ? "What has been on PLACE?"
+                                                         : form;
   return PlainQuestion{filled(asked, sentence, time), true, best.probability, sentence.known};
 }
 
@@ -394,7 +396,8 @@ bool restricts_by_other_parts(const std::vector<SentencePart>& parts, const Snap
     return std::ranges::any_of(part.words, is_pronoun) || std::ranges::count(part.words, "one") > 0;
   });
   return !last.asks && !has_verb(last) && !refers &&
-         std::ranges::any_of(last.words, [&](const std::string& word) { return snapshot.means_objects(word); });
+         std::ranges::any_of(last.words,
+                             [&](const std::string& word) { return snapshot.means_objects(word); });
 }
 
 }  // namespace
