@@ -148,9 +148,9 @@ void contents_verdict(const ContentsAnswer& answer, const Contents& contents, co
   if (verdict == Verdict::not_observed && missed) {
     const ObjectBelief& object = contents.perhaps.front();
     reply.verdict = Verdict::yes;
-    reply.text =
-        fmt::format("Yes, with {}: {} {} {}, but was not seen at the last look.", percent(object.probability),
-                    bare_subject(object.object, names), is_or_was(context), contents.where);
+    reply.text = shortened(fmt::format("Yes, with {}: {} {} {}, but was not seen at the last look.",
+                                       percent(object.probability), bare_subject(object.object, names),
+                                       is_or_was(context), contents.where));
     return;
   }
   if (verdict == Verdict::not_observed) {
