@@ -1,5 +1,7 @@
 #include "memory/sentences/natural_language.h"
 
+#include <SQLiteCpp/SQLiteCpp.h>
+
 #include "mapping/base/text/json.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/facts.h"
@@ -381,6 +383,16 @@ TEST_F(NaturalLanguage, BeforeTheFirstLookNothingWasObserved) {
   const NaturalLanguageAnswer answer = say("Was the tea cup on the table before 7:00?");
   EXPECT_EQ(answer.reply->text, "Not observed: the first look was at 08:00.");
   EXPECT_EQ(answer.reply->verdict, Verdict::not_observed);
+}
+
+TEST_F(NaturalLanguage, WhatTheLastLookMissedIsNotElsewhere) {
+  SQLite::Database(file_.string(), SQLite::OPEN_READWRITE)
+      .exec(
+          "INSERT INTO visibility (scene, object, status, valid_from, known_from, run) "
+          "SELECT id, 2, 'missed', time, 0, 1 FROM scene WHERE id = 6");
+  const NaturalLanguageAnswer answer = say("Is the blue thing on the table?");
+  EXPECT_EQ(answer.reply->verdict, Verdict::yes) << text(answer);
+  EXPECT_THAT(answer.reply->text, HasSubstr("on table_1, but was not seen at the last look"));
 }
 
 }  // namespace
