@@ -44,6 +44,24 @@ const std::set<std::string> kFillers = {"the",   "a",      "an",     "my",      
                                         "thing", "things", "object", "objects", "item", "items",
                                         "one",   "ones",   "all",    "any",     "some", "everything"};
 
+/// What light and shade make of one another.
+bool are_similar_colors(const std::string& a, const std::string& b) {
+  static const std::set<std::pair<std::string, std::string>> all = {
+      {"white", "grey"},  {"white", "beige"},  {"black", "grey"},   {"beige", "brown"}, {"orange", "yellow"},
+      {"orange", "red"},  {"orange", "brown"}, {"pink", "red"},     {"pink", "purple"}, {"blue", "cyan"},
+      {"blue", "purple"}, {"green", "cyan"},   {"green", "yellow"}, {"red", "brown"}};
+  return all.contains({a, b}) || all.contains({b, a});
+}
+
+/// "South counter" is counter_south.
+bool has_all_words(const std::string& name, const std::vector<std::string>& asked) {
+  const std::vector<std::string> words = words_of(lower_case(name), "_ ");
+  return asked.size() > 1 && std::ranges::all_of(asked, [&](const std::string& word) {
+           return std::ranges::count(words, word.ends_with("ern") ? word.substr(0, word.size() - 3) : word) >
+                  0;
+         });
+}
+
 std::vector<Id> unique(std::vector<Id> ids) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
@@ -114,6 +132,28 @@ std::optional<Id> most_of(const std::vector<Id>& objects, SizeMeasure measure, c
   return most;
 }
 
+/// What a colour and a noun mean where nothing is called so: the only one of that noun in a colour that is
+/// like it, or the only object in that colour that nobody could name. Unset where that is not one.
+std::optional<std::string> only_similar(const Snapshot& snapshot, std::vector<std::string> words) {
+  std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
+  if (words.size() != 2 || !is_color_word(words[0]) || is_color_word(words[1])) return {};
+  std::vector<Id> called, similar;
+  if (snapshot.means_objects(words[1])) called = snapshot.find_objects(words[1]);
+  for (const Id id : snapshot.present_objects()) {
+    const std::string color = same_color(lower_case(snapshot.belief(id)->color.value_or("")));
+    const std::string asked = same_color(words[0]);
+    const bool is_called = std::ranges::count(called, id) > 0;
+    if (is_called && color == asked) return {};
+    const bool nameless =
+        called.empty() && is_package(words[1]) && color == asked && !snapshot.object_belief(id).object.label;
+    if (nameless || (is_called && are_similar_colors(color, asked))) similar.push_back(id);
+  }
+  if (similar.size() != 1) return {};
+  const std::string name = fmt::format("{} {}", *snapshot.belief(similar[0])->color, words[1]);
+  const bool one = !called.empty() && snapshot.find_objects(name).size() == 1;
+  return one ? name : object_name(similar[0]);
+}
+
 }  // namespace
 
 std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
@@ -141,6 +181,8 @@ std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
   }
   take([&](const PlaceRow& place) { return lower_case(place.name).starts_with(joined + "_"); });
   take([&](const PlaceRow& place) { return lower_case(place.class_name) == joined; });
+  const std::vector<std::string> words = lower_case_words(name);
+  take([&](const PlaceRow& place) { return has_all_words(place.name, words); });
   return found;
 }
 
@@ -148,9 +190,10 @@ std::vector<PlaceRow> Snapshot::places_meant(const std::string& asked) const {
   std::vector<std::string> words = lower_case_words(with_names_joined(asked));
   while (words.size() > 1 && kFillers.contains(words.front())) words.erase(words.begin());
   std::vector<PlaceRow> found = places_called(phrase(words, 0));
-  // "kitchen table" may be any table, "top drawer" not any drawer.
-  static const std::set<std::string> restricting = {"top",   "bottom", "upper", "lower", "left",
-                                                    "right", "middle", "other", "next",  "lowest"};
+  // "kitchen table" may be any table, "top drawer" and "north counter" not any of their kind.
+  static const std::set<std::string> restricting = {
+      "top",    "bottom", "upper", "lower", "left", "right",    "middle",   "other",   "next",
+      "lowest", "north",  "south", "east",  "west", "northern", "southern", "eastern", "western"};
   const bool restricted =
       std::ranges::any_of(words, [](const std::string& word) { return restricting.contains(word); });
   if (found.empty() && words.size() > 1 && !restricted) found = places_called(words.back());
@@ -502,8 +545,8 @@ std::optional<std::string> Snapshot::head_of(const std::string& subject) const {
     if (!content && called.empty()) continue;
     words.erase(words.begin() + static_cast<std::ptrdiff_t>(content ? i + 1 : i));
   }
-  if (words.size() == said) return {};
-  return phrase(words, 0);
+  if (words.size() < said) return phrase(words, 0);
+  return only_similar(*this, words);
 }
 
 bool Snapshot::means_objects(const std::string& subject) const {

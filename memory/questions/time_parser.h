@@ -30,8 +30,9 @@ class TimeReader {
 
   /// Throws Error that shows what can be written.
   TimeSpan read(std::string_view text) const;
-  /// Unset when it is not a time.
   TimeNs now() const { return last_scene_; }
+  std::optional<TimeNs> first_scene() const { return first_scene_; }
+  /// Unset when it is not a time.
   std::optional<TimeSpan> try_read(std::string_view text) const;
 
  private:

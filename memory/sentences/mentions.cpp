@@ -5,7 +5,9 @@
 #include <set>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/related_words.h"
 #include "memory/sentences/vocabulary.h"
+#include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
 namespace {
@@ -69,9 +71,18 @@ class MentionFinder {
       // "milk table" is an object and a place, "couch table" a place.
       const bool two = last > first + 1 && is_object(tokens_.words[first]);
       if (!two && is_place(text)) return mention(first, last, true, true);
-      if (is_object(text)) return mention(first, with_thing(last), false, true);
+      if (!is_object(text)) continue;
+      // "Red bicycle" is not whatever is red.
+      const bool attribute = is_color_word(tokens_.words[last - 1]) || is_size(tokens_.words[last - 1]);
+      if (attribute && last < end && is_noun_of_things(tokens_.words[last]))
+        return mention(first, last + 1, false, false);
+      return mention(first, with_thing(last), false, true);
     }
     return std::nullopt;
+  }
+
+  static bool is_noun_of_things(const std::string& word) {
+    return !wordnet::base_forms(word, wordnet::PartOfSpeech::noun).empty() && wordnet::may_be_somewhere(word);
   }
 
   /// "purple objects"

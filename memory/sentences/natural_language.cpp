@@ -79,6 +79,7 @@ class Conversation {
     NaturalLanguageAnswer answer = answer_text(named);
     if (!answer.reply)
       if (auto respelled = answer_respelled(named)) answer = std::move(*respelled);
+    if (answer.reply && names_nothing(*answer.query) && chooses(named)) answer = {};
     answer.sentence = sentence;
     if (!answer.query) {
       set_not_understood(answer);
@@ -93,7 +94,7 @@ class Conversation {
     const std::string meant = as_meant(text, [&](const std::string& words) { return is_name(words); });
     NaturalLanguageAnswer answer;
     if (const auto context = question_in_context(meant, times_); context && remember(*context))
-      answer = answer_sentence(context->question);
+      answer = answer_sentence(with_choice(context->question, references_.last_subject()));
     if (!answer.query) answer = answer_sentence(meant);
     return answer;
   }
@@ -148,10 +149,12 @@ class Conversation {
   /// What is not understood is said in plainer words, once.
   NaturalLanguageAnswer answer_or_rephrase(const std::string& sentence) {
     if (const auto contrary = contrary_question(sentence)) {
-      NaturalLanguageAnswer other = answer_or_rephrase(*contrary);
-      if (!other.reply || !other.reply->verdict) return not_understood(sentence);
-      other.reply = contrary_of(*other.reply);
-      return other;
+      NaturalLanguageAnswer other = answer_or_rephrase(contrary->question);
+      if (other.reply && other.reply->verdict) {
+        other.reply = contrary_of(*other.reply);
+        return other;
+      }
+      if (contrary->only_reading) return not_understood(sentence);
     }
     NaturalLanguageAnswer answer = answer_with_names(sentence);
     if (answer.query && !(answer.why_not && !answer.reply)) return answer;
@@ -169,6 +172,12 @@ class Conversation {
   void add_more(const std::string& question, NaturalLanguageAnswer& answer) {
     const NaturalLanguageAnswer more = answer_by_rules(question);
     if (more.reply) answer.reply = in_lines({*answer.reply, *more.reply});
+  }
+
+  /// Whether a query is about all objects, or the biggest of all.
+  static bool names_nothing(const Query& query) {
+    const std::string object = query.argument("object");
+    return object.empty() || is_superlative(object);
   }
 
   bool is_name(const std::string& words) const {
@@ -457,17 +466,20 @@ class Conversation {
         .text = fmt::format("No: nothing {} is known.", colour), .verdict = Verdict::no, .number = 0};
   }
 
-  /// Of a time after the last look nothing is known.
-  std::optional<Reply> not_yet(const Query& query) const {
-    const auto from = times_.try_read(query.argument("from"));
-    if (!from || from->first <= times_.now()) return std::nullopt;
-    return Reply{.text = fmt::format("Not observed: the last look was at {}.", writer_.text(times_.now())),
+  /// Of a time after the last look or before the first one nothing is known.
+  std::optional<Reply> out_of_time(const Query& query) const {
+    const auto from = times_.try_read(query.argument("from")), to = times_.try_read(query.argument("to"));
+    const std::optional<TimeNs> first = times_.first_scene();
+    const bool late = from && from->first > times_.now(), early = to && first && to->last < *first;
+    if (!late && !early) return std::nullopt;
+    return Reply{.text = fmt::format("Not observed: the {} look was at {}.", late ? "last" : "first",
+                                     writer_.text(late ? times_.now() : *first)),
                  .verdict = Verdict::not_observed,
                  .not_known = true};
   }
 
   void set_answer(const Query& query, NaturalLanguageAnswer& answer) const {
-    answer.reply = not_yet(query);
+    answer.reply = out_of_time(query);
     if (answer.reply) return;
     const AsOf as_of = read_as_of(store_, query.argument("at"), query.argument("known-at"), question_.as_of);
     const Coordination coordination = coordination_of(query);

@@ -24,6 +24,8 @@ class ReferenceResolver {
   void remember(const Query& query, const std::vector<Id>& objects);
   /// Keeps what was spoken of without being asked for; "" = as before.
   void remember(const std::string& subject, const std::string& place);
+  /// What was spoken of last; "" = nothing.
+  const std::string& last_subject() const { return last_subject_; }
   /// What the last answer named.
   const std::vector<Id>& last_objects() const { return last_objects_; }
 

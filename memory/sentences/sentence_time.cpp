@@ -1,6 +1,8 @@
 #include "memory/sentences/sentence_time.h"
 #include "memory/sentences/word_forms.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <set>
@@ -42,6 +44,7 @@ class PeriodReader {
     if (auto period = read_last()) return period;
     if (auto period = read_whole()) return period;
     if (auto period = read_throughout()) return period;
+    if (auto period = read_next_to()) return period;
     const std::string& head = words_[first_];
     if (head == "between" || head == "from") return read_between(head == "between" ? "and" : "to");
     static const WordSet begins = {"since", "after"}, ends = {"until", "till", "before", "by", "to"};
@@ -94,11 +97,11 @@ class PeriodReader {
                                               {"over", "the", "course", "of", "the"},
                                               {"over", "the"},
                                               {"that"}};
+    static const WordSet within = {"that", "during", "in", "over"};
     for (const Words& whole : wholes)
       if (starts_with_words(words_, whole, first_) && first_ + whole.size() + 1 == last_) {
         const std::string text = words_[last_ - 1] == "day" ? "today" : "this " + words_[last_ - 1];
-        if (times_.try_read(text))
-          return SentencePeriod{text, text, false, whole[0] != "that" && whole[0] != "during"};
+        if (times_.try_read(text)) return SentencePeriod{text, text, false, !within.contains(whole[0])};
       }
     return std::nullopt;
   }
@@ -110,6 +113,20 @@ class PeriodReader {
     if (!period) period = read_between("to");
     if (period) period->throughout = true;
     return period;
+  }
+
+  /// "right after lunch", "just before noon": the hour next to it.
+  std::optional<SentencePeriod> read_next_to() const {
+    static const WordSet near = {"right",       "just",    "straight", "directly",
+                                 "immediately", "shortly", "soon",     "briefly"};
+    if (last_ - first_ < 3 || !near.contains(words_[first_]) || !is_time(first_ + 2, last_, true))
+      return std::nullopt;
+    const TimeSpan span = times_.read(join(first_ + 2, last_));
+    if (words_[first_ + 1] == "after")
+      return SentencePeriod{format_time(span.last), format_time(span.last + kHour)};
+    if (words_[first_ + 1] == "before")
+      return SentencePeriod{format_time(span.first - kHour), format_time(span.first)};
+    return std::nullopt;
   }
 
   std::optional<SentencePeriod> read_between(const std::string& middle) const {
@@ -248,6 +265,17 @@ void normalize_times(Words& words) {
   for (const auto& [from, to] : replacements)
     for (size_t i = 0; i < words.size(); ++i)
       if (starts_with_words(words, from, i)) replace_words(words, i, from.size(), to);
+  // "seventeen hundred" is 17:00.
+  for (size_t i = 0; i + 1 < words.size(); ++i)
+    if (const auto hour = count_of(words[i]); hour && *hour <= 24 && words[i + 1] == "hundred") {
+      const bool named = i + 2 < words.size() && words[i + 2] == "hours";
+      replace_words(words, i, named ? 3 : 2, {fmt::format("{:02}:00", *hour)});
+    }
+  // "... first thing" ends what happened early.
+  static const WordSet articles = {"the", "a", "which", "what", "very"};
+  if (words.size() > 3 && words[words.size() - 1] == "thing" && words[words.size() - 2] == "first" &&
+      !articles.contains(words[words.size() - 3]))
+    replace_words(words, words.size() - 2, 2, {"this", "early", "morning"});
   // "a.m." lost its last point before.
   for (std::string& word : words) {
     if (word == "a.m" || word == "p.m") word.erase(1, 1);
@@ -304,6 +332,9 @@ std::optional<SentencePeriod> cut_longest(Words& words, TimesOfSentence& times) 
 /// "between 8 and 9" with "yesterday"; unset when both cannot hold.
 std::optional<SentencePeriod> combined(const SentencePeriod& inner, const SentencePeriod& outer,
                                        const TimeReader& times) {
+  // "After lunch and before dinner".
+  if (inner.to.empty() && outer.from.empty() && times.read(inner.from).first <= times.read(outer.to).last)
+    return SentencePeriod{inner.from, outer.to};
   if (outer.from != outer.to) return std::nullopt;
   const TimeSpan day = times.read(outer.from);
   SentencePeriod period = inner;
@@ -330,6 +361,7 @@ std::optional<SentencePeriod> cut_time(Words& words, const TimeReader& times) {
   auto both = combined(*first, *second, times);
   if (!both) both = combined(*second, *first, times);
   if (both) words = rest;
+  if (both && !words.empty() && words.back() == "and") words.pop_back();
   return both ? both : first;
 }
 

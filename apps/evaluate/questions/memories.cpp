@@ -1,7 +1,11 @@
 #include "apps/evaluate/questions/memories.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <numeric>
 #include <sstream>
+#include <string_view>
 
 #include "apps/evaluate/changes/random_day.h"
 #include "apps/evaluate/changes/remember.h"
@@ -70,9 +74,13 @@ std::map<memory::Id, TrueObject> true_objects(const memory::Store& store, const 
   return result;
 }
 
-/// "mug" for a mug called cup_1, "cereal" for cereal, "jar" for jar_3.
+/// "mug" for a mug called cup_1, "cereal" for cereal, "jar" for jar_3 and, in a drawn kitchen, day_jar_3.
 std::string class_of(const TrueObject& object) {
-  return object.model == "mug" ? object.model : object.name.substr(0, object.name.find('_'));
+  constexpr std::string_view kPrefix = "day_";
+  if (object.model == "mug") return object.model;
+  const std::string name =
+      object.name.starts_with(kPrefix) ? object.name.substr(kPrefix.size()) : object.name;
+  return name.substr(0, name.find('_'));
 }
 
 /// As a person would with `loci-memory fact set` and `taxonomy load`.
@@ -95,46 +103,60 @@ Twins twins_of(const fs::path& scenario) {
   return twins;
 }
 
-/// A random day in one of the sample kitchens as a scenario beside its recording.
-fs::path write_random_day(const std::string& name, const fs::path& folder, const fs::path& samples) {
-  const std::string world = name == "kitchen" ? "kitchen" : "kitchen_l";
-  fs::path scenario = folder / (name + ".yaml");
-  write_file_atomically(
-      scenario,
-      changes::random_day(changes::sample_day_world(world), fs::absolute(samples / (world + ".urdf")),
-                          kFirstSeed + (name == "kitchen" ? 0 : 1), kScenes, true));
-  return scenario;
+/// Where a day is.
+struct Setting {
+  fs::path map, scenario;
+  uint64_t seed = 0;
+  std::optional<changes::DayWorld> world = {};  ///< of a random day
+};
+
+Setting setting_of(const std::string& name, const fs::path& folder, const AskedFolders& from,
+                   Warnings& warnings) {
+  if (name == "day" || name == "plain")
+    return {.map = from.samples / "kitchen.urdf", .scenario = from.samples / "day.yaml"};
+  const fs::path scenario = folder / (name + ".yaml"), drawn = from.kitchens / (name + ".urdf");
+  if (name == "kitchen" || name == "corner") {
+    const std::string world = name == "kitchen" ? "kitchen" : "kitchen_l";
+    return {from.samples / (world + ".urdf"), scenario, kFirstSeed + (name == "kitchen" ? 0 : 1),
+            changes::sample_day_world(world)};
+  }
+  if (!fs::exists(drawn))
+    throw Error(fmt::format("no memory '{}' is known", name), {from.kitchens.string(), 0, {}},
+                "take day, plain, kitchen, corner or a kitchen of this folder");
+  const uint64_t seed = std::accumulate(name.begin(), name.end(), kFirstSeed);
+  return {drawn, scenario, seed, changes::find_day_world(drawn, {}, seed, warnings)};
 }
 
 }  // namespace
 
-AskedMemory asked_memory(const std::string& name, const fs::path& folder, const fs::path& samples,
+AskedMemory asked_memory(const std::string& name, const fs::path& folder, const AskedFolders& from,
                          int threads, Progress& progress, Warnings& warnings) {
-  if (name != "day" && name != "plain" && name != "kitchen" && name != "corner")
-    throw Error("no memory '" + name + "' is known", {}, "take day, plain, kitchen or corner");
-  const bool sample_day = name == "day" || name == "plain";
-  const fs::path recording = folder / (sample_day ? "day" : name), file = folder / (name + ".loci");
+  const Setting setting = setting_of(name, folder, from, warnings);
+  const fs::path recording = folder / (setting.world ? name : "day"), file = folder / (name + ".loci");
   PartialProgress recording_it(progress, 0, 0.6), remembering(progress, 0.6, 1);
   if (!fs::exists(recording / "frames.csv")) {
     mapping::RecordOptions options;
-    if (!sample_day) options.seed = static_cast<int>(kFirstSeed) + (name == "kitchen" ? 0 : 1);
     options.threads = threads;
-    const fs::path scenario = sample_day ? samples / "day.yaml" : write_random_day(name, folder, samples);
-    record(mapping::read_scenario(scenario), recording, options, recording_it, warnings);
+    if (setting.world) {
+      options.seed = static_cast<int>(setting.seed);
+      write_file_atomically(setting.scenario, changes::random_day(*setting.world, fs::absolute(setting.map),
+                                                                  setting.seed, kScenes, true));
+    }
+    record(mapping::read_scenario(setting.scenario), recording, options, recording_it, warnings);
   }
   const bool fresh = !fs::exists(file);
   if (fresh) {
     changes::RememberOptions options;
     options.memory = file;
-    options.map = samples / (name == "corner" ? "kitchen_l.urdf" : "kitchen.urdf");
+    options.map = setting.map;
     options.program = "loci-evaluate questions";
     options.threads = threads;
     changes::remember(mapping::open_recording(recording), options, remembering, warnings);
   }
   const auto objects = true_objects(memory::Store::open_read(file), recording);
-  if (fresh && name != "plain") name_objects(file, objects, samples);
+  if (fresh && name != "plain") name_objects(file, objects, from.samples);
   AskedMemory asked{.file = file};
-  asked.twins = twins_of(sample_day ? samples / "day.yaml" : folder / (name + ".yaml"));
+  asked.twins = twins_of(setting.scenario);
   for (const auto& [id, object] : objects) asked.names[id] = object.name;
   return asked;
 }

@@ -24,11 +24,16 @@ struct AskedMemory {
   Twins twins = {};
 };
 
+/// Where worlds are.
+struct AskedFolders {
+  std::filesystem::path samples = {};   ///< of day.yaml and the sample kitchens
+  std::filesystem::path kitchens = {};  ///< of further kitchens, as URDF
+};
+
 /// Makes a memory of the tables in `folder`, unless it is there: the sample day perceived (plain), the same
 /// with its objects named by class as people would and the household's taxonomy (day), and random days in the
-/// two sample kitchens, named likewise (kitchen, corner).
+/// two sample kitchens (kitchen, corner) or a kitchen that is called so in `from.kitchens`, named likewise.
 AskedMemory asked_memory(const std::string& name, const std::filesystem::path& folder,
-                         const std::filesystem::path& samples, int threads, Progress& progress,
-                         Warnings& warnings);
+                         const AskedFolders& from, int threads, Progress& progress, Warnings& warnings);
 
 }  // namespace loci::apps::questions

@@ -11,7 +11,7 @@ namespace loci::apps::questions {
 /// A question of a table with the answer that the simulator's truth has. Of the lists any entry is right, but
 /// `objects` and `places` must all be named.
 struct AskedQuestion {
-  std::string memory = {};  ///< day, plain, kitchen or corner
+  std::string memory = {};  ///< day, plain, kitchen, corner, or a drawn kitchen
   std::string sentence = {};
   std::vector<std::string> after = {};    ///< sentences asked before
   int line = 0;                           ///< in the table

@@ -81,6 +81,8 @@ std::string not_observed_text(const ContentsAnswer& answer, const Contents& cont
                      answer.places.size() > 1 ? ", and not all of the others" : "");
 }
 
+constexpr double kCertain = 0.8;  ///< probability from which on an object that was missed is said to be there
+
 /// Where the objects that were asked about are instead, when that is certain.
 std::optional<std::string> elsewhere(const ContentsAnswer& answer, const Snapshot& snapshot,
                                      const Names& names, Reply& reply) {
@@ -93,7 +95,10 @@ std::optional<std::string> elsewhere(const ContentsAnswer& answer, const Snapsho
                            object.place ? name_in_words(object.place->name) : "there");
       continue;
     }
-    if (object.probability < 0.8) return std::nullopt;
+    const bool here = std::ranges::any_of(answer.places, [&](const PlaceContents& place) {
+      return object.place && place.place.id == object.place->id;
+    });
+    if (here || object.probability < kCertain) return std::nullopt;
     if (reply.objects.empty())
       text = fmt::format("{} is {}", bare_subject(object.object, names),
                          spot_in_words(object.place, object.position));
@@ -135,6 +140,18 @@ void contents_verdict(const ContentsAnswer& answer, const Contents& contents, co
       verdict = Verdict::no;
       why = *other;
     }
+  }
+  // Missed by the last look only.
+  const bool missed = contents.sure.empty() && !contents.perhaps.empty() &&
+                      (asks == Asks::verdict || asks == Asks::exists) && !answer.subject.empty() &&
+                      contents.perhaps.front().probability >= kCertain;
+  if (verdict == Verdict::not_observed && missed) {
+    const ObjectBelief& object = contents.perhaps.front();
+    reply.verdict = Verdict::yes;
+    reply.text = shortened(fmt::format("Yes, with {}: {} {} {}, but was not seen at the last look.",
+                                       percent(object.probability), bare_subject(object.object, names),
+                                       is_or_was(context), contents.where));
+    return;
   }
   if (verdict == Verdict::not_observed) {
     reply.verdict = verdict;

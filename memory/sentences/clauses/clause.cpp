@@ -437,8 +437,12 @@ std::optional<Clause> read_clause(Words words, const WordSet& concepts, const Ti
   if (!clause || !period) return clause;
   clause->period = period;
   clause->marks.insert("time");
-  // "Was it there all day" is more than "was it there today".
-  if (period->throughout && (clause->mood == "yes" || clause->mood == "bare" || clause->mood == "what"))
+  // "Was it there all day" is more than "was it there today", "was it moved all day" is not.
+  static const WordSet events = {"move", "change", "happen", "come", "vanish", "take"};
+  const bool event =
+      std::ranges::any_of(clause->concepts, [](const std::string& one) { return events.contains(one); });
+  if (period->throughout && !event &&
+      (clause->mood == "yes" || clause->mood == "bare" || clause->mood == "what"))
     clause->concepts.insert("throughout");
   return clause;
 }

@@ -175,8 +175,10 @@ bool restricts(const std::string& lemma) {
       "second third fourth two three four five six half spare once twice only every both first last most "
       "least more fewer less than other else except without never again repeated before afterwards since "
       "newsince until between during within back or tomorrow predict closed open empty full fresh new "
+      "breakfast lunch dinner supper noon midday midnight morning afternoon evening night tonight "
       "will should howlong howmany howmuch howsure howfar howbig howoften when where why who whose which");
-  return restricting.contains(lemma) || is_digit(lemma[0]) || lemma.size() == 1 || is_degree(lemma);
+  return restricting.contains(lemma) || count_of(lemma).value_or(0) > 1 || is_digit(lemma[0]) ||
+         lemma.size() == 1 || is_degree(lemma);
 }
 
 /// Whether the form says all that a sentence does. Words that it has not met are passed over where the rest
@@ -193,10 +195,42 @@ bool drops_relation(const std::string& form, const Tokens& tokens) {
   static const std::set<std::string> relations = {"afterwards", "before", "between",
                                                   "except",     "than",   "without"};
   const Tokens of_form = tokens_of(words_of(lower_case(form), " ?,."));
-  for (size_t i = 0; i + 1 < tokens.lemmas.size(); ++i)
+  for (size_t i = 0; i + 1 < tokens.lemmas.size(); ++i) {
+    // A time that was not understood: "since Candlemas".
+    const std::string& word = tokens.words[i];
+    if ((word == "since" || word == "until" || word == "till") &&
+        std::ranges::count(of_form.words, word) == 0)
+      return true;
     if ((tokens.lemmas[i + 1] == "OBJECT" || tokens.lemmas[i + 1] == "PLACE") &&
         relations.contains(tokens.lemmas[i]) && std::ranges::count(of_form.lemmas, tokens.lemmas[i]) == 0)
       return true;
+  }
+  return false;
+}
+
+/// Whether a form asks what happened, which may be at any time of a period.
+bool asks_for_event(const std::string& form) {
+  static const std::set<std::string> events = {"move", "change", "happen", "come", "vanish", "take", "open"};
+  const Tokens tokens = tokens_of(words_of(lower_case(form), " ?,."));
+  return std::ranges::any_of(tokens.lemmas, [](const std::string& one) { return events.contains(one); });
+}
+
+/// Whether the sentence denies what the form does not: "no OBJECT", "neither OBJECT", "what was not moved".
+bool drops_negation(const std::string& form, const Tokens& tokens) {
+  static const std::set<std::string> none = {"no", "neither"};
+  static const std::set<std::string> denying = {"not", "gone", "missing", "unmoved", "without"};
+  const Tokens of_form = tokens_of(words_of(lower_case(form), " ?,."));
+  if (std::ranges::any_of(of_form.words, [](const std::string& word) { return denying.contains(word); }) ||
+      std::ranges::count(of_form.lemmas, "not") > 0)
+    return false;
+  const bool asks_which =
+      form.starts_with("What") || form.starts_with("Which") || form.starts_with("How many");
+  const bool asks_where = form.starts_with("Where") || form.starts_with("When") || form.starts_with("Who");
+  for (size_t i = 0; i < tokens.words.size(); ++i) {
+    const bool before_name = i + 1 < tokens.words.size() && tokens.words[i + 1] == "OBJECT";
+    const bool denied = asks_which ? tokens.lemmas[i] == "not" : tokens.words[i] == "never" && !asks_where;
+    if (denied || (none.contains(tokens.words[i]) && before_name)) return true;
+  }
   return false;
 }
 
@@ -216,18 +250,19 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   const bool contents = form == "What is on PLACE?" && time.empty();
   if (past && present && placed && !contents) return std::nullopt;
   // Of a whole time only this is asked.
-  if (sentence.throughout && form != "Was OBJECT on PLACE?" && form != "Is OBJECT on PLACE?")
-    return std::nullopt;
+  const bool stays = form == "Was OBJECT on PLACE?" || form == "Is OBJECT on PLACE?";
+  if (sentence.throughout && !stays && !asks_for_event(form)) return std::nullopt;
   // "How many?" says too little.
   if (tokens.lemmas.size() < 2 || best.probability < kMinProbability || form == kNoIntent)
     return std::nullopt;
-  if (!is_covered(best, tokens) || drops_relation(form, tokens)) return std::nullopt;
+  if (!is_covered(best, tokens) || drops_relation(form, tokens) || drops_negation(form, tokens))
+    return std::nullopt;
   // "Is it on the table or on the counter?" asks for one of them.
   const bool choice = form == "Is OBJECT on PLACE?" && sentence.places[0].find(" or ") != std::string::npos;
-  const std::string asked = sentence.throughout ? "Was OBJECT on PLACE?"
-                            : choice            ? "Where is OBJECT?"
-                            : past && contents  ? "What has been on PLACE?"
-                                                : form;
+  const std::string asked = sentence.throughout && stays ? "Was OBJECT on PLACE?"
+                            : choice                     ? "Where is OBJECT?"
+                            : past && contents           ? "What has been on PLACE?"
+                                                         : form;
   return PlainQuestion{filled(asked, sentence, time), true, best.probability, sentence.known};
 }
 
@@ -345,11 +380,32 @@ std::vector<SentencePart> joined_names(std::vector<SentencePart> parts) {
   return parts;
 }
 
+/// Whether what is said around a question restricts it: "the mug that is not on the island, where is it?",
+/// "how many mugs are there, grey and black?"
+bool restricts_by_other_parts(const std::vector<SentencePart>& parts, const Snapshot& snapshot) {
+  if (parts.size() < 2) return false;
+  for (const SentencePart& part : parts) {
+    if (part.asks) continue;
+    for (size_t i = 0; i + 2 < part.words.size(); ++i)
+      if ((part.words[i] == "that" || part.words[i] == "which") && part.words[i + 2] == "not" &&
+          class_of(lemma_of(part.words[i + 1])) == WordClass::auxiliary)
+        return true;
+  }
+  const SentencePart& last = parts.back();
+  const bool refers = std::ranges::any_of(parts, [](const SentencePart& part) {
+    return std::ranges::any_of(part.words, is_pronoun) || std::ranges::count(part.words, "one") > 0;
+  });
+  return !last.asks && !has_verb(last) && !refers &&
+         std::ranges::any_of(last.words,
+                             [&](const std::string& word) { return snapshot.means_objects(word); });
+}
+
 }  // namespace
 
 std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sentence, const Snapshot& snapshot,
                                                         const TimeReader& times) {
   std::vector<SentencePart> parts = joined_names(sentence_parts(sentence, times));
+  if (restricts_by_other_parts(parts, snapshot)) return {};
   std::vector<Named> all;
   for (SentencePart& part : parts) {
     part.words = without_relative_clauses(std::move(part.words), snapshot, times);

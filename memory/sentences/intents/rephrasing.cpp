@@ -234,13 +234,25 @@ const std::vector<Pattern>& meanings() {
       {"^ compared with|to <t> , what is|are new on|in|at <p:name> $", "what newsince is on <p> at <t>"},
       {"^ what is|are new on|in|at <p:name> compared with|to <t> $", "what newsince is on <p> at <t>"},
       {"^ <x:name> total|count|tally $", "how many <x>"},
+      // What was the last state that is asked about.
+      {"^ the? last time that? <x> was|were open|opened ,? what was|were in it|them|there $",
+       "what was in <x> when <x> was last opened"},
+      {"^ which|what is|was closer|nearer to <y:name> , <a:name> or <b:name> $",
+       "is <y> nearer to <a> or to <b>"},
+      {"^ give|state|name|report|tell the? interval|period|time|window|moment during|in|at? which <x>",
+       "when did <x>"},
       // Which one of that name: "the cup, the red one, where is it?"
       {"the|my <x:name> , the <c:colour> one , <z>", "the <c> <x> , <z>"},
       {"the|my <x:name> , the <c:colour> one $", "the <c> <x>"},
       {"the|my <x:name> , the one that? is? in|inside <p:name> , <z>", "the <x> in <p> , <z>"},
       {"the|my <x:name> , the one that? is? on|at <p:name> , <z>", "the <x> on <p> , <z>"},
+      {"^ has|have <p:name> stayed|remained put", "was <p> never moved"},
+      {"^ did <p:name> stay|remain put", "was <p> never moved"},
+      // A choice of places in the past: where it was.
+      {"^ was|were <x:name> in|on|at <a:name> or in|on|at? <b:name> <t> $", "where was <x> <t>"},
       // Telegrams.
       {"^ objects|things|items that|which <x>", "what <x>"},
+      {"^ objects|things|items within <x>", "what is within <x>"},
       {"^ objects|things|items moved|touched|handled <x>", "what was moved <x>"},
       {"^ objects|things|items appeared|added <x>", "what appeared <x>"},
       {"^ gone|missing|vanished objects|things|items $", "what has gone"},
@@ -296,6 +308,8 @@ const std::vector<Pattern>& constructions() {
       {"is|are there fewer|less <a:noun> than <b:noun> $", "does the <b> outnumber the <a>"},
       // Not moved since.
       {"^ is|are <p:name> still? where it|they was|were at|in? <t> $", "was <p> never moved since <t>"},
+      {"^ is|are <p:name> still? where i|we|someone left|put it|them $", "was <p> never moved"},
+      {"^ is|are it|they still? where i|we|someone left|put it|them $", "was it never moved"},
       // When it ends.
       {"how long <x> before|until|till someone|somebody|anyone|anybody <v> it|them|that away|up|again|shut? "
        "$",
@@ -360,6 +374,64 @@ bool affirm(Words& words) {
   return true;
 }
 
+/// "Confirm that it was not touched", "it never left, right?": yes, if it is as stated.
+bool asks_to_confirm(const Words& words) {
+  static const std::set<std::string> orders = {"confirm", "verify"}, tags = {"right", "correct", "true"};
+  size_t last = words.size();
+  while (last > 0 && is_mark(words[last - 1])) --last;
+  return (last > 0 && tags.contains(words[last - 1])) ||
+         std::ranges::any_of(words, [](const std::string& word) { return orders.contains(word); }) ||
+         (words.size() > 2 && words[0] == "is" && words[1] == "it" && tags.contains(words[2]));
+}
+
+/// Of "which one", "which of these" at a word; 0 = another word is there.
+size_t length_of_choice(const Words& words, size_t at) {
+  static const std::vector<Words> choices =
+      expand_form("which (one|ones)|which [one|ones] of (these|those|them)");
+  size_t longest = 0;
+  for (const Words& choice : choices)
+    if (starts_with_words(words, choice, at)) longest = std::max(longest, choice.size());
+  return longest;
+}
+
+/// "Which of these has moved: the oil, the milk or the jam?" names them where it asks.
+bool take_list(Words& words, const IsName& is_name) {
+  const size_t length = length_of_choice(words, 0);
+  const auto mark = std::ranges::find(words, ",");
+  if (length == 0 || mark == words.end()) return false;
+  Words list, name;
+  const auto end = [&] {
+    if (name.empty()) return true;
+    if (!is_name(join_words(name, 0, name.size()))) return false;
+    if (!list.empty()) list.emplace_back("or");
+    list.insert(list.end(), name.begin(), name.end());
+    name.clear();
+    return true;
+  };
+  for (auto word = mark; word != words.end(); ++word)
+    if (is_mark(*word) || *word == "or" || *word == "and") {
+      if (!end()) return false;
+    } else if (class_of(lemma_of(*word)) != WordClass::article) {
+      name.push_back(*word);
+    }
+  if (!end() || list.empty()) return false;
+  words.erase(mark, words.end());
+  replace_words(words, 1, length - 1, list);
+  return true;
+}
+
+/// "So the oil left the counter": "did the oil left the counter"; others as they are.
+void ask_whether(Words& words) {
+  const auto is_auxiliary = [](const std::string& word) {
+    return class_of(lemma_of(word)) == WordClass::auxiliary;
+  };
+  if (std::ranges::any_of(words, is_auxiliary)) return;
+  const auto that = std::ranges::find(words, "that");
+  auto first = that == words.end() ? words.begin() : that + 1;
+  while (first != words.end() && (*first == "so" || *first == "and" || is_mark(*first))) ++first;
+  words.insert(words.erase(words.begin(), first), "did");
+}
+
 }  // namespace
 
 std::string as_meant(const std::string& sentence, const IsName& is_name) {
@@ -370,6 +442,7 @@ std::string as_meant(const std::string& sentence, const IsName& is_name) {
                       tail_of(words, correction->last));
     changed = true;
   }
+  changed = take_list(words, is_name) || changed;
   changed = apply_all(meanings(), words, is_name) || changed;
   return changed ? joined(words, " ") : sentence;
 }
@@ -385,19 +458,45 @@ std::optional<Rephrasing> rephrased(const std::string& sentence, const IsName& i
   return result;
 }
 
-std::optional<std::string> contrary_question(const std::string& sentence) {
+std::optional<ContraryQuestion> contrary_question(const std::string& sentence) {
   Words words = words_and_marks(sentence);
   for (size_t i = 0; i + 1 < words.size(); ++i)
     if (words[i] == "no" && words[i + 1] == "one") replace_words(words, i, 2, {"nobody"});
   const auto at = only_negative(words);
-  if (!at || *at + 1 >= words.size() || (words[*at] != "nobody" && words[*at] != "noone"))
-    return std::nullopt;
-  words[*at] = "somebody";
-  if (class_of(lemma_of(words[*at + 1])) == WordClass::auxiliary)
-    std::swap(words[*at], words[*at + 1]);
-  else
-    words.insert(words.begin() + static_cast<std::ptrdiff_t>(*at), "did");
+  if (!at || *at + 1 >= words.size()) return std::nullopt;
+  const std::string negative = words[*at];
+  const bool nobody = negative == "nobody" || negative == "noone";
+  if (!nobody && negative != "nothing" && !asks_to_confirm(words)) return std::nullopt;
+  if (nobody) {
+    words[*at] = "somebody";
+    if (class_of(lemma_of(words[*at + 1])) == WordClass::auxiliary)
+      std::swap(words[*at], words[*at + 1]);
+    else
+      words.insert(words.begin() + static_cast<std::ptrdiff_t>(*at), "did");
+  } else {
+    if (!affirm(words)) replace_words(words, *at, 1, {});
+    ask_whether(words);
+  }
+  return ContraryQuestion{joined(words, " "), nobody};
+}
+
+std::string with_choice(const std::string& question, const std::string& subject) {
+  static const std::vector<Words> any =
+      expand_form("(is|are) there (any|some|one) [left]|have (i|we) [got] (any|some|one) [left]");
+  Words words = words_and_marks(question);
+  const size_t length = length_of_choice(words, 0);
+  while (!words.empty() && is_mark(words.back())) words.pop_back();
+  if (!subject.empty() && std::ranges::count(any, words) > 0) return "is there any " + subject + "?";
+  if (length == 0 || subject.empty()) return question;
+  replace_words(words, 1, length - 1, words_of(subject));
   return joined(words, " ");
+}
+
+bool chooses(const std::string& sentence) {
+  const Words words = words_and_marks(sentence);
+  for (size_t i = 0; i < words.size(); ++i)
+    if (length_of_choice(words, i) > 0) return true;
+  return false;
 }
 
 std::optional<ElidedQuestion> elided_question(const std::string& sentence) {

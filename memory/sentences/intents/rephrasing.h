@@ -24,8 +24,18 @@ struct Rephrasing {
 std::optional<Rephrasing> rephrased(const std::string& sentence,
                                     const std::function<bool(const std::string&)>& is_name);
 
-/// "Nobody moved the pot" asks for the contrary of "did somebody move the pot"; unset for other sentences.
-std::optional<std::string> contrary_question(const std::string& sentence);
+/// "Nobody moved the pot" asks for the contrary of "did somebody move the pot".
+struct ContraryQuestion {
+  std::string question = {};
+  bool only_reading = false;  ///< the sentence must not be read without its negation
+};
+/// Of what nobody did, of nothing, and of negations that are to be confirmed; unset for other sentences.
+std::optional<ContraryQuestion> contrary_question(const std::string& sentence);
+
+/// "Which one has moved?", "is there any left?" ask of what was spoken of; "" = nothing was.
+std::string with_choice(const std::string& question, const std::string& subject);
+/// Whether the sentence asks which of what was spoken of: an answer about everything is none.
+bool chooses(const std::string& sentence);
 
 /// "Was the pot moved, and when?": the question, and the question word that asks more of the same.
 struct ElidedQuestion {

@@ -1,9 +1,12 @@
 #include "memory/sentences/natural_language.h"
 
+#include <SQLiteCpp/SQLiteCpp.h>
+
 #include "mapping/base/text/json.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/location.h"
+#include "memory/questions/names/map_names.h"
 #include "memory/questions/presence.h"
 #include "memory/questions/routines/routines.h"
 #include "memory/questions/routines/tasks.h"
@@ -334,6 +337,62 @@ TEST_F(NaturalLanguage, WhatStandsOnAnObjectIsNotWhatStandsOnItsPlace) {
   const NaturalLanguageAnswer answer = say("What is on the blue thing?");
   EXPECT_EQ(answer.query->text(), "near 'blue thing' --relation on");
   EXPECT_EQ(answer.reply->text, "Nothing is on the blue object.");
+}
+
+TEST_F(NaturalLanguage, TheWordsOfAPlaceMayComeInAnyOrder) {
+  {
+    Store store = Store::open_write(file_, {});
+    set_fact(store, "counter_1", kPlaceNameKey, "counter_south");
+  }
+  EXPECT_EQ(say("Is the tea cup on the south counter?").reply->verdict, Verdict::yes);
+  EXPECT_EQ(say("What is on the southern counter?").query->argument("place"), "southern counter");
+  EXPECT_EQ(say("Is the tea cup on the north counter?").why_not->reason, "unknown_place");
+}
+
+TEST_F(NaturalLanguage, AColourThatIsLikeAnotherIsItsOnlyObject) {
+  {
+    Store store = Store::open_write(file_, {});
+    set_fact(store, "blue", "class", "bowl");
+  }
+  const NaturalLanguageAnswer answer = say("Where is the cyan bowl?");
+  ASSERT_TRUE(answer.reply) << text(answer);
+  EXPECT_EQ(answer.reply->objects, std::vector<Id>{2});
+  EXPECT_THAT(answer.notes, testing::Contains("nothing is called 'cyan bowl'; 'blue bowl' is meant"));
+  EXPECT_FALSE(say("Where is the red bowl?").reply);
+}
+
+TEST_F(NaturalLanguage, AnUnknownPackageIsTheOnlyNamelessObjectOfItsColour) {
+  EXPECT_EQ(say("Where is the green box?").reply->objects, std::vector<Id>{3});
+  EXPECT_FALSE(say("Where is the green bicycle?").reply);
+}
+
+TEST_F(NaturalLanguage, ANegationIsNotPassedOver) {
+  EXPECT_EQ(say("Please confirm that the drawer was not opened.").reply->verdict, Verdict::no);
+  EXPECT_EQ(say("Has the tea cup stayed put all day?").reply->verdict, Verdict::no);
+  EXPECT_FALSE(say("Which items never changed their surface?").reply);
+}
+
+TEST_F(NaturalLanguage, WhatRestrictsBesideAQuestionIsNotPassedOver) {
+  EXPECT_FALSE(say("How many things are there altogether, red thing?").reply);
+  EXPECT_FALSE(say("I need the tea cup that is not on the table, where is it?").reply);
+  EXPECT_FALSE(say("Which of these is the biggest?").reply) << "of what?";
+  EXPECT_THAT(say("The tea cup was on the table. Which one was moved?").query->text(), HasSubstr("tea cup"));
+}
+
+TEST_F(NaturalLanguage, BeforeTheFirstLookNothingWasObserved) {
+  const NaturalLanguageAnswer answer = say("Was the tea cup on the table before 7:00?");
+  EXPECT_EQ(answer.reply->text, "Not observed: the first look was at 08:00.");
+  EXPECT_EQ(answer.reply->verdict, Verdict::not_observed);
+}
+
+TEST_F(NaturalLanguage, WhatTheLastLookMissedIsNotElsewhere) {
+  SQLite::Database(file_.string(), SQLite::OPEN_READWRITE)
+      .exec(
+          "INSERT INTO visibility (scene, object, status, valid_from, known_from, run) "
+          "SELECT id, 2, 'missed', time, 0, 1 FROM scene WHERE id = 6");
+  const NaturalLanguageAnswer answer = say("Is the blue thing on the table?");
+  EXPECT_EQ(answer.reply->verdict, Verdict::yes) << text(answer);
+  EXPECT_THAT(answer.reply->text, HasSubstr("on table_1, but was not seen at the last look"));
 }
 
 }  // namespace

@@ -77,16 +77,36 @@ TEST(Rephrasing, PeopleAreSomeoneUnlessTheMemoryKnowsThem) {
 }
 
 TEST(Rephrasing, ANegativeSubjectAsksForTheContrary) {
-  EXPECT_EQ(contrary_question("So nobody moved the pot, right?"), "so did somebody moved the pot , right ?");
-  EXPECT_EQ(contrary_question("Nobody has moved the pot."), "has somebody moved the pot .");
-  EXPECT_EQ(contrary_question("No one opened it?"), "did somebody opened it ?");
-  EXPECT_FALSE(contrary_question("What has nobody moved?"));
-  EXPECT_FALSE(contrary_question("Nobody never moved the pot."));
-  EXPECT_FALSE(contrary_question("Was the pot moved?"));
+  const auto contrary = [](const std::string& sentence) {
+    const auto one = contrary_question(sentence);
+    return one ? one->question : "";
+  };
+  EXPECT_EQ(contrary("So nobody moved the pot, right?"), "so did somebody moved the pot , right ?");
+  EXPECT_EQ(contrary("Nobody has moved the pot."), "has somebody moved the pot .");
+  EXPECT_EQ(contrary("No one opened it?"), "did somebody opened it ?");
+  EXPECT_EQ(contrary("What has nobody moved?"), "");
+  EXPECT_EQ(contrary("Nobody never moved the pot."), "");
+  EXPECT_EQ(contrary("Was the pot moved?"), "");
+  EXPECT_EQ(contrary("Has nothing happened since six?"), "has anything happened since six ?");
+  EXPECT_EQ(contrary("Please confirm that the pot has not been moved."),
+            "please confirm that the pot has been moved .");
+  EXPECT_EQ(contrary("So the pot never left the table, correct?"),
+            "did the pot ever left the table , correct ?");
+  EXPECT_EQ(contrary("The milk is not on the table, is it?"), "") << "asks whether it is";
   const auto nothing = rephrased("Has nothing happened since six?", is_name);
   ASSERT_TRUE(nothing);
   EXPECT_TRUE(nothing->contrary);
   EXPECT_EQ(nothing->sentence, "has anything happened since six ?");
+}
+
+TEST(Rephrasing, AChoiceIsOfWhatWasNamed) {
+  EXPECT_EQ(as_meant("Which of these are still here: the plate, the milk, tea?", is_name),
+            "which plate or milk or tea are still here");
+  EXPECT_EQ(with_choice("Which one has been moved?", "cups"), "which cups has been moved");
+  EXPECT_EQ(with_choice("Is there any left?", "milk"), "is there any milk?");
+  EXPECT_EQ(with_choice("Which cup has been moved?", "plates"), "Which cup has been moved?");
+  EXPECT_TRUE(chooses("And which of those is the biggest?"));
+  EXPECT_FALSE(chooses("Which of the cups is the biggest?"));
 }
 
 TEST(Rephrasing, AQuestionWordAfterAndAsksMore) {

@@ -360,6 +360,10 @@ TEST(Sentences, TimesInWords) {
        "was cup on table --between 'yesterday 8' 'yesterday 9'"},
       {"Did the cup move between 2 and 3 pm?", "changes --between '2 pm' '3 pm' --kind handled --object cup"},
       {"What happened up to 14.30 today?", "changes --to 'today 14:30'"},
+      {"What changed since seventeen hundred hours?", "changes --from 17:00"},
+      {"What moved over the course of the day?", "changes --between today today --kind relocated"},
+      {"Was the cup moved all day?", "changes --between today today --kind handled --object cup"},
+      {"What changed after nine and before ten?", "changes --between nine ten"},
   });
 }
 
