@@ -56,6 +56,7 @@ struct Support {
   double sd = 0;                    ///< of the heights of the scans, metres
   size_t inliers = 0;
   std::vector<int> scans;
+  std::vector<Extent> legs;  ///< of a table, or its pedestal: footprints, in its axes
   std::string class_name;
   std::string reason;  ///< of the class
 
