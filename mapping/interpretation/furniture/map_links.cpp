@@ -238,7 +238,9 @@ void add_legs(const Support& table, const std::string& name, double floor_height
                bottom = floor_height - table.height + kCabinets.clearance_m;
   std::vector<LinkPart> parts;
   Json footprints = Json::array();
-  for (const Extent& leg : table.legs) {
+  size_t inliers = 0;
+  for (const auto& [leg, points] : table.legs) {
+    inliers += points;
     Extent in_link = Extent::empty();
     in_link.extend(Vector2d(link_from_axes * leg.min));
     in_link.extend(Vector2d(link_from_axes * leg.max));
@@ -255,7 +257,7 @@ void add_legs(const Support& table, const std::string& name, double floor_height
   link.class_name = "legs";
   link.confidence = map.semantics.links.at(name).confidence;
   link.geometry = {{"height", rounded(table.height - thickness)}, {"footprints", footprints}};
-  link.evidence = {{"posts", table.legs.size()}};
+  link.evidence = {{"inliers", inliers}, {"scans", table.scans}};
 }
 
 void add_support(const RecognisedRoom& room, const Support& support, const std::string& name,

@@ -19,6 +19,7 @@ class Undercroft {
     Extent all = Extent::empty();
     for (const Extent& part : table.parts) all.extend(part);
     min_ = all.min;
+    middle_ = (all.centre() - min_) / kLegs.cell_m;
     const double low = floor_height + kLegs.above_floor_m, high = table.height - kLegs.below_top_m;
     levels_ = std::clamp(static_cast<int>((high - low) / kLegs.level_m), 0, 64);
     cols_ = static_cast<int>(all.size().x() / kLegs.cell_m) + 1;
@@ -46,15 +47,17 @@ class Undercroft {
       for (int x = 0; x < cols_; ++x) {
         if (cells_[index(x, y)] == 0) continue;
         const uint64_t seen = around(x, y);
-        if (std::popcount(seen) >= kLegs.seen_levels * levels_ &&
-            std::popcount(seen >> (levels_ - third)) >= kLegs.seen_levels * third)
-          mask.at<uchar>(y, x) = 255;
+        const bool up_to_top = std::popcount(seen) >= kLegs.seen_levels * levels_ &&
+                               std::popcount(seen >> (levels_ - third)) >= kLegs.seen_levels * third;
+        const bool central = (Vector2d(x, y) - middle_).norm() * kLegs.cell_m < kLegs.central_m &&
+                             std::popcount(seen) >= kLegs.seen_central * levels_;
+        if (up_to_top || central) mask.at<uchar>(y, x) = 255;
       }
     return mask;
   }
 
   /// What the points in a rectangle of cells span; a side of which less was seen is as thick as a thin leg.
-  Extent span(const cv::Rect& cells) const {
+  Leg span(const cv::Rect& cells) const {
     const Extent area{min_ + kLegs.cell_m * Vector2d(cells.x, cells.y),
                       min_ + kLegs.cell_m * Vector2d(cells.x + cells.width, cells.y + cells.height)};
     std::vector<double> x, y;
@@ -63,7 +66,7 @@ class Undercroft {
     Extent extent{{quantile(x, kLegs.outliers), quantile(y, kLegs.outliers)},
                   {quantile(x, 1 - kLegs.outliers), quantile(y, 1 - kLegs.outliers)}};
     const Vector2d half = extent.size().cwiseMax(kLegs.min_side_m) / 2, centre = extent.centre();
-    return {centre - half, centre + half};
+    return {{centre - half, centre + half}, x.size()};
   }
 
  private:
@@ -79,7 +82,7 @@ class Undercroft {
     return levels;
   }
 
-  Vector2d min_;
+  Vector2d min_, middle_;  ///< the middle in cells
   int levels_ = 0, cols_ = 0, rows_ = 0;
   std::vector<uint64_t> cells_;
   std::vector<Vector2d> points_;
@@ -87,16 +90,22 @@ class Undercroft {
 
 }  // namespace
 
-std::vector<Extent> find_legs(const Surface& surface, double floor_height, const Support& table) {
+std::vector<Leg> find_legs(const Surface& surface, double floor_height, const Support& table) {
   const Undercroft below(surface, floor_height, table);
   cv::Mat labels, boxes, centres;
   const int count = cv::connectedComponentsWithStats(below.posts(), labels, boxes, centres);
-  std::vector<Extent> legs;
+  std::vector<Leg> legs;
   for (int i = 1; i < count; ++i) {
     const cv::Rect box(boxes.at<int>(i, cv::CC_STAT_LEFT), boxes.at<int>(i, cv::CC_STAT_TOP),
                        boxes.at<int>(i, cv::CC_STAT_WIDTH), boxes.at<int>(i, cv::CC_STAT_HEIGHT));
     if (std::max(box.width, box.height) * kLegs.cell_m <= kLegs.max_side_m) legs.push_back(below.span(box));
   }
+  // Mixed returns beside the edge of the top make thin posts of few points.
+  size_t most = 0;
+  for (const Leg& leg : legs) most = std::max(most, leg.inliers);
+  std::erase_if(legs, [&](const Leg& leg) {
+    return static_cast<double>(leg.inliers) < kLegs.min_points * static_cast<double>(most);
+  });
   return legs;
 }
 

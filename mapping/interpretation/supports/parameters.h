@@ -141,6 +141,9 @@ struct LegParameters {
   double below_top_m = 0.06;    ///< higher are the slab and its frame
   int min_levels = 6;           ///< lower tables are seats
   double seen_levels = 0.6;     ///< of all levels, and of the upper third: chairs hide the others
+  double central_m = 0.1;       ///< from the middle of the top, where no chair stands: a pedestal …
+  double seen_central = 0.3;    ///< … which the top hides from above
+  double min_points = 0.1;      ///< of the leg with most points
   double max_side_m = 0.2;      ///< wider posts are panels or furniture below the table
   double min_side_m = 0.02;     ///< of a leg of which one side was seen
   double outliers = 0.05;       ///< of the points at either end
