@@ -101,38 +101,38 @@ void run(const Arguments& arguments, Session& session) {
 }  // namespace
 
 Command mapping_command() {
-  return {"mapping",
-          "Maps of explored kitchens against ground truth: handles, fronts, joints, supports, walls",
-          {"loci-evaluate mapping apps/samples/kitchen.urdf --seeds 1",
-           "loci-evaluate mapping apps/samples/kitchen.urdf --truth apps/samples/kitchen.urdf --seeds 1 "
-           "--poses \"1,1.5,90; 2,1.5,180; 2,1.5,-90; 3,1.5,90\" --ceiling 2.5 --json"},
-          [](ArgumentTable& table) {
-            auto arguments = std::make_shared<Arguments>();
-            table.positional(
-                "WORLD...", &arguments->worlds,
-                "Worlds (URDF, or a folder with kitchen.urdf and truth.json) that a simulated robot maps, or "
-                "recordings with poses (--truth is needed)");
-            table.option("--truth FILE", &arguments->truths, "Ground truth per world: URDF or truth.json");
-            table.option("--start POSE", &arguments->starts, "Pose of the first scan per world: x,y,yaw_deg",
-                         {.default_text = "the most open floor"});
-            table.option("--poses POSES", &arguments->poses,
-                         "Scan at these poses instead of exploring, per world: \"x,y,yaw_deg; …\"");
-            table.flag("--walk", arguments->walk,
-                       "Instead of a robot that explores, a person walks through with a Kinect");
-            table.flag("--track", arguments->track,
-                       "The poses of the walk, or of a recording, are tracked from its images; true ones "
-                       "only turn and shift the map to the truth");
-            table.flag("--interact", arguments->survey.interact, "Pull each handle and scan again");
-            table.package_path(&arguments->package_paths);
-            table.option("--seeds", &arguments->seeds, "Number of maps per world, with seeds 1, 2, …",
-                         {.min = 1, .max = 1000});
-            table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height",
-                         {.unit = "m"});
-            table.option("-o,--output FOLDER", &arguments->out, "Keep the maps in this folder");
-            AllOptions options{arguments->survey, arguments->comparison};
-            table.options(table_of(options), "Exploration and comparison");
-            return [arguments](Session& session) { run(*arguments, session); };
-          }};
+  return {
+      "mapping",
+      "Maps of explored kitchens against ground truth: handles, fronts, joints, supports, walls, openings",
+      {"loci-evaluate mapping apps/samples/kitchen.urdf --seeds 1",
+       "loci-evaluate mapping apps/samples/kitchen.urdf --truth apps/samples/kitchen.urdf --seeds 1 "
+       "--poses \"1,1.5,90; 2,1.5,180; 2,1.5,-90; 3,1.5,90\" --ceiling 2.5 --json"},
+      [](ArgumentTable& table) {
+        auto arguments = std::make_shared<Arguments>();
+        table.positional(
+            "WORLD...", &arguments->worlds,
+            "Worlds (URDF, or a folder with kitchen.urdf and truth.json) that a simulated robot maps, or "
+            "recordings with poses (--truth is needed)");
+        table.option("--truth FILE", &arguments->truths, "Ground truth per world: URDF or truth.json");
+        table.option("--start POSE", &arguments->starts, "Pose of the first scan per world: x,y,yaw_deg",
+                     {.default_text = "the most open floor"});
+        table.option("--poses POSES", &arguments->poses,
+                     "Scan at these poses instead of exploring, per world: \"x,y,yaw_deg; …\"");
+        table.flag("--walk", arguments->walk,
+                   "Instead of a robot that explores, a person walks through with a Kinect");
+        table.flag("--track", arguments->track,
+                   "The poses of the walk, or of a recording, are tracked from its images; true ones "
+                   "only turn and shift the map to the truth");
+        table.flag("--interact", arguments->survey.interact, "Pull each handle and scan again");
+        table.package_path(&arguments->package_paths);
+        table.option("--seeds", &arguments->seeds, "Number of maps per world, with seeds 1, 2, …",
+                     {.min = 1, .max = 1000});
+        table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height", {.unit = "m"});
+        table.option("-o,--output FOLDER", &arguments->out, "Keep the maps in this folder");
+        AllOptions options{arguments->survey, arguments->comparison};
+        table.options(table_of(options), "Exploration and comparison");
+        return [arguments](Session& session) { run(*arguments, session); };
+      }};
 }
 
 }  // namespace loci::apps

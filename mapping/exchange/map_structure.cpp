@@ -42,6 +42,23 @@ void span(WallPatch& wall, const std::vector<Vector3d>& corners) {
   }
 }
 
+/// The openings of a wall, named after it, from its `openings` in a sidecar or `door_openings` in a truth.
+void add_openings(const Json& openings, const WallPatch& wall, MapStructure& structure) {
+  if (!structure.openings) structure.openings.emplace();  // even if this wall has none
+  int count = 0;
+  for (const Json& json : openings) {
+    KnownFront opening;
+    opening.front.class_name = json.value("kind", "doorway");
+    opening.name = wall.name + "." + opening.front.class_name + "_" + std::to_string(++count);
+    opening.region = wall.region;
+    opening.front.centre = vector_of(json.at("centre"));
+    opening.front.normal = wall.normal;
+    opening.front.width = json.at("width").get<double>();
+    opening.front.height = json.at("height").get<double>();
+    structure.openings->push_back(std::move(opening));
+  }
+}
+
 }  // namespace
 
 Vector3d vector_of(const Json& json) {
@@ -67,6 +84,7 @@ MapStructure structure_from_sidecar(const SemanticMap& sidecar, const World& wor
         std::vector<Vector3d> corners;
         for (const Json& corner : geometry.at("outline")) corners.push_back(vector_of(corner));
         span(wall, corners);
+        if (geometry.contains("openings")) add_openings(geometry.at("openings"), wall, structure);
         structure.walls.push_back(std::move(wall));
       }
     } catch (const Json::exception&) {
@@ -102,6 +120,11 @@ MapStructure structure_from_truth(const Json& truth, const std::string& file) {
     span(wall, {centre - right - up, centre + right + up});
     // Strips, pillars and window reveals fill little of their rectangle.
     wall.main = json.value("faces_furniture_side", true) && json.value("fill", 1.0) > 0.3;
+    try {
+      if (json.contains("door_openings")) add_openings(json["door_openings"], wall, structure);
+    } catch (const Json::exception&) {
+      throw Error("an opening needs a centre, a width and a height", {file, 0, wall.name});
+    }
     structure.walls.push_back(std::move(wall));
   }
   add_truth_furniture(truth, file, structure);

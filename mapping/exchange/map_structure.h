@@ -57,6 +57,9 @@ struct MapStructure {
   std::string source;  ///< "sidecar", "geometry of the URDF", "truth.json"
   std::vector<SurfacePatch> supports;
   std::vector<WallPatch> walls;
+  /// Doorways and windows of the walls, with the front's class "doorway" or "window" and its normal into the
+  /// room; unset where the source is silent about them.
+  std::optional<std::vector<KnownFront>> openings;
   std::vector<KnownFront> fronts;
   std::vector<KnownFixture> fixtures;
   std::optional<double> floor_height;

@@ -12,6 +12,7 @@
 #include "mapping/base/text/json.h"
 #include "mapping/interpretation/fronts/fronts.h"
 #include "mapping/interpretation/furniture/map_links.h"
+#include "mapping/interpretation/supports/legs.h"
 #include "mapping/interpretation/surfaces/levelling.h"
 #include "mapping/interpretation/surfaces/parameters.h"
 #include "mapping/interpretation/surfaces/surface.h"
@@ -139,6 +140,8 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
   room.walls = std::move(vertical.walls);
   room.openings = find_openings(surface, room.walls, floor_height, options.threads);
   room.supports = std::move(horizontal.supports);
+  for (Support& support : room.supports)
+    if (support.class_name == "table") support.legs = find_legs(surface, floor_height, support);
   if (room.walls.empty()) map.notes.push_back("no walls were recognised");
   if (room.supports.empty())
     map.notes.push_back("no supports were recognised: scan counters and tables from above");

@@ -35,6 +35,8 @@ struct JointEstimate {
   double lower = 0, upper = 0;         ///< metres or radians; 0 = closed
   double axis_sd_deg = 0, origin_sd_m = 0;  ///< uncertainty
   std::string evidence = "prior";           ///< prior, interaction, difference, track
+  /// What shows the hinge's side of a door without fixture: "pair", or "assumed"; empty for other joints.
+  std::string hinge_from;
 };
 
 /// The visible face of a drawer, door or flap: a rectangle. Map frame, all joints at 0.

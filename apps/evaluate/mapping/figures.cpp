@@ -78,6 +78,12 @@ class Table {
            worst_of, most(1));
     spread("wall angle, worst", "deg", 1, objects(kLast, "wall", &mapping::ComparedElement::angle_error_deg),
            worst_of, most(0.3));
+    count("openings found", "opening", false);
+    count("openings not invented", "opening", true);
+    std::vector<double> edges;
+    for (const mapping::Comparison* comparison : comparisons(kLast))
+      std::ranges::copy(comparison->edge_errors("opening"), std::back_inserter(edges));
+    spread("opening edge, worst", "cm", 100, edges, worst_of, kNone);
     each(
         "contacts in the closed state", "",
         [](const MappedWorld& map) { return static_cast<double>(map.contacts); }, most(0));

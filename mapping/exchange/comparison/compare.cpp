@@ -218,6 +218,7 @@ Comparison compare(const MapStructure& map, const MapStructure& truth, const Com
   result.truth_source = truth.source;
   compare_supports(map, truth, options, result);
   compare_walls(map, truth, options, result);
+  compare_openings(map, truth, options, result);
   compare_furniture(map, truth, options, result);
   if (truth.floor_height) {
     ComparedElement floor;

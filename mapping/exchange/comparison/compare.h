@@ -35,7 +35,7 @@ struct ComparedJoint {
 
 /// One element of the map, of the truth, or of both.
 struct ComparedElement {
-  std::string kind;  ///< "support", "wall", "floor", "front", "handle" (and knobs)
+  std::string kind;  ///< "support", "wall", "floor", "opening", "front", "handle" (and knobs)
   /// "matched", "missed", "extra", "minor" (found, though not among the main elements), "not observable" (a
   /// support that is not in the map because no sensor pose could show its top)
   std::string verdict;
@@ -46,8 +46,9 @@ struct ComparedElement {
   std::optional<double> angle_error_deg;  ///< of a wall's or front's normal, of a handle's bar
   std::optional<double> centre_error;     ///< of a handle, metres
   std::optional<ComparedJoint> joint;     ///< of a front that moves in the truth
-  std::array<double, 4>
-      edge_errors{};  ///< of a support: u min, u max, v min, v max in the truth's axes, metres
+  /// Map minus truth, metres. Of a support: u min, u max, v min, v max in the truth's axes; of an opening:
+  /// left, right, bottom, top, as seen from the room.
+  std::array<double, 4> edge_errors{};
 };
 
 struct Comparison {
@@ -68,6 +69,8 @@ struct Comparison {
   Joints joints() const;
   /// A figure of all matched elements of a kind, absolute, those that have it.
   std::vector<double> errors(const std::string& kind, std::optional<double> ComparedElement::*figure) const;
+  /// Absolute errors of the edges of all matched elements of a kind.
+  std::vector<double> edge_errors(const std::string& kind) const;
   std::vector<double> joint_errors(std::optional<double> ComparedJoint::*figure) const;
   /// A table per kind and a line of counts per kind.
   std::string text() const;
@@ -76,7 +79,8 @@ struct Comparison {
 
 /// Supports match by height and overlap, best overlap first, each once; walls by angle, offset and shared
 /// length, several pieces of a map may belong to one true wall; handles and knobs by the distance of their
-/// centres, nearest first; fronts by their matched handles, then by overlap. With a region, only elements of
+/// centres, nearest first; fronts by their matched handles, then by overlap; openings by overlap, where the
+/// truth lists them. With a region, only elements of
 /// the truth in it are asked for, and furniture of the map outside of it is no mistake.
 Comparison compare(const MapStructure& map, const MapStructure& truth, const ComparisonOptions& options);
 

@@ -99,11 +99,22 @@ std::optional<size_t> index_of(const std::string& name, const std::vector<KnownF
   return static_cast<size_t>(found - fronts.begin());
 }
 
+std::vector<Pair> overlapping(const std::vector<KnownFront>& map, const std::vector<KnownFront>& truth,
+                              const ComparisonOptions& options) {
+  std::vector<Pair> pairs;
+  for (size_t i = 0; i < map.size(); ++i)
+    for (size_t j = 0; j < truth.size(); ++j) {
+      const double overlap = overlap_of(map[i].front, truth[j].front);
+      if (overlap >= options.min_outline_overlap) pairs.push_back({i, j, -overlap});
+    }
+  return pairs;
+}
+
 /// A front is what its handle opens; fronts without are matched by overlap.
 std::vector<std::optional<size_t>> front_pairs(const MapStructure& map, const MapStructure& truth,
                                                const std::vector<std::optional<size_t>>& handles,
                                                const ComparisonOptions& options) {
-  std::vector<Pair> by_handle, by_overlap;
+  std::vector<Pair> by_handle;
   for (size_t j = 0; j < handles.size(); ++j) {
     if (!handles[j]) continue;
     const auto i = index_of(map.fixtures[*handles[j]].front, map.fronts);
@@ -112,12 +123,7 @@ std::vector<std::optional<size_t>> front_pairs(const MapStructure& map, const Ma
     const double overlap = overlap_of(map.fronts[*i].front, truth.fronts[*of_truth].front);
     if (overlap > 0) by_handle.push_back({*i, *of_truth, -overlap});
   }
-  for (size_t i = 0; i < map.fronts.size(); ++i)
-    for (size_t j = 0; j < truth.fronts.size(); ++j) {
-      const double overlap = overlap_of(map.fronts[i].front, truth.fronts[j].front);
-      if (overlap >= options.min_outline_overlap) by_overlap.push_back({i, j, -overlap});
-    }
-  return assign(std::move(by_overlap), truth.fronts.size(),
+  return assign(overlapping(map.fronts, truth.fronts, options), truth.fronts.size(),
                 assign(std::move(by_handle), truth.fronts.size()));
 }
 
@@ -142,6 +148,15 @@ void fill_front(const KnownFront& map, const KnownFront& truth, ComparedElement&
   element.offset_error = truth.front.normal.dot(map.front.centre - truth.front.centre);
   if (truth.front.joint && truth.front.joint->type != ArticulationType::rigid)
     element.joint = compare_joints(map.front.joint, *truth.front.joint, truth.front.centre);
+}
+
+void fill_opening(const KnownFront& map, const KnownFront& truth, ComparedElement& element) {
+  const Front &of_map = map.front, &of_truth = truth.front;
+  element.overlap = overlap_of(of_map, of_truth);
+  const Vector3d apart = of_map.centre - of_truth.centre;
+  const double along = of_truth.right().dot(apart), wider = (of_map.width - of_truth.width) / 2;
+  const double above = of_truth.up.dot(apart), higher = (of_map.height - of_truth.height) / 2;
+  element.edge_errors = {along - wider, along + wider, above - higher, above + higher};
 }
 
 }  // namespace
@@ -183,6 +198,16 @@ ComparedJoint compare_joints(const std::optional<JointEstimate>& map, const Join
   const Vector3d hinge = truth.origin + axis.dot(front_centre - truth.origin) * axis;
   joint.hinge_error = distance_to_line(hinge, *map);
   return joint;
+}
+
+void compare_openings(const MapStructure& map, const MapStructure& truth, const ComparisonOptions& options,
+                      Comparison& result) {
+  if (!truth.openings) return;
+  const std::vector<KnownFront> found = map.openings.value_or(std::vector<KnownFront>{});
+  judge(
+      "opening", found, truth, *truth.openings,
+      assign(overlapping(found, *truth.openings, options), truth.openings->size()), options,
+      [](const KnownFront& known) { return known.front.centre; }, fill_opening, result);
 }
 
 void compare_furniture(const MapStructure& map, const MapStructure& truth, const ComparisonOptions& options,

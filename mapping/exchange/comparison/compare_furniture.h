@@ -4,6 +4,10 @@
 
 namespace loci::mapping {
 
+/// Adds the openings of walls, where the truth lists them.
+void compare_openings(const MapStructure& map, const MapStructure& truth, const ComparisonOptions& options,
+                      Comparison& result);
+
 /// Adds handles, knobs, fronts and their joints to a comparison.
 void compare_furniture(const MapStructure& map, const MapStructure& truth, const ComparisonOptions& options,
                        Comparison& result);

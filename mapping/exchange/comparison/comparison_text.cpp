@@ -12,7 +12,7 @@
 namespace loci::mapping {
 namespace {
 
-constexpr std::array<const char*, 4> kKinds = {"support", "wall", "front", "handle"};
+constexpr std::array<const char*, 5> kKinds = {"support", "wall", "opening", "front", "handle"};
 
 std::string number(const std::optional<double>& value, const char* format) {
   return value ? fmt::format(fmt::runtime(format), *value) : std::string("-");
@@ -65,6 +65,7 @@ std::vector<Column> columns_of(const std::string& kind) {
         joint_column("axis deg", 9,
                      [](const ComparedJoint& j) { return number(j.axis_error_deg, "{:.2f}"); }),
         joint_column("hinge m", 8, [](const ComparedJoint& j) { return number(j.hinge_error, "{:.3f}"); })};
+  if (kind == "opening") return {column("IoU", 6, "{:.2f}", &T::overlap), {"edges m", 29, edges_text}};
   return {column("height m", 9, "{:+.3f}", &T::height_error),
           column("IoU", 6, "{:.2f}", &T::overlap),
           {"edges m", 29, edges_text}};
@@ -128,7 +129,8 @@ Json json_of(const ComparedElement& element) {
   set("offset_error_m", element.offset_error);
   set("angle_error_deg", element.angle_error_deg);
   set("centre_error_m", element.centre_error);
-  if (element.kind == "support" && element.overlap) json["edge_errors_m"] = element.edge_errors;
+  if ((element.kind == "support" || element.kind == "opening") && element.overlap)
+    json["edge_errors_m"] = element.edge_errors;
   if (element.joint) json["joint"] = json_of(*element.joint);
   return json;
 }
@@ -182,6 +184,14 @@ std::vector<double> Comparison::errors(const std::string& kind,
   return values;
 }
 
+std::vector<double> Comparison::edge_errors(const std::string& kind) const {
+  std::vector<double> values;
+  for (const ComparedElement& element : elements)
+    if (element.kind == kind && element.verdict == "matched")
+      for (const double error : element.edge_errors) values.push_back(std::abs(error));
+  return values;
+}
+
 std::vector<double> Comparison::joint_errors(std::optional<double> ComparedJoint::*figure) const {
   std::vector<double> values;
   for (const ComparedElement& element : elements)
@@ -192,7 +202,7 @@ std::vector<double> Comparison::joint_errors(std::optional<double> ComparedJoint
 
 std::string Comparison::text() const {
   std::string text;
-  for (const char* kind : {"support", "wall", "floor", "front", "handle"}) {
+  for (const char* kind : {"support", "wall", "opening", "floor", "front", "handle"}) {
     std::vector<const ComparedElement*> of_kind;
     for (const ComparedElement& element : elements)
       if (element.kind == kind) of_kind.push_back(&element);
@@ -204,6 +214,7 @@ std::string Comparison::text() const {
                         kind, c.matched, c.missed, c.extra, c.minor, c.precision(), c.recall());
     if (c.not_observable > 0) text += fmt::format("; {} not observable", c.not_observable);
     text += statistics_text("IoU", errors(kind, &ComparedElement::overlap), "{:.2f}");
+    if (std::string(kind) == "opening") text += statistics_text("edges", edge_errors(kind), "{:.3f} m");
     text += statistics_text("centre", errors(kind, &ComparedElement::centre_error), "{:.3f} m");
     text += "\n";
   }
@@ -232,6 +243,9 @@ Json Comparison::report() const {
     add("offset_error_m", &ComparedElement::offset_error);
     add("angle_error_deg", &ComparedElement::angle_error_deg);
     add("centre_error_m", &ComparedElement::centre_error);
+    if (std::string(kind) == "opening")
+      if (Json edges = statistics(edge_errors(kind)); !edges.is_null())
+        sum["edge_error_m"] = std::move(edges);
   }
   const Joints moving = joints();
   json["joints"] = {{"asked", moving.asked},

@@ -271,8 +271,33 @@ class Layout {
     (part.fixture < 0 && is_recessed(part) ? recessed_ : result_.fronts).push_back(part);
   }
 
-  /// Adds parts without fixture behind something that protrudes where the fronts with fixtures end, too: the
-  /// counter over a row of cupboards, or a wall or tall unit at its end.
+  /// The parts without fixture under an overhang below which a plinth recedes, which leaves space for the
+  /// feet of who stands before a cupboard; panels and sides of cupboards have none. It is seen below some
+  /// parts of a row only, and holds for those beside them and upon them.
+  std::vector<bool> standing_on_plinth() const {
+    std::vector<PlacedFront> parts = recessed_;
+    parts.insert(parts.end(), result_.fronts.begin(), result_.fronts.end());
+    std::vector<bool> standing;
+    for (const PlacedFront& part : parts)
+      standing.push_back(part.edges[bottom].kind != FrontEdge::Kind::border &&
+                         part.edges[bottom].rise > kFronts.min_plinth_m);
+    const auto shares_plinth = [&](const PlacedFront& part, const PlacedFront& other) {
+      const std::array<bool, 4> meets = meeting_sides(part, other);
+      const bool level = std::abs(part.rect.v0 - other.rect.v0) < kLayout.plinth_level_m;
+      return meets[bottom] || ((meets[left] || meets[right]) && level);
+    };
+    for (bool grown = true; grown;) {
+      grown = false;
+      for (size_t i = 0; i < parts.size(); ++i)
+        for (size_t k = 0; k < parts.size() && !standing[i]; ++k)
+          if (standing[k] && shares_plinth(parts[i], parts[k])) standing[i] = grown = true;
+    }
+    standing.resize(recessed_.size());
+    return standing;
+  }
+
+  /// Adds parts without fixture behind something that protrudes where the fronts with fixtures end, too, or
+  /// over a plinth: the counter over a row of cupboards, or a wall or tall unit at its end.
   void add_overhung() {
     std::vector<PlacedFront> known;
     std::copy_if(result_.fronts.begin(), result_.fronts.end(), std::back_inserter(known),
@@ -287,10 +312,13 @@ class Layout {
              std::none_of(known.begin(), known.end(),
                           [&](const PlacedFront& front) { return meeting_sides(part, front)[side]; });
     };
-    for (const PlacedFront& part : recessed_) {
+    const std::vector<bool> on_plinth = standing_on_plinth();
+    for (size_t i = 0; i < recessed_.size(); ++i) {
+      const PlacedFront& part = recessed_[i];
       bool overhung = true;
       for (const size_t side : {left, right, bottom, top})
-        overhung = overhung && (!is_proud(part.edges[side]) || is_row(part, side) || ends_row(part, side));
+        overhung = overhung && (!is_proud(part.edges[side]) || is_row(part, side) || ends_row(part, side) ||
+                                (side == top && on_plinth[i]));
       if (overhung) result_.fronts.push_back(part);
     }
   }

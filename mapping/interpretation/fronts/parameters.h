@@ -143,6 +143,7 @@ struct LayoutParameters {
   double fixture_gap_m = 0.004;    ///< one raster cell between a cut and a fixture
   double max_settle_m = 0.012;     ///< three raster cells
   double neighbour_gap_m = 0.012;  ///< three raster cells between neighbouring fronts
+  double plinth_level_m = 0.02;    ///< between the lower edges of fronts over one plinth: five cells
   double shared_edge = 0.5;        ///< of the shorter edge of neighbouring fronts
 };
 inline constexpr LayoutParameters kLayout;

@@ -87,6 +87,15 @@ std::vector<Column> columns_of(const std::vector<Front>& fronts) {
   return columns;
 }
 
+/// "fridge" where one of the doors is one's: compartments of a refrigerator have one body. Other appliances
+/// stand in cupboards that have further fronts.
+std::string appliance_of(const Column& column, const std::vector<Front>& fronts) {
+  const bool fridge = std::ranges::any_of(column.fronts, [&](size_t i) {
+    return fronts[i].appliance == "fridge" || fronts[i].appliance == "freezer";
+  });
+  return fridge ? "fridge" : "";
+}
+
 /// A solid of the map in a column's frame.
 struct Solid {
   Bounds bounds;
@@ -230,6 +239,7 @@ class CabinetWriter {
     const double middle = map_from_.translation().z();
     link.geometry = {
         {"height", middle + inside.min().z()}, {"top", middle + inside.max().z()}, {"outline", outline}};
+    link.appliance = appliance_of(column_, fronts_);
     link.evidence = {{"source", "prototype"}, {"depth", to_text(depth.from)}};
     link.extra["fronts"] = names;
     return link;
@@ -241,8 +251,16 @@ class CabinetWriter {
   std::vector<Solid> solids_;
 };
 
-std::string cabinet_name(size_t column) {
-  return fmt::format("cabinet_{}", column + 1);
+std::vector<std::string> names_of(const std::vector<Column>& columns, const std::vector<Front>& fronts) {
+  std::vector<std::string> names;
+  size_t fridges = 0;
+  for (const Column& column : columns) {
+    const bool fridge = !appliance_of(column, fronts).empty();
+    fridges += fridge ? 1 : 0;
+    names.push_back(fridge ? fmt::format("fridge_{}", fridges)
+                           : fmt::format("cabinet_{}", names.size() + 1 - fridges));
+  }
+  return names;
 }
 
 }  // namespace
@@ -250,13 +268,14 @@ std::string cabinet_name(size_t column) {
 void add_cabinets(const std::vector<Front>& fronts, const std::string& parent, World& world,
                   SemanticMap& semantics) {
   const std::vector<Column> columns = columns_of(fronts);
+  const std::vector<std::string> names = names_of(columns, fronts);
   std::vector<SolidBox> taken;
   // What a wall bounds is certain; others give way to it.
   for (const bool at_wall : {true, false})
     for (size_t i = 0; i < columns.size(); ++i) {
       CabinetWriter writer(columns[i], fronts, world, semantics);
-      if (semantics.links.contains(cabinet_name(i)) || writer.stands_at_wall() != at_wall) continue;
-      writer.write(cabinet_name(i), parent, world, semantics, taken);
+      if (semantics.links.contains(names[i]) || writer.stands_at_wall() != at_wall) continue;
+      writer.write(names[i], parent, world, semantics, taken);
     }
   limit_joints(fronts, world, semantics);
 }

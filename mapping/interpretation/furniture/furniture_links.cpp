@@ -230,6 +230,7 @@ class FrontWriter {
     link.extra["depth_measured"] = front_.depth_measured;
     if (!front_.joint) return;
     link.extra["joint_evidence"] = front_.joint->evidence;
+    if (!front_.joint->hinge_from.empty()) link.extra["hinge_from"] = front_.joint->hinge_from;
     Json& probabilities = link.extra["joint_probabilities"] = Json::object();
     for (const ArticulationType type : kTypes)
       probabilities[to_text(type)] = front_.joint->probabilities[static_cast<size_t>(type)];
@@ -350,6 +351,7 @@ class FrontReader {
       return std::nullopt;
     }
     estimate.evidence = link.extra.value("joint_evidence", estimate.evidence);
+    estimate.hinge_from = link.extra.value("hinge_from", "");
     const Json probabilities = link.extra.value("joint_probabilities", Json::object());
     estimate.probabilities = {};
     for (size_t i = 0; i < estimate.probabilities.size(); ++i) {

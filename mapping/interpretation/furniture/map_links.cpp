@@ -15,6 +15,7 @@
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/names.h"
 #include "mapping/interpretation/furniture/parameters.h"
+#include "mapping/interpretation/furniture/wings.h"
 
 namespace loci::mapping {
 namespace {
@@ -228,6 +229,37 @@ std::vector<LinkPart> slab(const Support& support, double yaw, double thickness,
   return parts;
 }
 
+/// The legs of a table as a link of its own below that of the top, whose centre is at `centre` in axes turned
+/// by `yaw`: fronts cut what is in their way out of slabs only.
+void add_legs(const Support& table, const std::string& name, double floor_height, double thickness,
+              double yaw, const Vector2d& centre, InterpretedMap& map) {
+  const Eigen::Rotation2Dd link_from_axes(table.yaw - yaw);
+  const double top = -thickness - kCabinets.clearance_m,
+               bottom = floor_height - table.height + kCabinets.clearance_m;
+  std::vector<LinkPart> parts;
+  Json footprints = Json::array();
+  size_t inliers = 0;
+  for (const auto& [leg, points] : table.legs) {
+    inliers += points;
+    Extent in_link = Extent::empty();
+    in_link.extend(Vector2d(link_from_axes * leg.min));
+    in_link.extend(Vector2d(link_from_axes * leg.max));
+    const Vector2d middle = in_link.centre() - centre, size = in_link.size();
+    parts.push_back(
+        box_part({middle.x(), middle.y(), (top + bottom) / 2}, {size.x(), size.y(), top - bottom}));
+    const Eigen::Rotation2Dd map_from_axes = table.map_from_axes();
+    footprints.push_back(
+        json_of({map_from_axes * leg.min, map_from_axes * Vector2d(leg.max.x(), leg.min.y()),
+                 map_from_axes * leg.max, map_from_axes * Vector2d(leg.min.x(), leg.max.y())}));
+  }
+  add_link(map.world, name + "_legs", "legs", name, Isometry3d::Identity(), parts);
+  SemanticLink& link = map.semantics.links[name + "_legs"];
+  link.class_name = "legs";
+  link.confidence = map.semantics.links.at(name).confidence;
+  link.geometry = {{"height", rounded(table.height - thickness)}, {"footprints", footprints}};
+  link.evidence = {{"inliers", inliers}, {"scans", table.scans}};
+}
+
 void add_support(const RecognisedRoom& room, const Support& support, const std::string& name,
                  const InterpretationOptions& options, InterpretedMap& map) {
   const double yaw = frame_yaw(room, support);
@@ -258,6 +290,8 @@ void add_support(const RecognisedRoom& room, const Support& support, const std::
                    {"class_because", support.reason}};
   if (room.free_space) link.evidence["seen_below"] = rounded(support.seen_below);
   map.semantics.links[name] = std::move(link);
+  if (!support.legs.empty())
+    add_legs(support, name, room.floor ? room.floor->height : 0, options.slab_thickness_m, yaw, centre, map);
 }
 
 }  // namespace
@@ -281,7 +315,7 @@ void add_links(const RecognisedRoom& room, const InterpretationOptions& options,
   const std::vector<std::string> supports = support_names(room);
   for (const size_t i : in_name_order(supports)) {
     add_support(room, room.supports[i], supports[i], options, map);
-    map.whole_supports.push_back(map.world.links.back());
+    map.whole_supports.push_back(*map.world.find_link(supports[i]));
   }
 }
 
@@ -311,6 +345,7 @@ void set_prior_joint(Front& front) {
 
 void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, InterpretedMap& map) {
   for (Front& front : fronts) set_prior_joint(front);
+  pair_wings(fronts);
   map.room_yaw = room.yaw;
   add_named(std::move(fronts), map);
 }

@@ -166,9 +166,9 @@ struct NamedLink {
   Family family = Family::none;
 };
 
-/// The name without the suffix of a front's part.
+/// The name without the suffix of a part of a front or table.
 std::string base_of(const std::string& name) {
-  for (const char* part : {"_front", "_handle", "_knob", "_left", "_right", "_back", "_bottom"})
+  for (const char* part : {"_front", "_handle", "_knob", "_left", "_right", "_back", "_bottom", "_legs"})
     if (name.ends_with(part)) return name.substr(0, name.size() - std::string(part).size());
   return name;
 }

@@ -36,6 +36,7 @@ struct CabinetParameters {
   double max_cover_m = 0.15;  ///< between fronts of one body: a panel that does not open
   double same_face_m = 0.02;  ///< between the planes of such fronts: a panel's thickness
   double parallel_cosine = 0.999;
+  double max_wing_m = 0.62;    ///< of the wider door of a pair: cupboards are up to 1.2 m wide
   double max_lean = 0.1;       ///< of a front's normal; other fronts have no body
   double min_depth_m = 0.2;    ///< of shallow upper cabinets …
   double max_depth_m = 0.9;    ///< … and of deep islands: no wall farther behind ends a body

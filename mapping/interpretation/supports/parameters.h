@@ -133,6 +133,23 @@ struct HiddenCounterParameters {
 };
 inline constexpr HiddenCounterParameters kHiddenCounters;
 
+/// Legs and pedestals of tables.
+struct LegParameters {
+  double cell_m = 0.02;         ///< a neighbourhood of 3 × 3 holds the noise of a side
+  double level_m = 0.05;        ///< step in height in which a leg must show
+  double above_floor_m = 0.05;  ///< lower are the foot of a pedestal, and the floor itself
+  double below_top_m = 0.06;    ///< higher are the slab and its frame
+  int min_levels = 6;           ///< lower tables are seats
+  double seen_levels = 0.6;     ///< of all levels, and of the upper third: chairs hide the others
+  double central_m = 0.1;       ///< from the middle of the top, where no chair stands: a pedestal …
+  double seen_central = 0.3;    ///< … which the top hides from above
+  double min_points = 0.1;      ///< of the leg with most points
+  double max_side_m = 0.2;      ///< wider posts are panels or furniture below the table
+  double min_side_m = 0.02;     ///< of a leg of which one side was seen
+  double outliers = 0.05;       ///< of the points at either end
+};
+inline constexpr LegParameters kLegs;
+
 /// Counter, table, shelf, island: sizes of usual kitchen furniture.
 struct ClassParameters {
   double near_wall_m = 0.25;      ///< nearer than this a support stands at the wall

@@ -37,6 +37,12 @@ enum class EdgeKind {
 };
 const char* edge_kind_name(EdgeKind kind);
 
+/// A leg or the pedestal of a table.
+struct Leg {
+  Extent footprint;  ///< in the table's axes
+  size_t inliers = 0;
+};
+
 /// A horizontal surface that objects can stand on.
 struct Support {
   double height = 0;  ///< median over scans, metres
@@ -56,6 +62,7 @@ struct Support {
   double sd = 0;                    ///< of the heights of the scans, metres
   size_t inliers = 0;
   std::vector<int> scans;
+  std::vector<Leg> legs;  ///< of a table
   std::string class_name;
   std::string reason;  ///< of the class
 

@@ -69,6 +69,56 @@ TEST(Compare, SupportsAboveTheSensorAreNotObservableUnlessTheyAreFound) {
   EXPECT_EQ(compare(map, truth, {}).counts("support").missed, 2U);
 }
 
+/// A truth with one wall, 4 m wide, that looks along +y and has an opening from x = -1.5 to -0.5.
+Json truth_with_doorway() {
+  return Json::parse(R"({"support_surfaces": [], "walls": [{"name": "south", "normal": [0, 1, 0], "offset": 0,
+    "centre": [0, 0, 1.25], "right": [-1, 0, 0], "width": 4, "height": 2.5,
+    "door_openings": [{"centre": [-1, 0, 1], "width": 1, "height": 2}]}]})");
+}
+
+/// The sidecar of a map of that wall: `openings` as the map has them.
+MapStructure map_with_openings(const Json& openings) {
+  SemanticMap sidecar;
+  SemanticLink& wall = sidecar.links["wall_south"];
+  wall.class_name = "wall";
+  wall.geometry = {
+      {"normal", {0, 1, 0}}, {"offset", 0}, {"outline", {{2, 0, 0}, {-2, 0, 0}, {-2, 0, 2.5}, {2, 0, 2.5}}}};
+  if (!openings.empty()) wall.geometry["openings"] = openings;
+  return structure_from_sidecar(sidecar, {}, "map.semantic.json");
+}
+
+TEST(Compare, DoorwaysOfATruthAreFoundMissedOrInvented) {
+  const MapStructure truth = structure_from_truth(truth_with_doorway(), "truth.json");
+  const Json doorway = {
+      {"kind", "doorway"}, {"centre", {-1.02, 0.01, 0.99}}, {"width", 0.9}, {"height", 1.98}};
+  const Json window = {{"kind", "window"}, {"centre", {1, 0, 1.5}}, {"width", 1}, {"height", 1}};
+  const Comparison result = compare(map_with_openings(Json::array({doorway, window})), truth, {});
+  const Comparison::Counts counts = result.counts("opening");
+  EXPECT_EQ(counts.matched, 1U);
+  EXPECT_EQ(counts.missed, 0U);
+  EXPECT_EQ(counts.extra, 1U);
+  const auto found = std::ranges::find(result.elements, "opening", &ComparedElement::kind);
+  EXPECT_EQ(found->map_name, "wall_south.doorway_1");
+  EXPECT_EQ(found->truth_name, "south.doorway_1");
+  // From the room its right is -x: the left edge is at x = -0.57 for -0.5, the right one at -1.47 for -1.5.
+  EXPECT_THAT(found->edge_errors,
+              testing::ElementsAre(testing::DoubleNear(0.07, 1e-9), testing::DoubleNear(-0.03, 1e-9),
+                                   testing::DoubleNear(0, 1e-9), testing::DoubleNear(-0.02, 1e-9)));
+  EXPECT_THAT(result.text(), testing::HasSubstr("openings: 1 matched, 0 missed, 1 extra"));
+  EXPECT_NEAR(result.report().at("openings").at("edge_error_m").at("max").get<double>(), 0.07, 1e-9);
+  EXPECT_EQ(compare(map_with_openings(Json::array()), truth, {}).counts("opening").missed, 1U);
+}
+
+TEST(Compare, OpeningsAreNotAskedForWhereTheTruthIsSilentAboutThem) {
+  Json silent = truth_with_doorway();
+  silent["walls"][0].erase("door_openings");
+  const Json window = {{"kind", "window"}, {"centre", {1, 0, 1.5}}, {"width", 1}, {"height", 1}};
+  const Comparison result =
+      compare(map_with_openings(Json::array({window})), structure_from_truth(silent, "truth.json"), {});
+  EXPECT_EQ(result.counts("opening").extra, 0U);
+  EXPECT_EQ(result.counts("wall").matched, 1U);
+}
+
 TEST(Compare, SideThingsOfTheTruthAreNeitherExtraNorMissed) {
   MapStructure truth, map;
   truth.supports = {rectangle("board", 1.2, {0, 0}, {1, 0.3}), rectangle("inside", 0.3, {0, 0}, {1, 0.3})};

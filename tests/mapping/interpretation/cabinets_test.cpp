@@ -6,6 +6,7 @@
 #include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/interpretation/furniture/link_parts.h"
+#include "mapping/interpretation/furniture/wings.h"
 #include "mapping/world/contacts.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
@@ -74,6 +75,56 @@ TEST(Cabinets, AColumnOfFrontsAndTheWingsOfACupboardHaveOneBodyEach) {
   }
   const Vector3d origin = root_from_links(row.world, {})[row.world.link_index("cabinet_1")].translation();
   EXPECT_NEAR(origin.z(), 0.1, 1e-9);
+}
+
+TEST(Cabinets, TheCompartmentsOfARefrigeratorHaveOneBodyWithItsName) {
+  Row row;
+  std::vector<Front> fronts = {a_front("door_3", 1.4, 2, 0.1, 0.7, 1.45, true),
+                               a_front("door_4", 1.4, 2, 0.7, 1.8, 1.45, true)};
+  fronts[1].appliance = "fridge";
+  add_fronts(fronts, "map", row.world, row.semantics);
+  fronts.insert(fronts.begin(), row.fronts.begin(), row.fronts.end());
+  add_cabinets(fronts, "map", row.world, row.semantics);
+  const SemanticLink& fridge = row.semantics.links.at("fridge_1");
+  EXPECT_EQ(fridge.class_name, "cabinet");
+  EXPECT_EQ(fridge.appliance, "fridge");
+  EXPECT_THAT(fridge.extra.at("fronts"), ElementsAre("door_3", "door_4"));
+  EXPECT_TRUE(row.semantics.links.at("cabinet_1").appliance.empty());
+  EXPECT_TRUE(row.semantics.links.contains("cabinet_2"));
+  EXPECT_FALSE(row.semantics.links.contains("cabinet_3"));
+  remove_cabinets(row.world, row.semantics);
+  EXPECT_EQ(row.world.find_link("fridge_1"), nullptr);
+}
+
+/// A door without fixture: a_front() without its handle.
+Front a_bare_door(double u0, double u1) {
+  Front front = a_front("door", u0, u1, 0.1, 0.85);
+  front.fixture.reset();
+  front.joint = joint_prior(front);
+  front.class_name = front_class(front, *front.joint);
+  return front;
+}
+
+TEST(Cabinets, DoorsWithoutHandleOpenAwayFromTheOtherOneOfAPair) {
+  // A pair, a door with a handle, and one without for which nothing shows the side.
+  std::vector<Front> fronts = {a_bare_door(0.4, 0.8), a_bare_door(0, 0.4),
+                               a_front("door", 0.8, 1.2, 0.1, 0.85, 0.85, true), a_bare_door(1.2, 1.62)};
+  ASSERT_EQ(fronts[0].class_name, "door");
+  pair_wings(fronts);
+  EXPECT_EQ(fronts[0].joint->hinge_from, "pair");
+  EXPECT_GT(fronts[0].joint->axis.z(), 0);
+  EXPECT_NEAR(fronts[0].joint->origin.y(), 0.8, 1e-9);
+  EXPECT_EQ(fronts[1].joint->hinge_from, "pair");
+  EXPECT_LT(fronts[1].joint->axis.z(), 0);
+  EXPECT_NEAR(fronts[1].joint->origin.y(), 0, 1e-9);
+  EXPECT_EQ(fronts[2].joint->hinge_from, "");
+  EXPECT_EQ(fronts[3].joint->hinge_from, "assumed");
+}
+
+TEST(Cabinets, OfThreeEqualDoorsWithoutHandleItIsOpenWhichAreAPair) {
+  std::vector<Front> fronts = {a_bare_door(0, 0.4), a_bare_door(0.4, 0.8), a_bare_door(0.8, 1.2)};
+  pair_wings(fronts);
+  for (const Front& front : fronts) EXPECT_EQ(front.joint->hinge_from, "assumed");
 }
 
 TEST(Cabinets, NothingPenetratesAndEverythingStillOpens) {

@@ -233,6 +233,20 @@ TEST(Fronts, AFrontWithoutHandleBelowTheEdgeOfACounterIsReported) {
   EXPECT_FALSE(plain->fixture.has_value());
 }
 
+TEST(Fronts, ARowWithoutAnyHandleBelowACounterIsReportedWhereAPlinthRecedes) {
+  for (const bool plinth : {true, false}) {
+    Furniture furniture;
+    furniture.add_body(-0.6, 0.6, 0.1, 0.8);
+    furniture.parts.push_back({{-0.5, -0.6, 0.8}, {0.015, 0.6, 0.84}});
+    furniture.parts.push_back({{-0.5, -0.6, 0}, {plinth ? -0.05 : 0, 0.6, 0.1}});
+    for (const double u : {-0.6, -0.2, 0.2}) furniture.add_panel(u + 0.004, u + 0.396, 0.1, 0.795);
+    const std::vector<Front> fronts = fronts_of_furniture(furniture, 5);
+    EXPECT_EQ(fronts.size(), plinth ? 3U : 0U);
+    for (const double u : {-0.6, -0.2, 0.2})
+      EXPECT_EQ(front_at(fronts, furniture, u, u + 0.4, 0.1, 0.8) != nullptr, plinth) << u;
+  }
+}
+
 TEST(Fronts, AFrontWithoutHandleBesideATallUnitIsReported) {
   Furniture furniture;
   furniture.add_body(-0.6, 0.6, 0.1, 0.8);

@@ -53,8 +53,8 @@ std::vector<std::string> names_of(const InterpretedMap& map) {
 TEST(Interpretation, FindsFloorWallsTableAndCounterOfANoisyRoom) {
   const InterpretedMap map = interpreted(scan_room(kitchen(), kOrigins, 0.002, 1));
   EXPECT_THAT(names_of(map),
-              testing::UnorderedElementsAre("ceiling", "counter_1", "floor", "table_1", "wall_east",
-                                            "wall_north", "wall_south", "wall_west"));
+              testing::UnorderedElementsAre("ceiling", "counter_1", "floor", "table_1", "table_1_legs",
+                                            "wall_east", "wall_north", "wall_south", "wall_west"));
   EXPECT_NEAR(height_of(map, "floor"), 0, 0.005);
   EXPECT_NEAR(height_of(map, "table_1"), 0.74, 0.005);
   EXPECT_NEAR(height_of(map, "counter_1"), 0.90, 0.005);
@@ -63,6 +63,32 @@ TEST(Interpretation, FindsFloorWallsTableAndCounterOfANoisyRoom) {
   const Json& north = map.semantics.links.at("wall_north").geometry;
   EXPECT_NEAR(north.at("normal").at(1).get<double>(), -1, 1e-3);  // into the room
   EXPECT_NEAR(north.at("offset").get<double>(), -3, 0.01);
+}
+
+TEST(Interpretation, ATableHasTheLegsThatWereSeenButNotThoseOfChairs) {
+  AnalyticRoom room = kitchen();
+  for (const double x : {1.75, 2.05}) room.solids.push_back({{x, 0.9, 0}, {x + 0.04, 0.94, 0.45}});
+  room.solids.push_back({{1.75, 0.9, 0.45}, {2.09, 1.2, 0.48}});  // a seat below the table
+  const InterpretedMap map = interpreted(scan_room(room, kOrigins, 0.002, 1));
+  const Json& footprints = map.semantics.links.at("table_1_legs").geometry.at("footprints");
+  ASSERT_EQ(footprints.size(), 4U);
+  for (const Json& footprint : footprints) {
+    Vector2d centre = Vector2d::Zero();
+    for (const Json& corner : footprint)
+      centre += Vector2d(corner.at(0).get<double>(), corner.at(1).get<double>()) / 4;
+    // The legs stand 5.5 cm inside of the corners of the top.
+    EXPECT_NEAR(std::abs(centre.x() - 2.0), 0.545, 0.02);
+    EXPECT_NEAR(std::abs(centre.y() - 0.9), 0.345, 0.02);
+  }
+  EXPECT_EQ(map.world.parent_joint("table_1_legs")->parent, "table_1");
+  const Link* legs = map.world.find_link("table_1_legs");
+  EXPECT_EQ(legs->collisions.size(), 4U);
+  for (const Collision& leg : legs->collisions) {
+    const double half = std::get<Box>(leg.geometry).size.z() / 2;
+    const double middle = 0.74 + leg.link_from_collision.translation().z();
+    EXPECT_NEAR(middle - half, 0, 0.01);
+    EXPECT_NEAR(middle + half, 0.70, 0.01);  // below the slab of 4 cm
+  }
 }
 
 TEST(Interpretation, EveryLinkHasEvidenceGeometryCollisionAndInertia) {

@@ -145,6 +145,12 @@ TEST(RoomStructure, RoundTableHasARoundOutline) {
   EXPECT_GT(overlap(outline_of(map, "table_1"), disc), 0.95);
   const Link* link = map.world.find_link("table_1");
   EXPECT_TRUE(std::holds_alternative<Cylinder>(link->collisions.front().geometry));
+  const Json& footprints = map.semantics.links.at("table_1_legs").geometry.at("footprints");
+  ASSERT_EQ(footprints.size(), 1U);  // its pedestal
+  for (const Json& corner : footprints[0]) {
+    const Vector2d at(corner.at(0).get<double>(), corner.at(1).get<double>());
+    EXPECT_LT((at - Vector2d(1.9, 1.1)).norm(), 0.08);
+  }
 }
 
 /// Fronts below a slab that stands out 2 cm before them, along the north wall.
