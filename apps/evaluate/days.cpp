@@ -4,6 +4,7 @@
 #include "apps/evaluate/changes/comparison.h"
 #include "apps/evaluate/changes/random_day.h"
 #include "apps/evaluate/changes/remember.h"
+#include "apps/evaluate/changes/teaching.h"
 #include "apps/evaluate/changes/truth.h"
 #include "apps/evaluate/commands.h"
 #include "mapping/base/files.h"
@@ -22,13 +23,14 @@ struct Arguments {
   std::vector<std::string> worlds, package_paths;
   std::string samples = "apps/samples", map, keep;
   std::string diagrams;
-  bool drawers = false;
+  bool drawers = false, teach = false;
 };
 
 /// What is measured of a day.
 struct DayResult {
   std::vector<changes::Comparison> methods;
   changes::AnswerScore answers;
+  std::optional<changes::TeachingScore> teaching = {};
 };
 
 /// A kitchen, and where days can be in it.
@@ -79,7 +81,9 @@ DayResult one_day(const Arguments& arguments, const Kitchen& kitchen, int run, c
   std::vector<changes::TrueObject> clutter;
   if (!arguments.map.empty())
     clutter = changes::clutter_of(kitchen.urdf, record_options.package_paths, session.warnings());
-  return {changes::compare_all(day, *recording, store, clutter), changes::score_answers(day, store)};
+  DayResult result{changes::compare_all(day, *recording, store, clutter), changes::score_answers(day, store)};
+  if (arguments.teach) result.teaching = changes::score_teaching(day, options.memory);
+  return result;
 }
 
 void run(const Arguments& arguments, Session& session) {
@@ -89,6 +93,7 @@ void run(const Arguments& arguments, Session& session) {
   const std::vector<Kitchen> kitchens = kitchens_of(arguments, session.warnings());
   std::vector<changes::Comparison> all;
   changes::AnswerScore answers;
+  changes::TeachingScore teaching;
   std::string text;
   Json days = Json::array();
   for (int i = 0; i < arguments.runs; ++i) {
@@ -97,6 +102,7 @@ void run(const Arguments& arguments, Session& session) {
         one_day(arguments, kitchens[static_cast<size_t>(i) % kitchens.size()], i, folder, progress, session);
     const std::vector<changes::Comparison>& day = result.methods;
     answers.add(result.answers);
+    if (result.teaching) teaching.add(*result.teaching);
     text += fmt::format("day {}: {} of {} right; identity F1 {:.3f}, {:.3f}, {:.3f}\n", i + 1, day[0].right(),
                         day[0].certain(), day[0].identity_f1(), day[1].identity_f1(), day[2].identity_f1());
     days.push_back(
@@ -114,7 +120,12 @@ void run(const Arguments& arguments, Session& session) {
   json.erase("transitions");
   json["days"] = days;
   json["answers"] = to_json(answers);
-  session.answer(text + "\n" + changes::text(all, false) + "\n" + changes::text(answers), json);
+  text += "\n" + changes::text(all, false) + "\n" + changes::text(answers);
+  if (arguments.teach) {
+    json["teaching"] = to_json(teaching);
+    text += changes::text(teaching);
+  }
+  session.answer(text, json);
 }
 
 }  // namespace
@@ -134,6 +145,9 @@ Command days_command() {
                          "Number of scenes per day; the middle cup is back after 12", {.min = 1, .max = 100});
             table.option("--seed N", &arguments->seed, "Seed of the first day; later days count on");
             table.flag("--drawers", arguments->drawers, "Drawers are used, too, in the sample kitchens");
+            table.flag("--teach", arguments->teach,
+                       "Teach half of the classes by an example each, then the others, and count what all "
+                       "other objects are called");
             table.option("--samples FOLDER", &arguments->samples,
                          "Folder of kitchen.urdf and kitchen_l.urdf");
             table.package_path(&arguments->package_paths);
