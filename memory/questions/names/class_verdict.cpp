@@ -162,10 +162,10 @@ std::optional<ClassVerdict> ClassExperts::verdict_of(const Votes& votes) const {
     none += weight * std::log(std::max(unknown, other));
     rest += weight * std::log(other);
   }
-  double sum = std::exp(none) + unnamed * std::exp(rest);
-  for (const auto& [name, log_probability] : evidence) sum += std::exp(log_probability);
   const auto best = std::ranges::max_element(evidence, {}, &std::pair<const std::string, double>::second);
-  verdict.probability = std::exp(best->second) / sum;
+  double sum = std::exp(none - best->second) + unnamed * std::exp(rest - best->second);
+  for (const auto& [name, log_probability] : evidence) sum += std::exp(log_probability - best->second);
+  verdict.probability = 1 / sum;
   if (verdict.probability >= kMinProbability) verdict.name = best->first;
   std::ranges::stable_sort(verdict.votes, [&](const ClassVerdict::Vote& a, const ClassVerdict::Vote& b) {
     return (a.name == verdict.name) > (b.name == verdict.name);
