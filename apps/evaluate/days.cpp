@@ -133,7 +133,7 @@ void run(const Arguments& arguments, Session& session) {
 Command days_command() {
   return {"days",
           "Events and identities on random simulated days against baselines",
-          {"loci-evaluate days --runs 1 --scenes 4", "loci-evaluate days --runs 1 --scenes 3 --seed 4 --json",
+          {"loci-evaluate days --runs 1 --scenes 4", "loci-evaluate days --runs 1 --scenes 3 --seed 4 --teach --json",
            "loci-evaluate days apps/samples/kitchen.urdf --runs 1 --scenes 3"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
