@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "apps/evaluate/changes/answers.h"
 #include "apps/evaluate/changes/comparison.h"
 #include "apps/evaluate/changes/random_day.h"
@@ -133,7 +135,8 @@ void run(const Arguments& arguments, Session& session) {
 Command days_command() {
   return {"days",
           "Events and identities on random simulated days against baselines",
-          {"loci-evaluate days --runs 1 --scenes 4", "loci-evaluate days --runs 1 --scenes 3 --seed 4 --teach --json",
+          {"loci-evaluate days --runs 1 --scenes 4",
+           "loci-evaluate days --runs 1 --scenes 3 --seed 4 --teach --json",
            "loci-evaluate days apps/samples/kitchen.urdf --runs 1 --scenes 3"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();

@@ -21,7 +21,7 @@ constexpr Eigen::Index kBatch = 64;
 constexpr float kRate = 3e-3F;
 constexpr float kDecay = 2e-4F;
 constexpr float kInputNoise = 0.3F;  ///< standard deviations: what real cameras do differently
-constexpr float kMaxInput = 4;        ///< standard deviations: what is beyond all examples
+constexpr float kMaxInput = 4;       ///< standard deviations: what is beyond all examples
 
 struct Layer {
   MatrixXf weights;
