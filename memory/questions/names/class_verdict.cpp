@@ -11,9 +11,12 @@ namespace loci::memory {
 namespace {
 
 constexpr size_t kMaxObservations = 20;  // the latest
-constexpr double kDefaultConfidence = 0.5;
+/// That an object which an expert does not name belongs to none of its classes.
+constexpr double kUnknown = 0.5;
 /// Before anybody has confirmed or corrected an expert.
 constexpr double kPriorRight = 4, kPriorWrong = 1;
+/// Of an expert that states none.
+constexpr double kDefaultConfidence = kPriorRight / (kPriorRight + kPriorWrong);
 /// Classes that a wrong expert may choose from.
 constexpr double kAlternatives = 10;
 /// Views of an object from directions that differ by less than this show the same surfaces.
@@ -27,7 +30,7 @@ double weight_of(double competence) {
   const auto log_odds = [](double right) {
     return std::log(std::max(1e-6, right) * kAlternatives / std::max(1e-6, 1 - right));
   };
-  return log_odds(competence) / log_odds(kPriorRight / (kPriorRight + kPriorWrong));
+  return log_odds(competence) / log_odds(kDefaultConfidence);
 }
 
 /// Who annotated: the source of the annotation and its model.
@@ -149,7 +152,7 @@ std::optional<ClassVerdict> ClassExperts::verdict_of(const Votes& votes) const {
     const double right = competence(expert), weight = opinion.sides * weight_of(right);
     double all = 0;
     for (const auto& [name, confidence] : opinion.names) all += confidence;
-    const double unknown = kDefaultConfidence * (1 - opinion.named / opinion.looked);
+    const double unknown = kUnknown * (1 - opinion.named / opinion.looked);
     const double other = std::max(1e-3, (1 - unknown - all / opinion.looked) /
                                             (kAlternatives + 1 - static_cast<double>(opinion.names.size())));
     for (auto& [name, log_probability] : evidence) {
