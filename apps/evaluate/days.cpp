@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "apps/evaluate/changes/answers.h"
 #include "apps/evaluate/changes/comparison.h"
 #include "apps/evaluate/changes/mistakes.h"
 #include "apps/evaluate/changes/random_day.h"
 #include "apps/evaluate/changes/remember.h"
+#include "apps/evaluate/changes/teaching.h"
 #include "apps/evaluate/changes/truth.h"
 #include "apps/evaluate/commands.h"
 #include "mapping/base/files.h"
@@ -23,7 +26,7 @@ struct Arguments {
   std::vector<std::string> worlds, package_paths;
   std::string samples = "apps/samples", map, keep;
   std::string diagrams, mistakes;
-  bool drawers = false;
+  bool drawers = false, teach = false;
 };
 
 /// What is measured of a day.
@@ -31,6 +34,7 @@ struct DayResult {
   std::vector<changes::Comparison> methods;
   changes::AnswerScore answers;
   std::vector<changes::Mistake> mistakes = {};  ///< where they are asked for
+  std::optional<changes::TeachingScore> teaching = {};
 };
 
 /// A kitchen, and where days can be in it.
@@ -84,6 +88,7 @@ DayResult one_day(const Arguments& arguments, const Kitchen& kitchen, int run, c
   DayResult result{changes::compare_all(day, *recording, store, clutter), changes::score_answers(day, store)};
   if (!arguments.mistakes.empty())
     result.mistakes = changes::worst_mistakes(result.methods.front(), day, *recording, store);
+  if (arguments.teach) result.teaching = changes::score_teaching(day, options.memory);
   return result;
 }
 
@@ -99,6 +104,7 @@ void run(const Arguments& arguments, Session& session) {
   std::vector<changes::Comparison> all;
   std::vector<changes::Mistake> mistakes;
   changes::AnswerScore answers;
+  changes::TeachingScore teaching;
   std::string text;
   Json days = Json::array();
   for (int i = 0; i < arguments.runs; ++i) {
@@ -108,6 +114,7 @@ void run(const Arguments& arguments, Session& session) {
     const std::vector<changes::Comparison>& day = result.methods;
     answers.add(result.answers);
     mistakes.insert(mistakes.end(), result.mistakes.begin(), result.mistakes.end());
+    if (result.teaching) teaching.add(*result.teaching);
     text += fmt::format("day {}: {} of {} right; identity F1 {:.3f}, {:.3f}, {:.3f}\n", i + 1, day[0].right(),
                         day[0].certain(), day[0].identity_f1(), day[1].identity_f1(), day[2].identity_f1());
     days.push_back(
@@ -130,7 +137,12 @@ void run(const Arguments& arguments, Session& session) {
   json.erase("statements");
   json["days"] = days;
   json["answers"] = to_json(answers);
-  session.answer(text + "\n" + changes::text(all, false) + "\n" + changes::text(answers), json);
+  text += "\n" + changes::text(all, false) + "\n" + changes::text(answers);
+  if (arguments.teach) {
+    json["teaching"] = to_json(teaching);
+    text += changes::text(teaching);
+  }
+  session.answer(text, json);
 }
 
 }  // namespace
@@ -138,7 +150,8 @@ void run(const Arguments& arguments, Session& session) {
 Command days_command() {
   return {"days",
           "Events and identities on random simulated days against baselines",
-          {"loci-evaluate days --runs 1 --scenes 4", "loci-evaluate days --runs 1 --scenes 3 --seed 4 --json",
+          {"loci-evaluate days --runs 1 --scenes 4",
+           "loci-evaluate days --runs 1 --scenes 3 --seed 4 --teach --json",
            "loci-evaluate days apps/samples/kitchen.urdf --runs 1 --scenes 3"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<Arguments>();
@@ -150,6 +163,9 @@ Command days_command() {
                          "Number of scenes per day; the middle cup is back after 12", {.min = 1, .max = 100});
             table.option("--seed N", &arguments->seed, "Seed of the first day; later days count on");
             table.flag("--drawers", arguments->drawers, "Drawers are used, too, in the sample kitchens");
+            table.flag("--teach", arguments->teach,
+                       "Teach half of the classes by an example each, then the others, and count what all "
+                       "other objects are called");
             table.option("--samples FOLDER", &arguments->samples,
                          "Folder of kitchen.urdf and kitchen_l.urdf");
             table.package_path(&arguments->package_paths);

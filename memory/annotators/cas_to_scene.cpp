@@ -137,7 +137,9 @@ std::string value_of(const perception::types::Annotation& annotation) {
   if (const auto location = perception::types::try_as<perception::types::LocationAnnotation>(structure))
     return location->frame_id.get();
   if (const auto label = perception::types::try_as<perception::types::ClassificationAnnotation>(structure))
-    return label->label.get();
+    // What is not sure enough in one view may be so in several: the most probable class.
+    return label->label.is_set() || label->confidences.size() == 0 ? label->label.get()
+                                                                   : (*label->confidences.begin()).name.get();
   if (const auto product = perception::types::try_as<perception::types::ProductAnnotation>(structure))
     return product->name.get();
   if (const auto code = perception::types::try_as<perception::types::BarcodeAnnotation>(structure))

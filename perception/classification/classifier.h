@@ -69,7 +69,7 @@ class Classifier {
 ///   svm     one support vector machine per class against the rest (OpenCV trains it) with the kernel
 ///           exp(-distance / mean distance); the logistic function of how far on the class's side a vector is
 ///   forest  extremely randomised trees (Geurts et al. 2006): the mean share of the class in the leaves
-///   network one hidden layer (64 units), softmax; the smallest files
+///   network one hidden layer (96 units), softmax; the smallest files
 ///
 /// Error when a class has no vector or lengths differ.
 std::unique_ptr<Classifier> train_classifier(const LabelledVectors& data, const ClassifierOptions& options,

@@ -88,20 +88,25 @@ HouseholdModel HouseholdModel::train(std::vector<TrainingSample> samples, double
 
 std::optional<HouseholdModel::Answer> HouseholdModel::answer(const std::vector<double>& probabilities) const {
   Answer answer;
+  double other = 0;
   std::map<std::string, double> groups;
   const std::vector<std::string>& names = ensemble_.classes();
   for (size_t c = 0; c < names.size(); ++c) {
-    if (names[c] == kOther) continue;
+    if (names[c] == kOther) {
+      other = probabilities[c];
+      continue;
+    }
     answer.classes.emplace_back(names[c], probabilities[c]);
     groups[household_group(names[c])] += probabilities[c];
   }
   std::ranges::stable_sort(answer.classes, std::greater<>(), &std::pair<std::string, double>::second);
   std::tie(answer.label, answer.probability) = answer.classes.front();
-  if (answer.probability >= min_class_) return answer;
+  answer.sure = answer.probability >= min_class_;
+  if (answer.sure) return answer;
   const auto best = std::ranges::max_element(groups, {}, &std::pair<const std::string, double>::second);
   std::tie(answer.label, answer.probability) = *best;
-  if (answer.probability >= min_group_) return answer;
-  return std::nullopt;
+  answer.sure = answer.probability >= min_group_;
+  return answer.probability > other ? std::optional(answer) : std::nullopt;
 }
 
 std::optional<HouseholdModel::Answer> HouseholdModel::classify(const FeatureSet& features) const {

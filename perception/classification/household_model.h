@@ -18,8 +18,9 @@ const std::string& household_group(const std::string& class_name);
 class HouseholdModel {
  public:
   struct Answer {
-    std::string label;       ///< a class or, where only that is sure enough, its group
+    std::string label;       ///< a class or, where only that may be sure enough, its group
     double probability = 0;  ///< calibrated
+    bool sure = false;       ///< enough to name the object by this view alone
     /// All classes but "other", most probable first.
     std::vector<std::pair<std::string, double>> classes = {};
   };
@@ -32,7 +33,7 @@ class HouseholdModel {
   static HouseholdModel load(const std::filesystem::path& path);
   void save(const std::filesystem::path& path) const;
 
-  /// None when nothing is sure enough, or the view shows too little.
+  /// None when the view shows too little, or what belongs to no class is more probable.
   std::optional<Answer> classify(const ObjectView& view) const;
   std::optional<Answer> classify(const FeatureSet& features) const;
   const Ensemble& ensemble() const { return ensemble_; }

@@ -15,13 +15,13 @@ namespace {
 using Eigen::MatrixXf;
 using Eigen::VectorXf;
 
-constexpr Eigen::Index kHidden = 64;
+constexpr Eigen::Index kHidden = 96;
 constexpr int kEpochs = 60;
 constexpr Eigen::Index kBatch = 64;
 constexpr float kRate = 3e-3F;
 constexpr float kDecay = 2e-4F;
-constexpr float kInputNoise = 0.15F;  ///< standard deviations: what real cameras do differently
-constexpr float kMaxInput = 4;        ///< standard deviations: what is beyond all examples
+constexpr float kInputNoise = 0.3F;  ///< standard deviations: what real cameras do differently
+constexpr float kMaxInput = 4;       ///< standard deviations: what is beyond all examples
 
 struct Layer {
   MatrixXf weights;

@@ -80,8 +80,9 @@ NamingScore named(const perception::HouseholdModel& model, const perception::Lab
     const auto answer = model.classify(each.view);
     seconds += watch.seconds();
     ++score.found;
-    ++score.said[each.label][answer ? answer->label : "-"];
-    if (!answer) continue;
+    const bool sure = answer && answer->sure;
+    ++score.said[each.label][sure ? answer->label : "-"];
+    if (!sure) continue;
     const bool right = perception::household_group(answer->label) == perception::household_group(each.label);
     ++score.answered;
     score.right += right;

@@ -15,7 +15,7 @@ struct HouseholdOptions {
   int train_scenes = 0;
   int test_scenes = 60;
   int seed = 1;
-  double precision = 0.94;
+  double precision = 0.92;
 
   void declare(OptionTable& table);
 };

@@ -196,6 +196,11 @@ std::string Comparison::text(bool verbose) const {
                                  "over", "under", "F1", "prec.", "recall", "ms");
   for (const MethodResult& method : methods)
     text += fmt::format("{}{:>9.1f}\n", row(method.name, method.scores), 1000 * median(method.seconds));
+  const Scores::Wrong& wrong = methods.front().scores.wrong_segments();
+  text += fmt::format(
+      "  of ours find no object: {} inexact, {} further pieces of objects, {} of the table, {} joined "
+      "objects\n",
+      wrong.inexact, wrong.pieces, wrong.table, wrong.joined);
   for (size_t c = 0; c < methods.front().by_category.size(); ++c) {
     text += fmt::format("{}\n", methods.front().by_category[c].first);
     for (const MethodResult& method : methods) text += row(method.name, method.by_category[c].second) + "\n";

@@ -2,16 +2,36 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "mapping/base/text/json.h"
 
 namespace loci::apps::segmentation_evaluation {
 
+namespace {
+
+constexpr double kFound = 0.75;
+
+using Sizes = std::map<int, double>;
+
+/// Adds what a segment that finds no object is; `shared`: its pixels by object, `best`: whether no other
+/// segment overlaps one of these objects more.
+void add_wrong(double size, const Sizes& shared, bool best, Scores::Wrong& wrong) {
+  constexpr double kMost = 0.5, kOne = 0.8;
+  double of_objects = 0, most = 0;
+  for (const auto& [object, both] : shared) of_objects += both, most = std::max(most, both);
+  ++(of_objects < kMost * size  ? wrong.table
+     : most < kOne * of_objects ? wrong.joined
+     : best                     ? wrong.inexact
+                                : wrong.pieces);
+}
+
+}  // namespace
+
 void Scores::add(const LabelledImage& truth, const cv::Mat& segments) {
-  constexpr double kFound = 0.75;
-  std::map<int, double> of_object;
-  std::map<int, double> of_segment;
-  std::map<int, std::map<int, double>> shared;
+  Sizes of_object, of_segment;
+  std::set<int> finding, overlapping;  ///< segments: an object, or one best that none finds
+  std::map<int, Sizes> shared;
   for (int v = 0; v < truth.object.rows; ++v)
     for (int u = 0; u < truth.object.cols; ++u) {
       if (!truth.judged.at<unsigned char>(v, u)) continue;
@@ -25,10 +45,12 @@ void Scores::add(const LabelledImage& truth, const cv::Mat& segments) {
   segments_ += static_cast<int>(of_segment.size());
   for (const auto& [object, size] : of_object) {
     double best = 0;
+    int best_segment = 0;
     double most = 0;
     double its_segment = 0;
     for (const auto& [segment, both] : shared[object]) {
-      best = std::max(best, both / (size + of_segment[segment] - both));
+      const double iou = both / (size + of_segment[segment] - both);
+      if (iou > best) best = iou, best_segment = segment;
       if (both <= most) continue;
       most = both;
       its_segment = of_segment[segment];
@@ -39,6 +61,14 @@ void Scores::add(const LabelledImage& truth, const cv::Mat& segments) {
     right_ += most;
     wrong_ += its_segment - most;
     found_ += best >= kFound ? 1 : 0;  // Above one half no segment finds two objects.
+    (best >= kFound ? finding : overlapping).insert(best_segment);
+  }
+  for (const auto& [segment, size] : of_segment) {
+    if (finding.contains(segment)) continue;
+    Sizes its;
+    for (const auto& [object, by_segment] : shared)
+      if (const auto both = by_segment.find(segment); both != by_segment.end()) its[object] = both->second;
+    add_wrong(size, its, overlapping.contains(segment), wrong_segments_);
   }
 }
 
@@ -79,7 +109,12 @@ Json Scores::to_json() const {
           {"under_segmentation", under_segmentation()},
           {"precision", precision()},
           {"recall", recall()},
-          {"f1", f1()}};
+          {"f1", f1()},
+          {"wrong_segments",
+           {{"table", wrong_segments_.table},
+            {"joined", wrong_segments_.joined},
+            {"inexact", wrong_segments_.inexact},
+            {"pieces", wrong_segments_.pieces}}}};
 }
 
 }  // namespace loci::apps::segmentation_evaluation

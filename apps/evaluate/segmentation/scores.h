@@ -38,6 +38,14 @@ class Scores {
   double precision() const;
   double recall() const;
   double f1() const;
+  /// Segments that find no object, by what most of their pixels are.
+  struct Wrong {
+    int table = 0;    ///< of no object
+    int joined = 0;   ///< more than one object
+    int inexact = 0;  ///< an object that no segment overlaps more
+    int pieces = 0;   ///< a part of an object that another segment overlaps more
+  };
+  const Wrong& wrong_segments() const { return wrong_segments_; }
   Json to_json() const;
 
  private:
@@ -49,6 +57,7 @@ class Scores {
   double ious_ = 0;
   double right_ = 0;
   double wrong_ = 0;
+  Wrong wrong_segments_;
 };
 
 }  // namespace loci::apps::segmentation_evaluation

@@ -24,7 +24,7 @@ struct ClassVerdict {
     double competence = 0;  ///< probability that it is right, by what people have confirmed and corrected
   };
 
-  std::string name;         ///< empty where experts know it in fewer views than they do not
+  std::string name;         ///< empty where it would be wrong too often
   double probability = 0;   ///< against the other classes that were voted for, and none of them
   std::vector<Vote> votes;  ///< of the best class first; contradictions stay
 
@@ -32,11 +32,11 @@ struct ClassVerdict {
   bool calls_it(const std::string& class_name) const;
 };
 
-/// Learns from the classes that people state how often each expert is right (a Beta distribution that begins
-/// at 4 of 5), and weighs votes by it: the log odds of each expert's competence, over all its views of an
-/// object together, because views of one object are not independent (Dawid and Skene 1979, one coin). A view
-/// of which an expert says nothing is a vote for none of its classes: what it does not know, it calls now
-/// this, now that.
+/// Names an object by all its views together. What an expert states of the classes is averaged over views,
+/// and multiplies (a product of experts, Hinton 2002) over the sides that they show: views from one side
+/// repeat what the first of them shows. A view of which an expert says nothing speaks for none of its
+/// classes. An expert counts by how often the classes that people state confirm it (a Beta distribution that
+/// begins at 4 of 5): the log odds of its competence, one coin for all classes (Dawid and Skene 1979).
 class ClassExperts {
  public:
   ClassExperts(const Store& store, const std::vector<FactRow>& facts, const AsOf& as_of);
@@ -49,15 +49,16 @@ class ClassExperts {
   const Judgement& judgement(Id object) const;
 
  private:
-  /// Of one expert: the sum of its confidences by class, and the views that it looked at and named.
+  /// What one expert says of the views that it looked at.
   struct Opinion {
-    std::map<std::string, double> names;
+    std::map<std::string, double> names;  ///< sum of its confidences by class
     std::set<Id> runs;
-    double named = 0;
-    double looked = 0;
+    double named = 0, looked = 0;  ///< views
+    double sides = 1;              ///< that the named views show
   };
   using Votes = std::map<std::string, Opinion>;  ///< by expert
   Votes votes_of(const Store::LatestObservations& latest) const;
+  double sides_of(const std::map<Id, Id>& scene_of_observation) const;
   std::optional<ClassVerdict> verdict_of(const Votes& votes) const;
   double competence(const std::string& expert) const;
 

@@ -336,11 +336,14 @@ void HouseholdClassifier::process(cas::Cas& cas, Context& /*context*/) {
     annotation.source.set(descriptor().name);
     annotation.confidence.set(answer->probability);
     annotation.kind.set("object");
-    annotation.label.set(answer->label);
+    if (answer->sure) annotation.label.set(answer->label);
     annotation.feature.set("Household");
     annotation.classifier.set("network");
     annotation.model.set("household");
-    for (const auto& [name, probability] : answer->classes) {
+    std::vector<std::pair<std::string, double>> classes = answer->classes;
+    if (answer->label != classes.front().first)
+      classes.emplace(classes.begin(), answer->label, answer->probability);
+    for (const auto& [name, probability] : classes) {
       if (probability < kMinStored) break;
       const auto confidence = types::ClassConfidence::create(cas);
       confidence.name.set(name);

@@ -45,6 +45,18 @@ TEST(CasToScene, AnExtentIsSeenOnFacesThatRunAlongIt) {
       << "the top should be seen, but was not";
 }
 
+TEST(CasToScene, AClassThatIsNotSureEnoughIsStoredAsAGuess) {
+  perception::cas::Cas cas(perception::types::type_system());
+  const auto annotation = perception::types::ClassificationAnnotation::create(cas);
+  EXPECT_EQ(annotation_record(annotation).value, "");
+  const auto guess = perception::types::ClassConfidence::create(cas);
+  guess.name.set("box");
+  annotation.confidences.push_back(guess);
+  EXPECT_EQ(annotation_record(annotation).value, "box");
+  annotation.label.set("book");
+  EXPECT_EQ(annotation_record(annotation).value, "book");
+}
+
 TEST(CasToScene, ReadsAnnotations) {
   perception::cas::Cas cas(perception::types::type_system());
   const perception::types::SceneCas facade(cas);

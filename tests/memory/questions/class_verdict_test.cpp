@@ -15,20 +15,23 @@ namespace {
 struct Vote {
   const char* expert;
   const char* name;
+  double confidence = 0.8;
 };
 
 class ClassVerdicts : public testing_support::TemporaryFolder {
  protected:
-  /// One more scene, in which each object is seen and named by experts.
-  void see(const std::vector<std::vector<Vote>>& objects) {
+  /// One more scene, in which each object is seen, from a camera at a place, and named by experts.
+  void see(const std::vector<std::vector<Vote>>& objects, const Vector3d& camera = {1, 0, 1}) {
     Store store = Store::open_write(file_);
     if (run_ == 0) run_ = store.begin_run("test", "{}");
     {
       SceneTransaction scene(store, run_);
       time_ += 60 * kSecond;
-      const Id id = scene.add_scene({.time = time_});
+      const Id id =
+          scene.add_scene({.time = time_, .map_from_camera = Isometry3d(Eigen::Translation3d{camera})});
       for (size_t i = 0; i < objects.size(); ++i) {
-        const Id seen = scene.add_observation({.scene = id, .number = static_cast<int64_t>(i)});
+        const Id seen = scene.add_observation(
+            {.scene = id, .number = static_cast<int64_t>(i), .position = Vector3d(0, 0, 1)});
         const auto object = static_cast<Id>(i) + 1;
         if (time_ == 60 * kSecond) scene.add_object({});
         scene.add_association({.scene = id,
@@ -59,7 +62,7 @@ class ClassVerdicts : public testing_support::TemporaryFolder {
                           .observation = seen,
                           .type = "loci.annotation.ClassificationAnnotation",
                           .value = vote.name,
-                          .confidence = 0.8,
+                          .confidence = vote.confidence,
                           .feature_structure = writer.add(annotation, seen)});
   }
 
@@ -116,6 +119,17 @@ TEST_F(ClassVerdicts, WhatMostViewsDoNotNameHasNoName) {
   } catch (const Error& error) {
     EXPECT_EQ(std::string(error.what()).find("'bowl'?"), std::string::npos) << error.what();
   }
+}
+
+/// No view is sure, but all sides are of one opinion; views from one side show the same again.
+TEST_F(ClassVerdicts, SeveralSidesAreSureTogetherAndOneSideIsNot) {
+  const Vector3d sides[] = {{1, 0, 1}, {0, 1, 1}, {-1, 0, 1}, {0, -1, 1}};
+  for (const Vector3d& side : sides) see({{{"shape", "box", 0.35}}}, side);
+  EXPECT_EQ(verdict(1).name, "box");
+  EXPECT_GT(verdict(1).probability, 0.9);
+  for (int view = 0; view < 20; ++view) see({{{"shape", "box", 0.35}}});
+  EXPECT_EQ(verdict(1).name, "") << "the latest views are all from one side";
+  EXPECT_NEAR(verdict(1).probability, 0.35, 0.01);
 }
 
 TEST_F(ClassVerdicts, TwoExpertsThatAgreeOutvoteOne) {

@@ -204,46 +204,18 @@ bool is_of_one(const Outline& outline) {
   return length > kMinLong * static_cast<double>(thin) || outline.pixels > kMinSolid * area;
 }
 
-class OutlineFinder {
- public:
-  OutlineFinder(const ClusterImages& images, const SupportGround& ground, const cv::Mat& shows,
-                const ClusterOptions& options)
-      : points_(images.points), ground_(ground), shows_(shows), options_(options) {}
-
-  /// Closed outlines. `lab`: of the box of `view`; `taken`: CV_8U,
-  /// of the same size, what is not looked at.
-  std::vector<Outline> find(const SupportView& view, const cv::Mat& lab, const cv::Mat& heights,
-                            const cv::Mat& taken) const;
-
- private:
-  bool rises(const Outline& outline, const SupportView& view, const cv::Mat& heights,
-             const cv::Mat& ground) const;
-  const cv::Mat& points_;
-  const SupportGround& ground_;
-  const cv::Mat& shows_;
-  const ClusterOptions& options_;
-};
-
-std::vector<Outline> OutlineFinder::find(const SupportView& view, const cv::Mat& lab, const cv::Mat& heights,
-                                         const cv::Mat& taken) const {
-  constexpr double kMinByColor = 0.4;  // waves of the surface rise, too
-  const cv::Mat support = view.inside & (shows_(view.box) == static_cast<uint8_t>(Shows::support));
-  cv::Mat distance = distance_from_support(lab, support);
-  if (distance.empty()) return {};
-  const cv::Mat other_color = distance > kDifferent;
-  add_height(distance, heights, ground_.plane, points_, view.box);
-  const cv::Mat different = different_from_support(distance);
-  const cv::Mat mask = different & view.inside & ~taken;
-  const cv::Mat within = closed_within(view);
+/// The filled outlines of the connected regions of a mask that have `min_pixels` and lie within another;
+/// `taken`: what is not looked at. All CV_8U, of one size.
+std::vector<Outline> closed_outlines(const cv::Mat& mask, const cv::Mat& within, const cv::Mat& taken,
+                                     int min_pixels) {
   cv::Mat labels, boxes, centres;
   const int count = cv::connectedComponentsWithStats(mask, labels, boxes, centres, 8, CV_32S);
   std::vector<Outline> outlines;
   for (int label = 1; label < count; ++label) {
-    if (boxes.at<int>(label, cv::CC_STAT_AREA) < options_.min_points) continue;
-    Outline outline{{boxes.at<int>(label, cv::CC_STAT_LEFT), boxes.at<int>(label, cv::CC_STAT_TOP),
-                     boxes.at<int>(label, cv::CC_STAT_WIDTH), boxes.at<int>(label, cv::CC_STAT_HEIGHT)},
-                    {},
-                    boxes.at<int>(label, cv::CC_STAT_AREA)};
+    if (boxes.at<int>(label, cv::CC_STAT_AREA) < min_pixels) continue;
+    Outline outline;
+    outline.box = {boxes.at<int>(label, cv::CC_STAT_LEFT), boxes.at<int>(label, cv::CC_STAT_TOP),
+                   boxes.at<int>(label, cv::CC_STAT_WIDTH), boxes.at<int>(label, cv::CC_STAT_HEIGHT)};
     outline.mask = labels(outline.box) == label;
     if (cv::countNonZero(outline.mask & ~within(outline.box)) > 0) continue;
     std::vector<std::vector<cv::Point>> contours;
@@ -251,11 +223,7 @@ std::vector<Outline> OutlineFinder::find(const SupportView& view, const cv::Mat&
     cv::drawContours(outline.mask, contours, -1, cv::Scalar(255), cv::FILLED);
     outline.mask &= ~taken(outline.box);
     outline.pixels = cv::countNonZero(outline.mask);
-    const bool by_color =
-        cv::countNonZero(outline.mask & other_color(outline.box)) > kMinByColor * outline.pixels;
-    if (!by_color) continue;
-    outline.rises = is_of_one(outline) && rises(outline, view, heights, support & ~different);
-    outlines.push_back(outline);
+    outlines.push_back(std::move(outline));
   }
   return outlines;
 }
@@ -272,12 +240,92 @@ struct MeanHeight {
   double mean() const { return sum / std::max(1, count); }
 };
 
-/// Whether an outline lies higher than the ground around it, in all three parts of its length.
-bool OutlineFinder::rises(const Outline& outline, const SupportView& view, const cv::Mat& heights,
-                          const cv::Mat& ground) const {
-  constexpr double kMinRise = 0.002, kSigmas = 3, kMinPart = 0.25;
-  constexpr int kMinGround = 50;  // pixels
-  constexpr double kShared = 40;  // pixels whose noise is one: a Kinect correlates windows
+/// The length of a region, cut in three parts of the same number of pixels if it is a bar.
+class Thirds {
+ public:
+  explicit Thirds(const cv::Mat& region) {
+    const cv::Moments m = cv::moments(region, true);
+    const double turn = 0.5 * std::atan2(2 * m.mu11, m.mu20 - m.mu02);
+    axis_ = {std::cos(turn), std::sin(turn)};
+    middle_ = {m.m10 / m.m00, m.m01 / m.m00};
+    const double variance =
+        (m.mu20 * axis_.x * axis_.x + 2 * m.mu11 * axis_.x * axis_.y + m.mu02 * axis_.y * axis_.y) / m.m00;
+    third_ = std::sqrt(variance / 3);  // a bar of length l has the variance l² / 12
+  }
+
+  size_t of(const cv::Point& pixel) const {
+    const double along = (cv::Point2d(pixel) - middle_).dot(axis_);
+    return along < -third_ ? 0 : along < third_ ? 1 : 2;
+  }
+
+ private:
+  cv::Point2d axis_, middle_;
+  double third_ = 0;
+};
+
+/// Heights of an outline and of the ground beside it.
+struct Rise {
+  std::array<MeanHeight, 3> parts;  ///< of its length
+  MeanHeight all, ground;
+  double noise = 0;  ///< standard deviation of a pixel's height, metres
+
+  /// Whether it is higher than the ground, in all three parts.
+  bool is_certain(int pixels) const {
+    constexpr double kMinRise = 0.002, kSigmas = 3, kMinPart = 0.25;
+    constexpr int kMinGround = 50;  // pixels
+    constexpr double kShared = 40;  // pixels whose noise is one: a Kinect correlates windows
+    if (2 * all.count < pixels || ground.count < kMinGround) return false;
+    const double error = noise * std::sqrt(kShared / all.count + kShared / ground.count);
+    const double rise = all.mean() - ground.mean();
+    return rise > std::max(kMinRise, kSigmas * error) &&
+           std::ranges::all_of(parts, [&](const MeanHeight& part) {
+             return part.count == 0 || part.mean() - ground.mean() > kMinPart * rise;
+           });
+  }
+};
+
+class OutlineFinder {
+ public:
+  OutlineFinder(const ClusterImages& images, const SupportGround& ground, const cv::Mat& shows,
+                const ClusterOptions& options)
+      : points_(images.points), ground_(ground), shows_(shows), options_(options) {}
+
+  /// Closed outlines. `lab`: of the box of `view`; `taken`: CV_8U,
+  /// of the same size, what is not looked at.
+  std::vector<Outline> find(const SupportView& view, const cv::Mat& lab, const cv::Mat& heights,
+                            const cv::Mat& taken) const;
+
+ private:
+  Rise rise_of(const Outline& outline, const SupportView& view, const cv::Mat& heights,
+               const cv::Mat& ground) const;
+  const cv::Mat& points_;
+  const SupportGround& ground_;
+  const cv::Mat& shows_;
+  const ClusterOptions& options_;
+};
+
+std::vector<Outline> OutlineFinder::find(const SupportView& view, const cv::Mat& lab, const cv::Mat& heights,
+                                         const cv::Mat& taken) const {
+  constexpr double kMinByColor = 0.4;  // waves of the surface rise, too
+  const cv::Mat support = view.inside & (shows_(view.box) == static_cast<uint8_t>(Shows::support));
+  cv::Mat distance = distance_from_support(lab, support);
+  if (distance.empty()) return {};
+  const cv::Mat other_color = distance > kDifferent;
+  add_height(distance, heights, ground_.plane, points_, view.box);
+  const cv::Mat different = different_from_support(distance);
+  std::vector<Outline> outlines =
+      closed_outlines(different & view.inside & ~taken, closed_within(view), taken, options_.min_points);
+  std::erase_if(outlines, [&](const Outline& outline) {
+    return cv::countNonZero(outline.mask & other_color(outline.box)) <= kMinByColor * outline.pixels;
+  });
+  const cv::Mat ground = support & ~different;
+  for (Outline& outline : outlines)
+    outline.rises = is_of_one(outline) && rise_of(outline, view, heights, ground).is_certain(outline.pixels);
+  return outlines;
+}
+
+Rise OutlineFinder::rise_of(const Outline& outline, const SupportView& view, const cv::Mat& heights,
+                            const cv::Mat& ground) const {
   const cv::Rect around = cv::Rect(outline.box.x - kAround, outline.box.y - kAround,
                                    outline.box.width + 2 * kAround, outline.box.height + 2 * kAround) &
                           cv::Rect({}, view.box.size());
@@ -287,41 +335,23 @@ bool OutlineFinder::rises(const Outline& outline, const SupportView& view, const
   cv::dilate(own, near, cv::Mat::ones(2 * kAround + 1, 2 * kAround + 1, CV_8U));
   cv::dilate(own, at_edge, cv::Mat::ones(2 * kEdge + 1, 2 * kEdge + 1, CV_8U));
   const cv::Mat beside = near & ~at_edge & ground(around);
-  const cv::Moments moments = cv::moments(own, true);
-  const double turn = 0.5 * std::atan2(2 * moments.mu11, moments.mu20 - moments.mu02);
-  const cv::Point2d axis(std::cos(turn), std::sin(turn));
-  const cv::Point2d middle(moments.m10 / moments.m00, moments.m01 / moments.m00);
-  const double third = std::sqrt((moments.mu20 * axis.x * axis.x + 2 * moments.mu11 * axis.x * axis.y +
-                                  moments.mu02 * axis.y * axis.y) /
-                                 moments.m00) /
-                       std::sqrt(3.0);
-  std::array<MeanHeight, 3> parts;
-  MeanHeight all, other;
-  double noise = 0;
+  const Thirds thirds(own);
+  Rise rise;
   for (int v = 0; v < around.height; ++v)
     for (int u = 0; u < around.width; ++u) {
-      const bool is_own = own.at<uint8_t>(v, u) != 0;
-      if (!is_own && !beside.at<uint8_t>(v, u)) continue;
-      const cv::Point pixel = cv::Point(u, v) + around.tl() + view.box.tl();
-      const float h = heights.at<float>(cv::Point(u, v) + around.tl());
-      if (std::isnan(h)) continue;
-      if (!is_own) {
-        other.add(h);
-        continue;
+      const cv::Point pixel = cv::Point(u, v) + around.tl();
+      const float height = heights.at<float>(pixel);
+      if (std::isnan(height)) continue;
+      if (own.at<uint8_t>(v, u)) {
+        rise.all.add(height);
+        rise.parts[thirds.of({u, v})].add(height);
+        rise.noise += height_noise(ground_.plane, to_vector(points_.at<cv::Vec3f>(pixel + view.box.tl())));
+      } else if (beside.at<uint8_t>(v, u)) {
+        rise.ground.add(height);
       }
-      all.add(h);
-      const double along = (cv::Point2d(u, v) - middle).dot(axis);
-      parts[along < -third ? 0 : along < third ? 1 : 2].add(h);
-      noise += height_noise(ground_.plane, to_vector(points_.at<cv::Vec3f>(pixel)));
     }
-  if (2 * all.count < outline.pixels || other.count < kMinGround) return false;
-  noise /= all.count;
-  const double error = noise * std::sqrt(kShared / all.count + kShared / other.count);
-  const double rise = all.mean() - other.mean();
-  return rise > std::max(kMinRise, kSigmas * error) &&
-         std::ranges::all_of(parts, [&](const MeanHeight& part) {
-           return part.count == 0 || part.mean() - other.mean() > kMinPart * rise;
-         });
+  rise.noise /= std::max(1, rise.all.count);
+  return rise;
 }
 
 /// The pixels of an outline that are measured and not high.

@@ -50,6 +50,17 @@ TEST(SegmentationScores, WeighObjectsByTheirPixelsAndCountEachOnceInF1) {
   EXPECT_DOUBLE_EQ(scores.recall(), 0.5);
 }
 
+TEST(SegmentationScores, SaysWhatSegmentsAreThatFindNoObject) {
+  // A half and a quarter of the first object, the table, and two objects as one.
+  const Scores::Wrong wrong =
+      scores_of({1, 1, 1, 1, 0, 0, 2, 2, 3, 3}, {1, 1, 2, 0, 3, 3, 4, 4, 4, 4}).wrong_segments();
+  EXPECT_EQ(wrong.inexact, 1);
+  EXPECT_EQ(wrong.pieces, 1);
+  EXPECT_EQ(wrong.table, 1);
+  EXPECT_EQ(wrong.joined, 1);
+  EXPECT_EQ(scores_of({1, 1, 1, 1, 0}, {1, 1, 1, 1, 1}).wrong_segments().table, 0) << "it finds its object";
+}
+
 TEST(SegmentationScores, LeaveOutWhatNobodyKnows) {
   const Scores scores = scores_of({1, 1, 0, 0}, {1, 1, 1, 2}, {1, 1, 0, 0});
   EXPECT_EQ(scores.weighted_overlap(), 1);
