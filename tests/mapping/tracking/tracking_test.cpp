@@ -194,6 +194,15 @@ TEST(Tracking, AWallWithoutTextureIsLostNotGuessed) {
   EXPECT_THAT(result.summary(), testing::Not(HasSubstr("stands still")));
 }
 
+TEST(Tracking, TheFirstFrameAloneIsNotTracked) {
+  Room room(walk(10));
+  room.only_wall_ = true;
+  room.textured_ = false;
+  EXPECT_THROW(require_usable(tracked(room), "room"), Error);
+  EXPECT_NO_THROW(require_usable(tracked(Room(walk(1))), "room"));
+  EXPECT_NO_THROW(require_usable(tracked(Room(walk(2))), "room"));
+}
+
 TEST(Tracking, TheColoursOfAFlatWallDetermineThePose) {
   Room room(walk(20));
   room.only_wall_ = true;
