@@ -139,7 +139,9 @@ TrackingResult track(const Recording& recording, const TrackingOptions& options,
 }
 
 void require_usable(const TrackingResult& result, const std::string& path) {
-  if (10 * result.good() >= result.frames.size()) return;
+  // The first frame of a part defines its frame: alone it is placed relative to nothing.
+  const size_t needed = std::min<size_t>(2, result.frames.size());
+  if (result.good() >= needed && 10 * result.good() >= result.frames.size()) return;
   throw Error("the camera cannot be tracked: " + result.summary(), {path, 0, ""},
               "move more slowly, keep 0.5 to 4 m from surfaces with corners or texture, or give poses");
 }

@@ -60,7 +60,7 @@ struct TrackingResult {
 /// the recording has no frames, when no frame has depth, or with `refine` when no frame has a pose.
 TrackingResult track(const Recording& recording, const TrackingOptions& options, Progress& progress);
 
-/// Error when fewer than a tenth of the frames are good, with the reasons.
+/// Error when fewer than a tenth of the frames are good, or of several only one, with the reasons.
 void require_usable(const TrackingResult& result, const std::string& path);
 
 /// The recording with the poses of its tracking, and without the fixed error of its depth that tracking has
