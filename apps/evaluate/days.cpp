@@ -88,7 +88,7 @@ DayResult one_day(const Arguments& arguments, const Kitchen& kitchen, int run, c
   DayResult result{changes::compare_all(day, *recording, store, clutter), changes::score_answers(day, store)};
   if (!arguments.mistakes.empty())
     result.mistakes = changes::worst_mistakes(result.methods.front(), day, *recording, store);
-  if (arguments.teach) result.teaching = changes::score_teaching(day, options.memory);
+  if (arguments.teach) result.teaching = changes::score_teaching(day, *recording, options.memory);
   return result;
 }
 

@@ -253,6 +253,7 @@ class Store {
     struct Annotation {
       AnnotationRow row = {};
       Id run = 0;
+      std::optional<Vector3d> towards_camera = {};  ///< unit vector, map frame; unset = unknown
     };
     std::vector<Annotation> annotations = {};
     std::map<Id, size_t> by_run = {};

@@ -23,11 +23,10 @@ std::string class_of(const std::string& name) {
 }
 
 /// The class of each remembered object: that of most true objects for which its observations stand.
-std::map<Id, std::string> true_classes(const std::filesystem::path& folder, const memory::Store& store) {
+std::map<Id, std::string> true_classes(const std::filesystem::path& folder,
+                                       const mapping::Recording& recording, const memory::Store& store) {
   const Moments moments = read_moments(store);
-  std::vector<int64_t> frames;
-  for (const auto& [frame, moment] : moments) frames.push_back(frame);
-  const Truth truth = read_truth(folder, frames);
+  const Truth truth = read_truth(folder, recording);
   const Story story = memory_story(store, moments);
   std::map<Id, std::map<std::string, size_t>> votes;
   for (const auto& [frame, moment] : moments) {
@@ -82,8 +81,9 @@ void TeachingScore::add(const TeachingScore& other) {
   stated.insert(stated.end(), other.stated.begin(), other.stated.end());
 }
 
-TeachingScore score_teaching(const std::filesystem::path& folder, const std::filesystem::path& memory) {
-  const std::map<Id, std::string> classes = true_classes(folder, memory::Store::open_read(memory));
+TeachingScore score_teaching(const std::filesystem::path& folder, const mapping::Recording& recording,
+                             const std::filesystem::path& memory) {
+  const std::map<Id, std::string> classes = true_classes(folder, recording, memory::Store::open_read(memory));
   std::set<std::string> names, parts[2];
   for (const auto& [object, name] : classes) names.insert(name);
   size_t number = 0;

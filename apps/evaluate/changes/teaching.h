@@ -18,8 +18,9 @@ struct TeachingScore {
 };
 
 /// Teaches every other class of the true objects of a simulated day, then, from the same memory, the others;
-/// `folder`: of the recording (truth.jsonl) from which `memory` was made. Works on copies beside the memory.
-TeachingScore score_teaching(const std::filesystem::path& folder, const std::filesystem::path& memory);
+/// `folder`: with the truth of the recording from which `memory` was made. Works on copies beside the memory.
+TeachingScore score_teaching(const std::filesystem::path& folder, const mapping::Recording& recording,
+                             const std::filesystem::path& memory);
 
 std::string text(const TeachingScore& score);
 Json to_json(const TeachingScore& score);

@@ -33,6 +33,17 @@ double weight_of(double competence) {
   return log_odds(competence) / log_odds(kDefaultConfidence);
 }
 
+/// How many sides of an object views show, given the directions to their cameras by observation.
+double sides_of(const std::map<Id, std::optional<Vector3d>>& views) {
+  double sides = 0;
+  for (const auto& [id, one] : views)
+    if (one)
+      sides += 1 / static_cast<double>(std::ranges::count_if(views, [&](const auto& other) {
+                 return other.second && one->dot(*other.second) >= std::cos(kSameSide);
+               }));
+  return std::max(1.0, sides);
+}
+
 /// Who annotated: the source of the annotation and its model.
 std::string expert_of(const Store& store, const AnnotationRow& row) {
   if (!row.feature_structure) return {};
@@ -86,13 +97,13 @@ ClassExperts::Votes ClassExperts::votes_of(const Store::LatestObservations& late
       annotations, [&](const auto& one) { return one.row.value == annotations[0].row.value; });
   const std::string last = expert_of(store_, annotations.back().row);
   Votes votes;
-  std::map<std::string, std::map<Id, Id>> named;
-  for (const auto& [row, run] : annotations) {
+  std::map<std::string, std::map<Id, std::optional<Vector3d>>> named;
+  for (const auto& [row, run, towards_camera] : annotations) {
     const std::string expert = agree ? last : expert_of(store_, row);
     Opinion& opinion = votes[expert];
     opinion.names[row.value] += std::max(1e-3, row.confidence.value_or(kDefaultConfidence));
     opinion.runs.insert(run);
-    named[expert].emplace(row.observation.value_or(0), row.scene);
+    named[expert].emplace(row.observation.value_or(0), towards_camera);
   }
   for (auto& [expert, opinion] : votes) {
     opinion.named = static_cast<double>(named[expert].size());
@@ -102,21 +113,6 @@ ClassExperts::Votes ClassExperts::votes_of(const Store::LatestObservations& late
     opinion.sides = sides_of(named[expert]);
   }
   return votes;
-}
-
-double ClassExperts::sides_of(const std::map<Id, Id>& scene_of_observation) const {
-  std::vector<Vector3d> towards;
-  for (const auto& [observation, scene] : scene_of_observation) {
-    if (observation == 0) continue;
-    const std::optional<Isometry3d> camera = store_.scene(scene).map_from_camera;
-    const std::optional<Vector3d> object = store_.observation(observation).position;
-    if (camera && object) towards.push_back((camera->translation() - *object).normalized());
-  }
-  double sides = 0;
-  for (const Vector3d& one : towards)
-    sides += 1 / static_cast<double>(std::ranges::count_if(
-                     towards, [&](const Vector3d& other) { return one.dot(other) >= std::cos(kSameSide); }));
-  return std::max(1.0, sides);
 }
 
 double ClassExperts::competence(const std::string& expert) const {
@@ -131,8 +127,9 @@ const ClassExperts::Judgement& ClassExperts::judgement(Id object) const {
   const Store::LatestObservations latest =
       store_.latest_observations(object, kMaxObservations, {kProductType, kClassType}, as_of_);
   std::map<std::string, size_t> products;
-  for (const auto& [row, run] : latest.annotations)
-    if (row.type == kProductType && !row.value.empty()) ++products[row.value];
+  for (const auto& annotation : latest.annotations)
+    if (const AnnotationRow& row = annotation.row; row.type == kProductType && !row.value.empty())
+      ++products[row.value];
   if (!products.empty())
     slot->second.product =
         std::ranges::max_element(products, {}, &std::pair<const std::string, size_t>::second)->first;

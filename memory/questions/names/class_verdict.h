@@ -58,7 +58,6 @@ class ClassExperts {
   };
   using Votes = std::map<std::string, Opinion>;  ///< by expert
   Votes votes_of(const Store::LatestObservations& latest) const;
-  double sides_of(const std::map<Id, Id>& scene_of_observation) const;
   std::optional<ClassVerdict> verdict_of(const Votes& votes) const;
   double competence(const std::string& expert) const;
 

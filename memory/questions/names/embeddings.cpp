@@ -66,8 +66,8 @@ std::vector<Embedding> embeddings_of(const Snapshot& snapshot, Id object) {
   const Store& store = snapshot.store();
   std::vector<Embedding> embeddings;
   const auto latest = store.latest_observations(object, kLatestViews, {kType}, snapshot.as_of());
-  for (const auto& [row, run] : latest.annotations)
-    if (auto embedding = embedding_of(store, row)) embeddings.push_back(std::move(*embedding));
+  for (const auto& annotation : latest.annotations)
+    if (auto embedding = embedding_of(store, annotation.row)) embeddings.push_back(std::move(*embedding));
   return embeddings;
 }
 
