@@ -256,7 +256,7 @@ TEST(Tracking, APlaceWhoseDepthContradictsIsNotTheKnownOne) {
   for (size_t i = 40; i < 50; ++i) EXPECT_FALSE(result.frames[i].map_from_camera) << i;
 }
 
-/// What stands nearer hides the known surfaces, and is no contradiction.
+/// What stands nearer hides the known surfaces and does not contradict them.
 TEST(Tracking, WhatIsHiddenDoesNotContradictAKnownPlace) {
   const Room room = room_that_changed(-0.3);
   const TrackingResult result = tracked(room);
