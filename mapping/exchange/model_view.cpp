@@ -53,7 +53,9 @@ constexpr const char* kViewer = R"js(
     if (size) { gl.enableVertexAttribArray(location); gl.vertexAttribPointer(location, size, gl.FLOAT, false, 0, 0); }
   };
   const textures = await Promise.all((gltf.images || []).map(async image => {
-    const bitmap = await createImageBitmap(new Blob([part(image.bufferView)], {type: image.mimeType}));
+    const bitmap = new Image();
+    bitmap.src = URL.createObjectURL(new Blob([part(image.bufferView)], {type: image.mimeType}));
+    await new Promise(resolve => bitmap.onload = bitmap.onerror = resolve);
     const texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);

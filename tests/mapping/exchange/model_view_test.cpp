@@ -17,40 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The 3-D view of the photographed map in a headless browser, with its joints open to a share.
-class ModelView : public testing::Test {
- protected:
-  void SetUp() override {
-    if (std::system("command -v chromium >/dev/null") != 0) GTEST_SKIP() << "needs chromium";
-    fs::remove_all(folder_);
-    InterpretedMap map = photographed_map();
-    fs::create_directories(folder_ / "textures");
-    for (const auto& [name, bytes] : add_textures(map)) write_file_atomically(folder_ / name, bytes);
-    Warnings warnings;
-    page_ = model_section(glb_bytes(map.world, {{}, folder_}, warnings));
-    ASSERT_TRUE(warnings.empty()) << warnings.texts().front();
-  }
-
-  cv::Mat drawn(const std::string& open) {
-    const std::string closed = "step=\"0.01\" value=\"0\"";
-    std::string page = page_;
-    page.replace(page.find(closed), closed.size(), "step=\"0.01\" value=\"" + open + "\"");
-    write_file_atomically(folder_ / "page.html",
-                          "<style>body { margin: 0 } h2, p { display: none }</style>" + page);
-    const std::string image = folder_ / "page.png";
-    const std::string command =
-        "chromium --headless --no-sandbox --use-gl=swiftshader --enable-unsafe-swiftshader"
-        " --virtual-time-budget=20000 --window-size=1000,600 --user-data-dir=" +
-        (folder_ / "profile").string() + " --screenshot=" + image + " file://" +
-        (folder_ / "page.html").string() + " >/dev/null 2>&1";
-    EXPECT_EQ(std::system(command.c_str()), 0) << command;
-    return read_color(image);
-  }
-
-  fs::path folder_ = fs::path(testing::TempDir()) / "loci_model_view";
-  std::string page_;
-};
-
 /// Pixels of a hue (strong channels high, the others low) and the middle of them.
 struct Patch {
   int pixels = 0;
@@ -67,8 +33,54 @@ Patch patch_of(const cv::Mat& image, bool blue, bool green, bool red) {
   return {static_cast<int>(moments.m00), {moments.m10 / moments.m00, moments.m01 / moments.m00}};
 }
 
+/// The 3-D view of the photographed map in a headless browser, with its joints open to a share.
+class ModelView : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::system("command -v chromium >/dev/null") != 0) GTEST_SKIP() << "needs chromium";
+    fs::remove_all(folder_);
+    fs::create_directories(folder_ / "textures");
+    const cv::Mat cleared = screenshot(
+        "<canvas width=100 height=100></canvas><script>"
+        "const gl = document.querySelector('canvas').getContext('webgl2');"
+        "gl.clearColor(1, 0, 0, 1); gl.clear(gl.COLOR_BUFFER_BIT)</script>");
+    if (cleared.empty() || patch_of(cleared, false, false, true).pixels != 100 * 100)
+      GTEST_SKIP() << "needs a chromium that draws WebGL 2";
+    InterpretedMap map = photographed_map();
+    for (const auto& [name, bytes] : add_textures(map)) write_file_atomically(folder_ / name, bytes);
+    Warnings warnings;
+    page_ = model_section(glb_bytes(map.world, {{}, folder_}, warnings));
+    ASSERT_TRUE(warnings.empty()) << warnings.texts().front();
+  }
+
+  cv::Mat drawn(const std::string& open) {
+    const std::string closed = "step=\"0.01\" value=\"0\"";
+    std::string page = page_;
+    page.replace(page.find(closed), closed.size(), "step=\"0.01\" value=\"" + open + "\"");
+    return screenshot("<style>body { margin: 0 } h2, p { display: none }</style>" + page);
+  }
+
+  /// Empty where the browser fails.
+  cv::Mat screenshot(const std::string& page) {
+    const fs::path path = folder_ / "page.html", image = folder_ / "page.png";
+    write_file_atomically(path, page);
+    fs::remove(image);
+    const std::string command =
+        "timeout 120 chromium --headless --no-sandbox --disable-dev-shm-usage --use-angle=swiftshader"
+        " --enable-unsafe-swiftshader --virtual-time-budget=20000 --window-size=1000,600"
+        " --user-data-dir=" +
+        (folder_ / "profile").string() + " --screenshot=" + image.string() + " file://" + path.string() +
+        " >/dev/null 2>&1";
+    return std::system(command.c_str()) == 0 && fs::exists(image) ? read_color(image) : cv::Mat();
+  }
+
+  fs::path folder_ = fs::path(testing::TempDir()) / "loci_model_view";
+  std::string page_;
+};
+
 TEST_F(ModelView, ShowsTexturedFrontsThatOpen) {
   const cv::Mat closed = drawn("0"), open = drawn("1");
+  ASSERT_FALSE(closed.empty());
   ASSERT_EQ(closed.size(), open.size());
   const Patch red = patch_of(closed, false, false, true), blue = patch_of(closed, true, false, false);
   const Patch drawer = patch_of(closed, false, true, true), pulled = patch_of(open, false, true, true);
