@@ -147,14 +147,23 @@ void GeometryAnnotator::process(cas::Cas& cas, Context& /*context*/) {
 
 std::string edge_phrase(const Vector2d& position, const std::vector<Vector2d>& outline) {
   if (outline.size() < 3) return {};
-  Eigen::AlignedBox2d extent;
-  for (const Vector2d& corner : outline) extent.extend(corner);
-  const std::array<std::pair<double, const char*>, 4> edges = {{{position.x() - extent.min().x(), "left"},
-                                                                {extent.max().x() - position.x(), "right"},
-                                                                {position.y() - extent.min().y(), "front"},
-                                                                {extent.max().y() - position.y(), "back"}}};
-  const auto nearest = std::min_element(edges.begin(), edges.end());
-  return fmt::format("{:.2f} m from its {} edge", std::max(0.0, nearest->first), nearest->second);
+  std::array<std::pair<double, const char*>, 4> edges = {
+      {{1e9, "left"}, {1e9, "right"}, {1e9, "front"}, {1e9, "back"}}};
+  for (size_t i = 0; i < outline.size(); ++i) {
+    const Vector2d a = outline[i] - position, b = outline[(i + 1) % outline.size()] - position;
+    for (int axis = 0; axis < 2; ++axis) {  // where the edge crosses the line through the position
+      const int other = 1 - axis;
+      if ((a[other] > 0) == (b[other] > 0)) continue;
+      const double at = a[axis] - a[other] * (b[axis] - a[axis]) / (b[other] - a[other]);
+      // Counter-clockwise, edges at the right go backwards, those at the back to the left.
+      const bool far_side = (b[other] > a[other]) == (axis == 0);
+      double& nearest = edges[static_cast<size_t>(2 * axis + (far_side ? 1 : 0))].first;
+      nearest = std::min(nearest, std::abs(at));
+    }
+  }
+  const auto nearest = std::ranges::min_element(edges);
+  if (nearest->first == 1e9) return {};
+  return fmt::format("{:.2f} m from its {} edge", nearest->first, nearest->second);
 }
 
 std::string place_phrase(const std::string& place, const std::string& support_class) {

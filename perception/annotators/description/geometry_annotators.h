@@ -33,7 +33,8 @@ class GeometryAnnotator : public Annotator {
 };
 
 /// How far a position is from the nearest edge of an outline, in words: "0.30 m from its left edge". Seen
-/// along y of the place's frame: left is −x, right +x, front −y, back +y. `outline`: polygon in that frame.
+/// along y of the place's frame: left is −x, right +x, front −y, back +y. `outline`: in that frame,
+/// counter-clockwise. Empty where no edge lies beside, before or behind the position.
 std::string edge_phrase(const Vector2d& position, const std::vector<Vector2d>& outline);
 
 /// "on table_1", "in drawer_2"; a support without a name is "on a surface".

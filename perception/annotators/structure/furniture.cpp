@@ -127,7 +127,7 @@ struct Host {
   size_t branch = 0;
   double height = 0;
   Isometry3d top_from_map = Isometry3d::Identity();
-  ConvexOutline outline;
+  PolygonOutline outline;
 
   /// Whether a component carries it, or stands on it.
   bool has(const std::vector<const Branch*>& component) const {
@@ -157,7 +157,7 @@ std::vector<Host> hosts_of(const KnownMap& map, const std::vector<Branch>& branc
       if (surface.link != branches[b].link) continue;
       const Isometry3d map_from_top = map.scene.map_from_link(surface.link_id) * surface.link_from_top;
       hosts.push_back(
-          {b, map_from_top.translation().z(), map_from_top.inverse(), ConvexOutline(surface.outline)});
+          {b, map_from_top.translation().z(), map_from_top.inverse(), PolygonOutline(surface.outline)});
       break;
     }
   }

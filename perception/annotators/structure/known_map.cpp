@@ -58,6 +58,51 @@ std::optional<double> top_height(const std::vector<Facet>& facets) {
   return std::nullopt;
 }
 
+using Corners = std::vector<cv::Point2f>;
+
+/// The outer outline of the triangles whose corners follow each other, where they are one piece but for
+/// narrow joints; empty otherwise. Cut-outs within do not count.
+Corners union_of(const Corners& triangles) {
+  constexpr float kJoint = 0.05f, kMaxCells = 4000;  // metres; cells across
+  const cv::Rect2f extent = cv::boundingRect(triangles);
+  const float cell = std::max(0.005f, std::max(extent.width, extent.height) / kMaxCells);
+  const int reach = static_cast<int>(std::ceil(kJoint / cell)), border = reach + 1;
+  const cv::Point2f origin = extent.tl() - cv::Point2f(1, 1) * (cell * static_cast<float>(border));
+  cv::Mat mask = cv::Mat::zeros(static_cast<int>(extent.height / cell) + 2 * border + 1,
+                                static_cast<int>(extent.width / cell) + 2 * border + 1, CV_8U);
+  for (size_t i = 0; i < triangles.size(); i += 3) {
+    std::array<cv::Point, 3> pixels;
+    for (size_t k = 0; k < 3; ++k) pixels[k] = (triangles[i + k] - origin) / cell;
+    cv::fillConvexPoly(mask, pixels.data(), 3, cv::Scalar(255));
+  }
+  // The square has the axes of the surface and leaves the inner corners as they are.
+  cv::morphologyEx(mask, mask, cv::MORPH_CLOSE, cv::Mat::ones(2 * reach + 1, 2 * reach + 1, CV_8U));
+  std::vector<std::vector<cv::Point>> contours;
+  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  if (contours.size() != 1) return {};
+  Corners outline;
+  cv::approxPolyDP(cv::Mat(contours[0]), contours[0], 0.01 / static_cast<double>(cell), true);
+  for (const cv::Point& pixel : contours[0]) {
+    const cv::Point2f rough = cv::Point2f(pixel) * cell + origin;
+    const auto nearest = std::ranges::min_element(
+        triangles, {}, [&](const cv::Point2f& corner) { return cv::norm(corner - rough); });
+    outline.push_back(cv::norm(*nearest - rough) < 0.02 ? *nearest : rough);
+  }
+  return outline;
+}
+
+/// The outline of triangles, counter-clockwise: their convex hull where they nearly fill it or come in
+/// pieces, and where they go round a corner what they cover.
+Corners outline_of(const Corners& triangles) {
+  constexpr double kFills = 0.97;
+  Corners hull, joined = union_of(triangles);
+  cv::convexHull(triangles, hull);
+  const bool fills = joined.size() < 4 || cv::contourArea(joined) > kFills * cv::contourArea(hull);
+  Corners& outline = fills ? hull : joined;
+  if (outline.size() >= 3 && cv::contourArea(outline, true) < 0) std::ranges::reverse(outline);
+  return outline;
+}
+
 std::optional<SupportSurface> surface_of(const KnownMap& map, const mapping::Link& link,
                                          const Isometry3d& map_from_link) {
   const std::vector<Facet> facets = upper_facets(map, link, map_from_link);
@@ -65,7 +110,7 @@ std::optional<SupportSurface> surface_of(const KnownMap& map, const mapping::Lin
   if (!level) return std::nullopt;
   Isometry3d map_from_top = Isometry3d::Identity();
   if (map_from_link.linear()(2, 2) > 0.95) map_from_top.linear() = map_from_link.linear();
-  std::vector<cv::Point2f> corners;
+  Corners corners;
   double height = 0;
   double area = 0;
   for (const Facet& facet : facets) {
@@ -77,31 +122,17 @@ std::optional<SupportSurface> surface_of(const KnownMap& map, const mapping::Lin
       corners.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
     }
   }
-  std::vector<cv::Point2f> hull;
-  cv::convexHull(corners, hull);
-  if (hull.size() < 3) return std::nullopt;
-  cv::Point2f low = hull[0];
-  cv::Point2f high = hull[0];
-  for (const cv::Point2f& p : hull) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-  }
-  const Vector2d centre((low.x + high.x) / 2.0, (low.y + high.y) / 2.0);
+  const Corners outline = outline_of(corners);
+  if (outline.size() < 3) return std::nullopt;
+  Eigen::AlignedBox2d extent;
+  for (const cv::Point2f& p : outline) extent.extend(Vector2d(p.x, p.y));
   SupportSurface surface;
   surface.link = link.name;
   surface.class_name = map.class_of(link.name);
-  map_from_top.translation() = map_from_top.linear() * Vector3d(centre.x(), centre.y(), 0);
+  map_from_top.translation() = map_from_top.linear() * Vector3d(extent.center().x(), extent.center().y(), 0);
   map_from_top.translation().z() = height / area;
   surface.link_from_top = map_from_link.inverse() * map_from_top;
-  double twice_area = 0;
-  for (size_t i = 0; i < hull.size(); ++i) {
-    const cv::Point2f& a = hull[i];
-    const cv::Point2f& b = hull[(i + 1) % hull.size()];
-    twice_area += static_cast<double>(a.x * b.y - a.y * b.x);
-    surface.outline.emplace_back(static_cast<double>(a.x) - centre.x(),
-                                 static_cast<double>(a.y) - centre.y());
-  }
-  if (twice_area < 0) std::reverse(surface.outline.begin(), surface.outline.end());
+  for (const cv::Point2f& p : outline) surface.outline.push_back(Vector2d(p.x, p.y) - extent.center());
   return surface;
 }
 

@@ -39,7 +39,7 @@ struct SupportSurface {
   /// Frame of the place: origin at the centre of the surface, z up, x and y those of the link where its z is
   /// up.
   Isometry3d link_from_top = Isometry3d::Identity();
-  std::vector<Vector2d> outline;  ///< convex, counter-clockwise, in that frame, metres
+  std::vector<Vector2d> outline;  ///< counter-clockwise, in that frame, metres; goes round corners
 };
 
 /// The map that a recording is perceived against: world, sidecar, and its triangles ready to be drawn. A

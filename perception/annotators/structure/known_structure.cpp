@@ -24,7 +24,7 @@ constexpr double kAround = 0.15;  ///< metres
 struct Prism {
   int region;
   Isometry3d top_from_camera;
-  ConvexOutline outline;
+  PolygonOutline outline;
 };
 
 /// The regions of which something may be in view.
@@ -38,11 +38,10 @@ std::vector<Prism> prisms_in_view(const std::vector<Region>& regions, const mapp
       box.extend(Vector3d(corner.x(), corner.y(), options.region_height_m));
     }
     const Isometry3d camera_from_top = map_from_camera.inverse() * regions[r].map_from_top;
-    // Around a corner the lines beside the edges meet farther away than the edges are.
-    const double around = 4 * std::max(kAround, options.margin_m);
+    const double around = std::max(kAround, options.margin_m);
     if (out_of_view(camera_from_top * box.center(), box.diagonal().norm() / 2 + around, camera)) continue;
     prisms.push_back(
-        {static_cast<int>(r), camera_from_top.inverse(), ConvexOutline(regions[r].surface->outline)});
+        {static_cast<int>(r), camera_from_top.inverse(), PolygonOutline(regions[r].surface->outline)});
   }
   return prisms;
 }

@@ -248,7 +248,7 @@ bool is_top_of_object(const SupportPlane& upper, const SupportPlane& lower) {
   if (upper.area > 0.3 * lower.area) return false;
   const Vector3d centre = lower.in_plane(upper.camera_from_plane.translation());
   if (centre.z() < 0.01 || centre.z() > 0.35 || upper.outline.empty()) return false;
-  const ConvexOutline outline(lower.outline);
+  const PolygonOutline outline(lower.outline);
   int within = 0;
   for (const Vector2d& corner : upper.outline) {
     const Vector3d p = upper.camera_from_plane * Vector3d(corner.x(), corner.y(), 0);
@@ -289,7 +289,7 @@ void look_beyond(const cv::Mat& points, const SupportPlane& plane, const cv::Poi
 /// Whether a plane ends in view, where nothing rises from it: that of a table does, and that of a floor goes
 /// on to walls, furniture and the edges of the image.
 bool ends_in_view(const cv::Mat& points, const SupportPlane& plane) {
-  const ConvexOutline outline(plane.outline);
+  const PolygonOutline outline(plane.outline);
   const auto shows_plane = [&](int u, int v) {
     const Vector3d p = to_vector(points.at<cv::Vec3f>(v, u));
     if (!(p.z() > 0)) return false;
@@ -429,14 +429,17 @@ void SupportOptions::declare(OptionTable& table) {
   table.number("bridge_m", bridge_m, "m", "Parts of a plane closer than this belong to one support.", 0, 2);
 }
 
-ConvexOutline::ConvexOutline(const std::vector<Vector2d>& corners) {
-  if (corners.size() < 3) return;
-  for (size_t i = 0; i < corners.size(); ++i) {
-    const Vector2d edge = corners[(i + 1) % corners.size()] - corners[i];
-    const double length = edge.norm();
-    if (length < 1e-9) continue;
-    const Vector2d inwards(-edge.y() / length, edge.x() / length);
-    edges_.push_back({inwards.x(), inwards.y(), inwards.dot(corners[i])});
+PolygonOutline::PolygonOutline(const std::vector<Vector2d>& corners) {
+  std::vector<Vector2d> distinct;
+  for (const Vector2d& corner : corners)
+    if (distinct.empty() || (corner - distinct.back()).norm() > 1e-9) distinct.push_back(corner);
+  while (distinct.size() > 1 && (distinct.front() - distinct.back()).norm() <= 1e-9) distinct.pop_back();
+  if (distinct.size() < 3) return;
+  for (size_t i = 0; i < distinct.size(); ++i) {
+    const Vector2d &start = distinct[i], &end = distinct[(i + 1) % distinct.size()];
+    const double length = (end - start).norm();
+    const Vector2d along = (end - start) / length;
+    edges_.push_back({start.x(), start.y(), along.x(), along.y(), length, end.y()});
   }
 }
 

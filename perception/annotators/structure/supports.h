@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <utility>
@@ -26,23 +27,31 @@ struct SupportOptions {
   void declare(OptionTable& table);
 };
 
-/// A convex outline, counter-clockwise, made ready to be asked about many positions.
-class ConvexOutline {
+/// A polygon that does not cross itself, corners in order, made ready to be asked about many positions.
+class PolygonOutline {
  public:
-  ConvexOutline() = default;
-  explicit ConvexOutline(const std::vector<Vector2d>& corners);
+  PolygonOutline() = default;
+  explicit PolygonOutline(const std::vector<Vector2d>& corners);
 
-  /// Signed distance of a position to the nearest edge's line, positive inside; -1e9 without an outline.
+  /// Signed distance of a position to the nearest edge, positive inside; -1e9 without an outline.
   double inside(const Vector2d& position) const {
-    double least = edges_.empty() ? -1e9 : 1e9;
-    for (const Edge& edge : edges_)
-      least = std::min(least, edge.x * position.x() + edge.y * position.y() - edge.offset);
-    return least;
+    if (edges_.empty()) return -1e9;
+    double nearest = 1e18;
+    bool within = false;
+    for (const Edge& edge : edges_) {
+      const double x = position.x() - edge.x, y = position.y() - edge.y;
+      const double along = std::clamp(x * edge.along_x + y * edge.along_y, 0.0, edge.length);
+      const double dx = x - along * edge.along_x, dy = y - along * edge.along_y;
+      nearest = std::min(nearest, dx * dx + dy * dy);
+      if ((edge.y > position.y()) != (edge.end_y > position.y()) && x < y * edge.along_x / edge.along_y)
+        within = !within;
+    }
+    return within ? std::sqrt(nearest) : -std::sqrt(nearest);
   }
 
  private:
   struct Edge {
-    double x, y, offset;  ///< (x, y) looks inwards, unit
+    double x, y, along_x, along_y, length, end_y;  ///< from (x, y) along a unit vector
   };
   std::vector<Edge> edges_;
 };

@@ -67,6 +67,10 @@ TEST(Location, SaysOnWhatAndHowFarFromWhichEdge) {
   const std::vector<Vector2d> outline = {{-0.6, -0.4}, {0.6, -0.4}, {0.6, 0.4}, {-0.6, 0.4}};
   EXPECT_EQ(edge_phrase({-0.3, 0}, outline), "0.30 m from its left edge");
   EXPECT_EQ(edge_phrase({0, 0.35}, outline), "0.05 m from its back edge");
+  EXPECT_EQ(edge_phrase({-0.61, 0}, outline), "0.01 m from its left edge") << "it reaches over";
+  const std::vector<Vector2d> corner = {{-1, -1}, {2, -1}, {2, -0.4}, {-0.4, -0.4}, {-0.4, 2}, {-1, 2}};
+  EXPECT_EQ(edge_phrase({-0.5, 1}, corner), "0.10 m from its right edge");
+  EXPECT_EQ(edge_phrase({1, -0.45}, corner), "0.05 m from its back edge");
 }
 
 TEST(Relations, WhatLiesToTheLeftIsLeftOfItAndDiagonalsAreShared) {

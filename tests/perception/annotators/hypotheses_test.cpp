@@ -139,12 +139,17 @@ TEST(Clusters, AreTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(once, pixels_with(5));
 }
 
-TEST(ConvexOutline, TellsTheDistanceToTheNearestEdge) {
-  const ConvexOutline square({{0, 0}, {2, 0}, {2, 2}, {0, 2}});
+TEST(PolygonOutline, TellsTheDistanceToTheNearestEdge) {
+  const PolygonOutline square({{0, 0}, {2, 0}, {2, 2}, {0, 2}});
   EXPECT_DOUBLE_EQ(square.inside({0.5, 1}), 0.5);
   EXPECT_DOUBLE_EQ(square.inside({1, 1}), 1);
   EXPECT_DOUBLE_EQ(square.inside({2.25, 1}), -0.25);
-  EXPECT_LT(ConvexOutline(std::vector<Vector2d>{{0, 0}, {1, 0}}).inside({0, 0}), -1e6);
+  EXPECT_LT(PolygonOutline(std::vector<Vector2d>{{0, 0}, {1, 0}}).inside({0, 0}), -1e6);
+  const PolygonOutline corner({{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}, {0, 0}});
+  EXPECT_DOUBLE_EQ(corner.inside({0.5, 2}), 0.5);
+  EXPECT_DOUBLE_EQ(corner.inside({2, 2}), -1);
+  EXPECT_NEAR(corner.inside({0.7, 0.7}), std::hypot(0.3, 0.3), 1e-12);
+  EXPECT_DOUBLE_EQ(corner.inside({-3, 4}), -std::hypot(3, 1));
 }
 
 TEST(Clusters, TouchingBoxesAreSplitAtTheirConcaveEdge) {

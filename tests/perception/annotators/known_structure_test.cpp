@@ -11,6 +11,7 @@
 #include "perception/annotators/structure/articulated_fronts.h"
 #include "perception/annotators/structure/normals.h"
 #include "perception/annotators/structure/pose_refinement.h"
+#include "perception/annotators/structure/supports.h"
 
 namespace loci::perception {
 namespace {
@@ -184,6 +185,54 @@ TEST(ArticulatedFronts, WhatHidesAFrontLeavesItsJointAndIsReported) {
   const Image free = image_of(scene_of(world), camera);
   EXPECT_TRUE(
       fronts.obstacles(free.points, cv::Mat::zeros(unknown.size(), CV_8U), kCamera, camera, {}).empty());
+}
+
+/// A counter round a corner, higher than the table before it.
+mapping::World corner_kitchen() {
+  return world_of(
+      "<link name=\"map\"/>" + box("floor", "6 6 0.02") + fixed("floor", "0 0 -0.01") +
+      "<link name=\"counter\"><visual><origin xyz=\"0 1.2 0\"/><geometry><box size=\"3 0.6 0.9\"/>"
+      "</geometry></visual><visual><origin xyz=\"-1.2 -0.12 0\"/><geometry>"
+      "<box size=\"0.6 2 0.9\"/></geometry></visual></link>" +
+      fixed("counter", "0 0 0.45") + box("table", "0.8 0.6 0.86") + fixed("table", "-0.2 0.3 0.43"));
+}
+
+TEST(KnownMap, SupportsGoRoundCorners) {
+  Warnings warnings;
+  const auto map = KnownMap::make(corner_kitchen(), {}, {}, warnings);
+  const std::vector<SupportSurface> surfaces = map->support_surfaces({"counter", "table"});
+  ASSERT_EQ(surfaces.size(), 2U);
+  ASSERT_EQ(surfaces[0].outline.size(), 6U);
+  EXPECT_EQ(surfaces[1].outline.size(), 4U);
+  const auto inside = [&](double x, double y) {
+    const Isometry3d top_from_map =
+        (map->scene.map_from_link(surfaces[0].link_id) * surfaces[0].link_from_top).inverse();
+    return PolygonOutline(surfaces[0].outline).inside((top_from_map * Vector3d(x, y, 0.9)).head<2>());
+  };
+  EXPECT_NEAR(inside(-1.2, 1.2), 0.3, 1e-5) << "the corner";
+  EXPECT_NEAR(inside(0.5, 1.0), 0.1, 1e-5);
+  EXPECT_NEAR(inside(-0.7, 0.7), -0.2, 0.01) << "before the corner";
+}
+
+TEST(KnownStructure, ATableBeforeACornerKeepsWhatStandsOnIt) {
+  Warnings warnings;
+  const auto map = KnownMap::make(corner_kitchen(), {}, {}, warnings);
+  const auto surfaces = map->support_surfaces({"counter", "table"});
+  mapping::RenderScene seen = scene_of(corner_kitchen());
+  seen.add("cup", cube(0.1), at({-0.4, 0.4, 0.91}));
+  const Isometry3d camera = looking({0.6, -0.9, 1.6}, {-0.3, 0.4, 0.86});
+  const mapping::RenderedView view = seen.render(kCamera, camera);
+  const KnownStructure known = find_known_structure(points_from_depth(view.depth, kCamera), {}, kCamera,
+                                                    camera, *map, surfaces, {}, {}, 1);
+  int cup = 0, on_table = 0;
+  for (int i = 0; i < view.link.rows * view.link.cols; ++i) {
+    const int link = view.link.ptr<int>()[i], region = known.region.ptr<uint16_t>()[i];
+    if (link < 0 || seen.link_names()[static_cast<size_t>(link)] != "cup") continue;
+    ++cup;
+    on_table += region > 0 && known.regions[static_cast<size_t>(region) - 1].surface->link == "table";
+  }
+  EXPECT_GT(cup, 100);
+  EXPECT_EQ(on_table, cup);
 }
 
 /// An arm before the camera, its hand at the end of a joint.

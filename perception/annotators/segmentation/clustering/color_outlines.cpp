@@ -383,7 +383,7 @@ bool is_within(const std::vector<int>& pixels, const ObjectCluster& cluster, con
   std::vector<Vector2d> corners;
   for (const cv::Point2f& at : hull)
     corners.emplace_back(static_cast<double>(at.x), static_cast<double>(at.y));
-  const ConvexOutline outline(corners);
+  const PolygonOutline outline(corners);
   const auto inside =
       std::ranges::count_if(pixels, [&](int pixel) { return outline.inside(position(pixel)) > 0; });
   return static_cast<double>(inside) > kNearlyAll * static_cast<double>(pixels.size());

@@ -363,7 +363,7 @@ class ClusterMaker {
   const cv::Mat& map_depth_;
   const mapping::PinholeCamera& camera_;
   const SupportPlane& support_;
-  const ConvexOutline& outline_;
+  const PolygonOutline& outline_;
   double height_error_;  ///< of the support, metres
   int index_;
   const ClusterOptions& options_;

@@ -89,7 +89,7 @@ void set_footprint(Piece& piece, const PlaneCloud& cloud) {
     piece.extent.extend(Vector2f(p.x, p.y));
     corners.push_back(Vector2f(p.x, p.y).cast<double>());
   }
-  piece.outline = ConvexOutline(corners);
+  piece.outline = PolygonOutline(corners);
   piece.left = first->first;
   piece.right = last->first;
   piece.bearing = std::atan2(ahead.y(), ahead.x());

@@ -33,7 +33,7 @@ struct Piece {
   float bottom = 0;
   float top = 0;
   std::vector<cv::Point2f> footprint;  ///< convex, completed by reflection
-  ConvexOutline outline;               ///< the same
+  PolygonOutline outline;              ///< the same
   Eigen::AlignedBox2f extent;          ///< of the footprint
   float distance = 0;                  ///< of the mean from the viewpoint, in the plane
   float bearing = 0;                   ///< of the mean as seen from there, radians

@@ -113,7 +113,7 @@ double covered_fraction(const SupportPlane& plane, const cv::Mat& points,
                         const mapping::PinholeCamera& camera) {
   Eigen::AlignedBox2d extent;
   for (const Vector2d& corner : plane.outline) extent.extend(corner);
-  const ConvexOutline outline(plane.outline);
+  const PolygonOutline outline(plane.outline);
   int all = 0;
   int seen = 0;
   constexpr double kStep = 0.03;

@@ -38,7 +38,7 @@ struct Standing {
 /// A support made ready to be asked about many points.
 struct SupportGround {
   const SupportPlane& plane;
-  ConvexOutline outline;
+  PolygonOutline outline;
   Eigen::Matrix3f plane_from_camera;     ///< rotation
   std::optional<Eigen::Vector3f> color;  ///< of a support whose height is uncertain, CIE Lab; unset = unknown
 
