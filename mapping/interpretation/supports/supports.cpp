@@ -275,8 +275,8 @@ PlaneEvidence collect(const Surface& surface, const Seed& seed, const std::vecto
     } else if (above > 0.03 && above < 0.5)
       evidence.above.push_back(position.head<2>());
   }
-  if (surface.free_space)
-    for (const auto& [end, origin] : surface.free_ends) add_ray(surface.origins[origin], end);
+  // Rays that did not return are no evidence here: a floor is below every support, so that something dark or
+  // glossy swallowed them, and that may lie in the plane (the glass of a hob).
   return evidence;
 }
 

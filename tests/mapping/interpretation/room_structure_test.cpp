@@ -190,6 +190,23 @@ TEST(RoomStructure, CounterThatAnAppliancePartsInTwoIsOne) {
   EXPECT_GT(overlap(outline_of(map, "counter_1"), slab), 0.95);
 }
 
+TEST(RoomStructure, CounterGoesOnBelowTheBlackGlassOfAHob) {
+  AnalyticRoom room;
+  add_counter(room, 0.5, 2.9);
+  ScanSet scans = scan_room(room, kLaserOrigins, 0.002, 36);
+  const Eigen::AlignedBox3d glass(Vector3d(2.3, 2.46, 0.88), Vector3d(2.84, 2.94, 0.92));
+  for (Scan& scan : scans.scans)
+    for (ScanPoint& point : scan.points) {
+      if (!glass.contains(scan.map_from_scan * point.position.cast<double>())) continue;
+      point.returned = false;
+      point.position *= static_cast<float>(scans.range_max) / point.position.norm();
+    }
+  const InterpretedMap map = interpreted_room(scans);
+  ASSERT_TRUE(map.semantics.links.contains("counter_1"));
+  const auto slab = [](const Vector2d& at) { return at.x() > 0.5 && at.x() < 2.9 && at.y() > 2.4; };
+  EXPECT_GT(overlap(outline_of(map, "counter_1"), slab), 0.95);
+}
+
 TEST(RoomStructure, CounterEndsAtARefrigeratorThatIsLittleHigher) {
   AnalyticRoom room;
   add_counter(room, 0.5, 2.2);
