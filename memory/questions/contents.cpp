@@ -367,6 +367,7 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
   };
   if (on)
     forms.insert(forms.end(), {{"yes|bare: empty <place> [every]", empty, "Is the table free?"},
+                               {"yes: clean <place> -did|have|may|person", empty},
                                {"yes|bare: every|everything empty|clean|take|go|vanish|put|move|bring "
                                 "from<place> [away]",
                                 empty, "Has everything been cleared off the table?"},

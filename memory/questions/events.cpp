@@ -368,6 +368,7 @@ std::vector<SentenceForm> changes_sentences() {
       {"yes: move|look <place> -thing", verdict, "", kind("place_handled")},
       {"yes: look into<place>", verdict, "", opened},
       {"yes|bare: thing vanish|go|take|leave|move from<place> [away]", verdict, "", left},
+      {"yes|bare: thing leave <place>", verdict, "", left},
       {"yes|bare: thing come|put|bring to<place>", verdict, "", came},
       {"yes: change <place>", verdict},
       {"what: vanish|go|leave|take|move from<place> [thing|away]", objects,

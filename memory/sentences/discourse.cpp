@@ -406,6 +406,23 @@ std::optional<QuestionInContext> question_in_context(const std::string& text, co
   return result;
 }
 
+std::string time_of_statements(const QuestionInContext& context, const TimeReader& times) {
+  Words question = sentence_words(context.question);
+  const auto is_past = [](const std::string& word) { return word == "was" || word == "were"; };
+  const std::string mood = first_lemma(question);
+  const bool asks_for_time = mood == "when" || mood == "sincewhen" || mood.starts_with("how");
+  if (asks_for_time || std::ranges::none_of(question, is_past) || cut_time(question, times)) return "";
+  std::string moment;
+  for (const std::string& statement : context.statements) {
+    Words words = sentence_words(statement);
+    while (const auto time = cut_time(words, times)) {
+      if (!time->moment || !moment.empty()) return "";
+      moment = time->from;
+    }
+  }
+  return moment;
+}
+
 std::vector<SentencePart> sentence_parts(const std::string& sentence, const TimeReader& times) {
   std::vector<SentencePart> parts;
   Words time;  // "after breakfast, ..."

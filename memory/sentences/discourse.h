@@ -28,6 +28,10 @@ struct QuestionInContext {
 /// Unset where only one sentence is said, or more than the last one asks.
 std::optional<QuestionInContext> question_in_context(const std::string& text, const TimeReader& times);
 
+/// The moment that the statements name, where the question is what was then and names no time: "I came home
+/// at six. What was on the table?" "" = none, or several.
+std::string time_of_statements(const QuestionInContext& context, const TimeReader& times);
+
 /// A piece of a sentence.
 struct SentencePart {
   Words words = {};

@@ -287,7 +287,7 @@ Words sentence_words(const std::string& sentence) {
   std::string plain = sentence;  // with the apostrophe of typewriters
   for (const std::string_view quote : {"\u2019", "\u2018"})
     for (size_t at = plain.find(quote); at != std::string::npos; at = plain.find(quote, at))
-      plain.replace(at, quote.size(), "'");
+      plain.replace(at, quote.size(), 1, '\'');
   for (std::string& word : words_of(plain, " \t\n\v\f\r?!,;\"()[]")) {
     // ISO 8601 times keep their T and Z.
     if (std::isdigit(static_cast<unsigned char>(word[0])) == 0) word = lower_case(word);

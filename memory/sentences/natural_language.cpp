@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <set>
 
-#include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
@@ -14,8 +13,9 @@
 #include "memory/questions/names/names.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/questions/objects.h"
-#include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/snapshot.h"
+#include "memory/sentences/clauses/absence_clause.h"
+#include "memory/sentences/clauses/contents_clause.h"
 #include "memory/sentences/clauses/coordination.h"
 #include "memory/sentences/clauses/event_clause.h"
 #include "memory/sentences/discourse.h"
@@ -29,8 +29,6 @@
 #include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
-
-using namespace format;
 
 namespace {
 
@@ -63,6 +61,11 @@ bool is_inflected_verb(const std::string& word) {
          wordnet::base_forms(word, PartOfSpeech::noun).empty();
 }
 
+std::string without_mark(std::string sentence) {
+  while (!sentence.empty() && (sentence.back() == '?' || sentence.back() == ' ')) sentence.pop_back();
+  return sentence;
+}
+
 /// Answers sentences, one after the other.
 class Conversation {
  public:
@@ -76,10 +79,14 @@ class Conversation {
 
   NaturalLanguageAnswer answer(const std::string& sentence) {
     const std::string named = snapshot_.with_names_joined(joined(words_of(sentence), " "));
+    const std::vector<Id> spoken_of = references_.last_objects();
     NaturalLanguageAnswer answer = answer_text(named);
     if (!answer.reply)
       if (auto respelled = answer_respelled(named)) answer = std::move(*respelled);
-    if (answer.reply && names_nothing(*answer.query) && chooses(named)) answer = {};
+    const auto loses_choice = [&] { return answer.reply && names_nothing(*answer.query) && chooses(named); };
+    if (loses_choice()) answer = {};
+    if (!answer.reply && chooses(named)) answer = answer_choice(named, spoken_of);
+    if (loses_choice()) answer = {};
     answer.sentence = sentence;
     if (!answer.query) {
       set_not_understood(answer);
@@ -89,12 +96,28 @@ class Conversation {
   }
 
  private:
+  /// "Which of those is the biggest?" asks of what the last answer named.
+  NaturalLanguageAnswer answer_choice(const std::string& sentence, const std::vector<Id>& objects) {
+    constexpr size_t kMaxChoices = 10;
+    std::vector<std::string> names;
+    for (const Id id : objects) names.push_back(object_name(id));
+    if (names.size() < 2 || names.size() > kMaxChoices) return {};
+    NaturalLanguageAnswer answer = answer_text(with_choice(sentence, joined(names, " or ")));
+    if (answer.reply || names.size() < 3) return answer;  // a choice of two has another form
+    const std::string without_choice = without_mark(with_choice(sentence, " "));  // "which is the biggest"
+    return answer_text(fmt::format("{} of {}", without_choice, joined(names, ", ")));
+  }
+
   /// A question and what is said around it.
   NaturalLanguageAnswer answer_text(const std::string& text) {
     const std::string meant = as_meant(text, [&](const std::string& words) { return is_name(words); });
     NaturalLanguageAnswer answer;
-    if (const auto context = question_in_context(meant, times_); context && remember(*context))
-      answer = answer_sentence(with_choice(context->question, references_.last_subject()));
+    if (const auto context = question_in_context(meant, times_); context && remember(*context)) {
+      const std::string question = with_choice(context->question, references_.last_subject());
+      if (const std::string time = time_of_statements(*context, times_); !time.empty())
+        answer = answer_sentence(fmt::format("{} at {}", without_mark(question), time));
+      if (!answer.reply) answer = answer_sentence(question);
+    }
     if (!answer.query) answer = answer_sentence(meant);
     return answer;
   }
@@ -116,11 +139,42 @@ class Conversation {
 
   /// One question, or several in one sentence.
   NaturalLanguageAnswer answer_sentence(const std::string& meant) {
+    if (auto compared = answer_compared(meant)) return *compared;
+    if (auto absence = answer_absence(meant)) return *absence;
     const auto elided = elided_question(meant);
     NaturalLanguageAnswer answer = answer_or_rephrase(elided ? elided->question : meant);
     if (elided && answer.reply) add_more(elided->more, answer);
     if (elided && !answer.query) answer = answer_or_rephrase(meant);
     return answer;
+  }
+
+  /// "What was on the table at noon that is gone now?": both contents, then their difference.
+  std::optional<NaturalLanguageAnswer> answer_compared(const std::string& sentence) {
+    const auto comparison = find_contents_comparison(sentence, snapshot_, times_);
+    if (!comparison) return std::nullopt;
+    NaturalLanguageAnswer first{.sentence = sentence}, second = first;
+    if (!try_reading(comparison->first, first) || !try_reading(comparison->second, second))
+      return std::nullopt;
+    if (!first.reply || !second.reply) return std::nullopt;
+    first.reply = compared(*comparison, *first.reply, *second.reply, snapshot_);
+    references_.remember(*first.query, first.reply->objects);
+    last_ = first.query;
+    return first;
+  }
+
+  /// "How long was the tea away?": when it left, then when it came back.
+  std::optional<NaturalLanguageAnswer> answer_absence(const std::string& sentence) {
+    auto absence = find_absence(sentence, snapshot_);
+    NaturalLanguageAnswer left{.sentence = sentence}, came = left;
+    if (!absence || !try_reading(absence->left, left) || !left.reply) return std::nullopt;
+    if (!left.reply->time) return left;  // it was not seen to leave
+    absence->came.arguments["from"] = format_time(left.reply->time->last);
+    try_reading(absence->came, came);
+    left.reply =
+        absence_reply(*left.reply->time, came.reply ? came.reply->time : std::nullopt, times_.now(), writer_);
+    references_.remember(*left.query, left.reply->objects);
+    last_ = left.query;
+    return left;
   }
 
   /// What statements speak of: the last one first, and what is known before other nouns of households. False
@@ -511,68 +565,6 @@ std::vector<NaturalLanguageAnswer> ask(const Store& store, const NaturalLanguage
   std::vector<NaturalLanguageAnswer> answers;
   for (const std::string& sentence : question.sentences) answers.push_back(conversation.answer(sentence));
   return answers;
-}
-
-std::string to_text(const NaturalLanguageAnswer& answer, const TimeWriter& times, bool details) {
-  std::string text;
-  if (details && answer.query) text += "= loci-memory " + answer.query->text() + "\n";
-  if (!answer.understood_as.empty()) text += answer.understood_as + "\n";
-  if (answer.reply) text += answer.reply->text + "\n";
-  if (answer.why_not && !answer.reply) text += answer.why_not->text + "\n";
-  std::vector<std::string> lines = answer.notes;
-  for (std::string& note : lines) note = fmt::format("({})", note);
-  if (answer.why_not && !answer.why_not->hint.empty()) lines.push_back(answer.why_not->hint);
-  if (answer.reply && !details)
-    lines.insert(lines.end(), answer.reply->evidence.begin(), answer.reply->evidence.end());
-  const size_t lines_left = kMaxEvidenceLines - (answer.understood_as.empty() ? 0 : 1);
-  if (!details && lines.size() > lines_left) lines.resize(lines_left);
-  for (const std::string& line : lines) text += "  " + line + "\n";
-  if (!answer.nearest.empty()) text += "What is understood, for example:\n";
-  for (const std::string& sentence : answer.nearest) text += "  " + sentence + "\n";
-  return text + (details && answer.answer ? answer.answer->to_text(times) : "");
-}
-
-namespace {
-
-const Record<NoAnswer>& no_answer_record() {
-  static const auto record =
-      Record<NoAnswer>("NoAnswer")
-          .value("reason", &NoAnswer::reason)
-          .value("text", &NoAnswer::text)
-          .value("hint", [](const NoAnswer& answer) { return unless_empty(answer.hint); });
-  return record;
-}
-
-const Record<NaturalLanguageAnswer>& sentence_record() {
-  using Sentence = NaturalLanguageAnswer;
-  static const auto record =
-      Record<Sentence>("SentenceAnswer")
-          .value("sentence", &Sentence::sentence)
-          .value("understood", [](const Sentence& answer) { return answer.query.has_value(); })
-          .value("command",
-                 [](const Sentence& answer) {
-                   return answer.query ? std::optional(answer.query->text()) : std::nullopt;
-                 })
-          .value("understood_as", [](const Sentence& answer) { return unless_empty(answer.understood_as); })
-          .value("notes", [](const Sentence& answer) { return unless_empty(answer.notes); })
-          .record("reply", &Sentence::reply, reply_record())
-          .value("answer",
-                 [](const Sentence& answer) {
-                   return answer.answer ? std::optional(answer.answer->to_json()) : std::nullopt;
-                 })
-          .record("why_not", &Sentence::why_not, no_answer_record())
-          .value("nearest", [](const Sentence& answer) { return unless_empty(answer.nearest); });
-  return record;
-}
-
-}  // namespace
-
-Json to_json(const NaturalLanguageAnswer& answer) {
-  return sentence_record().json(answer);
-}
-
-const RecordSchema& sentence_schema() {
-  return sentence_record();
 }
 
 std::vector<std::string> suggested_questions(const Store& store) {

@@ -365,4 +365,17 @@ std::optional<SentencePeriod> cut_time(Words& words, const TimeReader& times) {
   return both ? both : first;
 }
 
+std::optional<SentencePeriod> time_at(const Words& words, size_t& at, const TimeReader& times) {
+  constexpr size_t kMaxWords = 6;
+  for (size_t count = std::min(kMaxWords, words.size() - at); count > 0; --count) {
+    Words time(words.begin() + static_cast<std::ptrdiff_t>(at),
+               words.begin() + static_cast<std::ptrdiff_t>(at + count));
+    auto period = cut_time(time, times);
+    if (!period || !time.empty()) continue;
+    at += count;
+    return period;
+  }
+  return std::nullopt;
+}
+
 }  // namespace loci::memory

@@ -20,4 +20,7 @@ struct SentencePeriod {
 /// last of equally long ones; unset when there is none.
 std::optional<SentencePeriod> cut_time(Words& words, const TimeReader& times);
 
+/// The longest time that begins at a word; `at` is moved behind it.
+std::optional<SentencePeriod> time_at(const Words& words, size_t& at, const TimeReader& times);
+
 }  // namespace loci::memory

@@ -62,10 +62,11 @@ std::unique_ptr<SQLite::Database> open_database_to_read(const fs::path& path) {
 }
 
 SQLite::Column SqlRow::column(std::string_view name) const {
-  const int count = statement_.getColumnCount();
-  for (int tried = 0; tried < count; ++tried, ++next_) {
-    if (next_ >= count) next_ = 0;
-    if (name == statement_.getColumnName(next_)) return statement_.getColumn(next_);
+  if (names_.empty())
+    for (int i = 0; i < statement_.getColumnCount(); ++i) names_.emplace_back(statement_.getColumnName(i));
+  for (size_t tried = 0; tried < names_.size(); ++tried, ++next_) {
+    if (next_ >= names_.size()) next_ = 0;
+    if (name == names_[next_]) return statement_.getColumn(static_cast<int>(next_));
   }
   return statement_.getColumn(std::string(name).c_str());  // throws: there is none
 }

@@ -85,7 +85,9 @@ class SqlRow {
   SQLite::Column column(std::string_view name) const;
 
   SQLite::Statement& statement_;
-  mutable int next_ = 0;  ///< columns are mostly read in their order
+  mutable std::vector<std::string_view>
+      names_;                ///< of the columns, once one was read: SQLite is slow to name them
+  mutable size_t next_ = 0;  ///< columns are mostly read in their order
 };
 
 template <class T>

@@ -22,6 +22,19 @@ namespace {
 
 // ---- on, in
 
+/// "cup and pot" as "cup", "pot".
+std::vector<std::string> names_joined_in(const std::string& text) {
+  std::vector<std::string> names;
+  bool begins = true;
+  for (const std::string& word : words_of(text)) {
+    const bool joint = word == "and" || word == "or";
+    if (!joint && begins) names.push_back(word);
+    if (!joint && !begins) names.back() += " " + word;
+    begins = joint;
+  }
+  return names;
+}
+
 /// What is believed to be there, over all places asked about.
 struct Contents {
   std::vector<ObjectBelief> sure, perhaps;
@@ -32,8 +45,9 @@ struct Contents {
 Contents all_contents(const ContentsAnswer& answer, const ReplyContext& context) {
   Contents contents;
   std::vector<Id> except = context.except;
-  if (const std::string left_out = context.query.argument("except"); !left_out.empty())
-    for (const Id id : Snapshot(context.store, context.as_of).find_objects(left_out)) except.push_back(id);
+  const Snapshot snapshot(context.store, context.as_of);
+  for (const std::string& left_out : names_joined_in(context.query.argument("except")))
+    for (const Id id : snapshot.find_objects(left_out)) except.push_back(id);
   std::vector<std::string> places;
   for (const PlaceContents& place : answer.places) {
     for (const ObjectBelief& object : place.there)

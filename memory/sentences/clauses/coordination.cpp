@@ -65,6 +65,7 @@ Coordination coordination_of(const Query& query) {
     for (const Parameter& parameter : find_question(query.question)->parameters) {
       const bool names = parameter.type == ParameterType::object || parameter.type == ParameterType::place ||
                          parameter.type == ParameterType::part || parameter.type == ParameterType::spot;
+      if (parameter.name == "except") continue;  // all of them are left out at once
       for (const char* joint : {"and", "or"}) {
         const std::vector<std::string> parts = parts_of(query.argument(parameter.name), joint);
         if (!names || parts.size() < 2) continue;

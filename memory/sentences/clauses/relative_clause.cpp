@@ -21,20 +21,6 @@ struct RelativeClause {
   std::optional<SentencePeriod> period = {};
 };
 
-/// The longest time that begins at a word; `last` is moved behind it.
-std::optional<SentencePeriod> time_at(const Words& words, size_t& last, const TimeReader& times) {
-  constexpr size_t kMaxWords = 6;
-  for (size_t count = std::min(kMaxWords, words.size() - last); count > 0; --count) {
-    Words time(words.begin() + static_cast<std::ptrdiff_t>(last),
-               words.begin() + static_cast<std::ptrdiff_t>(last + count));
-    auto period = cut_time(time, times);
-    if (!period || !time.empty()) continue;
-    last += count;
-    return period;
-  }
-  return std::nullopt;
-}
-
 /// Whether words between a name and a place make a clause: "that stood on", "I left on", "you saw in".
 bool links(const Tokens& tokens, size_t first, size_t last, bool& left) {
   static const std::set<std::string> verbs = {"stand", "put", "leave", "see", "keep", "have", "take",

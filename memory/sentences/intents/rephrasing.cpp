@@ -234,6 +234,7 @@ const std::vector<Pattern>& meanings() {
       {"^ compared with|to <t> , what is|are new on|in|at <p:name> $", "what newsince is on <p> at <t>"},
       {"^ what is|are new on|in|at <p:name> compared with|to <t> $", "what newsince is on <p> at <t>"},
       {"^ <x:name> total|count|tally $", "how many <x>"},
+      {"^ <x:name> on|in|at <p:name> , total|count|tally|number $", "how many <x> are on <p>"},
       // What was the last state that is asked about.
       {"^ the? last time that? <x> was|were open|opened ,? what was|were in it|them|there $",
        "what was in <x> when <x> was last opened"},
@@ -247,6 +248,16 @@ const std::vector<Pattern>& meanings() {
       {"the|my <x:name> , the one that? is? in|inside <p:name> , <z>", "the <x> in <p> , <z>"},
       {"the|my <x:name> , the one that? is? on|at <p:name> , <z>", "the <x> on <p> , <z>"},
       {"^ has|have <p:name> stayed|remained put", "was <p> never moved"},
+      {"^ has|have <p:name> stayed|remained|been left? where it|they was|were $", "was <p> never moved"},
+      {"^ has|have <p:name> stayed|remained|been left? where i|we|someone left|put it|them $",
+       "was <p> never moved"},
+      {"^ has|have <p:name> stayed|remained|been left? where i|we|someone left|put it|them at|in <t> $",
+       "was <p> never moved since <t>"},
+      // What is left out of what is asked about.
+      {"^ never mind|ignoring|ignore|forget|disregarding <x:name> .|, what else? <y> $",
+       "what <y> except <x>"},
+      {"something|anything else|other than <x:name> on|at <p:name>", "anything on <p> except <x>"},
+      {"something|anything else|other than <x:name> in|inside <p:name>", "anything in <p> except <x>"},
       {"^ did <p:name> stay|remain put", "was <p> never moved"},
       // A choice of places in the past: where it was.
       {"^ was|were <x:name> in|on|at <a:name> or in|on|at? <b:name> <t> $", "where was <x> <t>"},
@@ -287,6 +298,10 @@ const std::vector<Pattern>& constructions() {
       {"^ <m:matrix> as? to|of|about|on? how <x>", "how <x>"},
       {"^ <m:matrix> as? to|of|about|on? whether <x>", "whether <x>"},
       {"^ describe|list|name|tell|say|show|report me|us? what|which <x>", "what <x>"},
+      {"the? last time i|we|you|anyone looked|checked $", ""},
+      {"when you last looked|checked $", ""},
+      {"^ where is the|my? <x> , the|my <n:name> $", "where is the <n>"},
+      {"^ how much <n:noun> is|are <x>", "how many <n> are <x>"},
       // Who does it, and how often.
       {"keep|keeps|kept|keep|been <v:doing>", "<v>"},
       {"in front of me|us|you", ""},

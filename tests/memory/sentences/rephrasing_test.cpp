@@ -52,6 +52,17 @@ TEST(Rephrasing, CleftsAndCountsAskPlainly) {
             "what newsince is on the table at nine ?");
 }
 
+TEST(Rephrasing, WhatStaysAndWhatIsLeftOutIsSaidPlainly) {
+  EXPECT_EQ(as_meant("Has the tea stayed where it was?", is_name), "was the tea never moved ?");
+  EXPECT_EQ(as_meant("Has the tea been left where I put it at nine?", is_name),
+            "was the tea never moved since nine ?");
+  EXPECT_EQ(as_meant("Is there something other than tea on the shelf?", is_name),
+            "is there anything on the shelf except tea ?");
+  EXPECT_EQ(as_meant("cups on the table: count", is_name), "how many cups are on the table");
+  EXPECT_EQ(plain("What was on the shelf last time you looked?"), "what was on the shelf ?");
+  EXPECT_EQ(plain("Where is the stuff for my toast, the jar?"), "where is the jar ?");
+}
+
 TEST(Rephrasing, CourtesyAroundAQuestionIsLeftOutAndConditionsAreNot) {
   EXPECT_EQ(plain("If it isn't too much trouble, what is on the shelf?"), ", what is on the shelf ?");
   EXPECT_EQ(plain("Perhaps you could enlighten me as to which cups were moved."), "which cups were moved .");

@@ -1,0 +1,290 @@
+#include "memory/sentences/clauses/contents_clause.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <regex>
+#include <vector>
+
+#include "mapping/base/text/text.h"
+#include "memory/questions/names/names.h"
+#include "memory/sentences/lexicon.h"
+#include "memory/sentences/mentions.h"
+#include "memory/sentences/sentence_time.h"
+
+namespace loci::memory {
+namespace {
+
+using Relation = ContentsComparison::Relation;
+
+/// The words of the construction, each as a letter; "-" changes nothing here.
+const std::map<std::string, char>& letters() {
+  static const std::map<std::string, char> all = [] {
+    std::map<std::string, char> result;
+    for (const auto& [letter, words] : std::map<char, const char*>{
+             {'-',
+              "there here it the a an any my our thing things object objects item items stuff on in at from "
+              "inside i we have else currently present please been before earlier previously anymore longer "
+              "me then "
+              "only list show name tell"},
+             {'Q', "what"},
+             {'R', "that which but and yet"},
+             {'H', "howmany many"},
+             {'A', "everything all anything"},
+             {'W', "was were stood lay sat"},
+             {'B', "do does is are stands stand lies lie sits sit"},
+             {'N', "not no nolonger gone missing removed taken away disappeared vanished"},
+             {'S', "still also too left remain remains remaining stayed"},
+             {'M', "more"},
+             {'F', "fewer less"},
+             {'E', "emptier"},
+             {'U', "fuller"},
+             {'X', "than"},
+             {'O', "of"},
+             {'V', "compared versus"}})
+      for (const std::string& word : words_of(words)) result[word] = letter;
+    return result;
+  }();
+  return all;
+}
+
+/// A sentence as letters, with its names and times in order: "QWPTRWNT".
+struct Skeleton {
+  std::string letters = {};
+  std::vector<std::string> places = {}, objects = {};
+  std::vector<SentencePeriod> times = {};
+  bool inside = false;  ///< in the place
+};
+
+/// False where a word has no part in the construction.
+bool add_word(const Words& words, size_t at, Skeleton& skeleton) {
+  const auto found = letters().find(words[at]);
+  if (found == letters().end()) return false;
+  const std::string before = at > 0 ? words[at - 1] : "";
+  const bool no_more = words[at] == "more" && (before == "any" || before == "no" || before == "not");
+  if (found->second == '-' || no_more || words[at] == "how") return true;
+  // "not there any more", "is gone": one negation.
+  if (found->second == 'N' && skeleton.letters.ends_with('N')) return words[at] != "not";
+  skeleton.letters += found->second;
+  return true;
+}
+
+std::optional<Skeleton> skeleton_of(const std::string& sentence, const Snapshot& snapshot,
+                                    const TimeReader& times) {
+  const Tokens tokens = tokens_of(sentence_words(sentence));
+  const Words& words = tokens.words;
+  if (words.size() < 6 || !letters().contains(words[0])) return std::nullopt;
+  const auto mentions = find_mentions(tokens, snapshot, [](const std::string&) { return true; });
+  Skeleton skeleton;
+  for (size_t i = 0; i < words.size();) {
+    // "The north counter, … the south one": the noun of the place before.
+    if (i + 1 < words.size() && words[i + 1] == "one" && !skeleton.places.empty()) {
+      const Words noun = words_of(skeleton.places.back());
+      const std::string other = words[i] + " " + noun.back();
+      if (snapshot.places_meant(other).size() == 1) {
+        skeleton.letters += 'P';
+        skeleton.places.push_back(other);
+        i += 2;
+        continue;
+      }
+    }
+    const auto mention = std::ranges::find(mentions, i, &Mention::first);
+    if (mention != mentions.end() && mention->known && !letters().contains(words[i])) {
+      skeleton.letters += mention->place ? 'P' : 'K';
+      (mention->place ? skeleton.places : skeleton.objects).push_back(mention->text);
+      if (mention->place && i > 0) skeleton.inside = words[i - 1] == "in" || (i > 1 && words[i - 2] == "in");
+      i = mention->last;
+      continue;
+    }
+    size_t last = i;
+    if (auto time = time_at(words, last, times)) {
+      skeleton.letters += 'T';
+      skeleton.times.push_back(std::move(*time));
+      i = last;
+    } else if (words[i] == "how" || (words[i] == "with" && skeleton.letters.ends_with('V')) ||
+               (words[i] == "to" && skeleton.letters.ends_with('V')) || add_word(words, i, skeleton)) {
+      ++i;
+    } else {
+      return std::nullopt;
+    }
+  }
+  return skeleton;
+}
+
+/// A form of the construction: its groups are named by `parts`, in order.
+struct Form {
+  std::regex expression;
+  std::string parts;
+};
+
+/// Parts: 1, 2 = the verb of a clause, a, b = its time, r = the relation, q = what is asked.
+const std::vector<Form>& forms() {
+  static const std::vector<Form> all = [] {
+    std::vector<Form> result;
+    const auto add = [&](const char* form, const char* parts) {
+      result.push_back({std::regex(form), parts});
+    };
+    // "What was on the table at noon that was not there at ten", "which of what was ... are still there".
+    add("([QRH])O?R?([WB]?)K?(T?)P(T?)R*([WB]?)(N|S)S?(T?)", "q1aa2rb");
+    // "Of what was on the table at noon, how many are still there?"
+    add("OR?([WB]?)K?(T?)P(T?)([QRH])R?([WB]?)(N|S)(T?)", "1aaq2rb");
+    // "Is everything that was on the table at noon still there?"
+    add("([WB])A(?:O)?R?([WB]?)(T?)P(T?)R*(N|S)(T?)", "21aarb");
+    // "Was there more on the table at nine than now?", "was the table fuller at nine than now?"
+    add("([WB])([MF])K?[WB]?(T?)P(T?)X([WB]?)(T?)", "1raa2b");
+    add("([WB])P([UE])(T?)X([WB]?)(T?)", "1ra2b");
+    return result;
+  }();
+  return all;
+}
+
+/// Contents of the place at a time: of a period all that was seen there.
+Query contents_query(const Skeleton& skeleton, const SentencePeriod* time, bool ever) {
+  Query query{.question = ever || (time != nullptr && !time->moment) ? "contents-history"
+                          : skeleton.inside                          ? "in"
+                                                                     : "on",
+              .arguments = {{"place", skeleton.places.front()}},
+              .asks = Asks::objects};
+  if (!skeleton.objects.empty()) query.arguments["object"] = skeleton.objects.front();
+  if (time == nullptr) return query;
+  if (time->moment) {
+    query.arguments["at"] = time->from;
+  } else {
+    if (!time->from.empty()) query.arguments["from"] = time->from;
+    if (!time->to.empty()) query.arguments["to"] = time->to;
+  }
+  return query;
+}
+
+std::string text_of(const SentencePeriod* time, bool ever) {
+  if (time == nullptr) return ever ? "" : "now";
+  if (time->moment) return time->from == "now" ? "now" : "at " + time->from;
+  if (time->from == time->to) return time->from;
+  return (time->from.empty() ? "" : "from " + time->from) + (time->to.empty() ? "" : " until " + time->to);
+}
+
+/// What a form makes of its groups; unset where they do not say which two times are meant.
+std::optional<ContentsComparison> read_groups(const Skeleton& skeleton, const std::string& parts,
+                                              const std::smatch& groups) {
+  ContentsComparison result{.place = skeleton.places.front()};
+  std::string verb[2], relation;
+  const SentencePeriod* time[2] = {nullptr, nullptr};
+  size_t next = 0;
+  result.asks = Asks::verdict;
+  for (size_t i = 0; i < parts.size(); ++i) {
+    const std::string text = groups[i + 1];
+    const char part = parts[i];
+    if (part == 'q') result.asks = text == "H" ? Asks::number : Asks::objects;
+    if (part == 'r') relation = text;
+    if (part == '1' || part == '2') verb[part - '1'] = text;
+    if ((part == 'a' || part == 'b') && !text.empty()) {
+      if (time[part - 'a'] != nullptr) return std::nullopt;
+      time[part - 'a'] = &skeleton.times.at(next++);
+    }
+  }
+  const bool ever = time[0] == nullptr && verb[0] == "W";
+  const bool counts = relation != "N" && relation != "S";
+  if ((ever && counts) || (time[1] == nullptr && (verb[1] == "W" || (counts && verb[1].empty()))))
+    return std::nullopt;
+  result.relation = relation == "N"                      ? Relation::without
+                    : relation == "S"                    ? Relation::common
+                    : relation == "M" || relation == "U" ? Relation::more
+                                                         : Relation::fewer;
+  result.first = contents_query(skeleton, time[0], ever);
+  result.second = contents_query(skeleton, time[1], false);
+  result.first_time = text_of(time[0], ever);
+  result.second_time = text_of(time[1], false);
+  if (result.first_time == result.second_time) return std::nullopt;
+  return result;
+}
+
+/// "Are there more mugs on the table than on the counter?"
+std::optional<ContentsComparison> two_places(Skeleton skeleton) {
+  static const std::regex form("[WB]?([MF])KPX[WB]?P(T?)");
+  std::smatch groups;
+  if (!std::regex_match(skeleton.letters, groups, form)) return std::nullopt;
+  const SentencePeriod* time = skeleton.times.empty() ? nullptr : &skeleton.times.front();
+  ContentsComparison result{.relation = groups[1] == "M" ? Relation::more : Relation::fewer,
+                            .first = contents_query(skeleton, time, false),
+                            .place = skeleton.places[0],
+                            .first_time = "on " + skeleton.places[0],
+                            .second_time = "on " + skeleton.places[1],
+                            .asks = Asks::verdict};
+  std::swap(skeleton.places[0], skeleton.places[1]);
+  result.second = contents_query(skeleton, time, false);
+  return result;
+}
+
+std::string names_in_words(const std::vector<Id>& objects, const Snapshot& snapshot) {
+  std::vector<std::string> names;
+  for (const Id id : objects) names.push_back(Names(snapshot).of(snapshot.object_ref(id)));
+  return list_in_words(names);
+}
+
+std::string in_time(const std::string& time) {
+  return time.empty() ? "before" : time;
+}
+
+Reply counted(const ContentsComparison& comparison, size_t first, size_t second) {
+  const bool more = comparison.relation == Relation::more;
+  const bool yes = more ? first > second : first < second;
+  return {.text = fmt::format("{}: {} {}, {} {}.", yes ? "Yes" : "No", first, in_time(comparison.first_time),
+                              second, in_time(comparison.second_time)),
+          .verdict = yes ? Verdict::yes : Verdict::no};
+}
+
+}  // namespace
+
+std::optional<ContentsComparison> find_contents_comparison(const std::string& sentence,
+                                                           const Snapshot& snapshot,
+                                                           const TimeReader& times) {
+  auto skeleton = skeleton_of(sentence, snapshot, times);
+  if (!skeleton || skeleton->objects.size() > 1) return std::nullopt;
+  if (skeleton->places.size() == 2) return two_places(*skeleton);
+  if (skeleton->places.size() != 1) return std::nullopt;
+  // "What is missing from the table compared with noon?"
+  static const std::regex missing("QBNPVT");
+  if (std::regex_match(skeleton->letters, missing)) {
+    skeleton->letters = "QWPTRBN";
+  }
+  for (const Form& form : forms()) {
+    std::smatch groups;
+    if (std::regex_match(skeleton->letters, groups, form.expression))
+      return read_groups(*skeleton, form.parts, groups);
+  }
+  return std::nullopt;
+}
+
+Reply compared(const ContentsComparison& comparison, const Reply& first, const Reply& second,
+               const Snapshot& snapshot) {
+  for (const Reply* one : {&first, &second})
+    if (one->not_known) return *one;
+  if (comparison.relation == Relation::more || comparison.relation == Relation::fewer)
+    return counted(comparison, first.objects.size(), second.objects.size());
+  const auto in_second = [&](Id id) { return std::ranges::count(second.objects, id) > 0; };
+  std::vector<Id> such, others;
+  for (const Id id : first.objects)
+    (in_second(id) == (comparison.relation == Relation::common) ? such : others).push_back(id);
+  Reply reply{.objects = such};
+  if (comparison.asks == Asks::verdict) {
+    reply.objects = others;
+    reply.verdict = others.empty() && !such.empty() ? Verdict::yes : Verdict::no;
+    reply.text = *reply.verdict == Verdict::yes
+                     ? fmt::format("Yes: {}.", names_in_words(such, snapshot))
+                     : fmt::format("No: not {}.", names_in_words(others, snapshot));
+  } else {
+    reply.number = such.size();
+    reply.text = (comparison.asks == Asks::number ? fmt::format("{}: ", such.size()) : "") +
+                 names_in_words(such, snapshot) + ".";
+    reply.text = capitalised(reply.text);
+  }
+  reply.text = shortened(reply.text);
+  for (const auto& [time, objects] :
+       {std::pair(comparison.first_time, first.objects), std::pair(comparison.second_time, second.objects)})
+    reply.evidence.push_back(
+        fmt::format("{}, {}: {}", comparison.place, in_time(time), names_in_words(objects, snapshot)));
+  return reply;
+}
+
+}  // namespace loci::memory
