@@ -34,12 +34,12 @@ constexpr DerivedTable kObservationRank = {
     "object"};
 constexpr DerivedTable kVisit = {
     "visit", "object, valid_from, scene, place",
-    "SELECT object, valid_from, scene, place FROM (SELECT object, a.valid_from, a.scene, coalesce(o.place, "
-    "0) AS "
-    "place, lag(coalesce(o.place, 0)) OVER (PARTITION BY object ORDER BY a.valid_from, a.scene) AS "
-    "place_before "
-    "FROM association a JOIN observation o ON o.id = a.observation WHERE {observed} AND object IS NOT "
-    "NULL{filter}) WHERE place_before IS NOT place",
+    // Of several rows of one object in a scene the last one holds: it superseded the others.
+    "SELECT object, valid_from, scene, place FROM (SELECT object, valid_from, scene, place, lag(place) OVER "
+    "(PARTITION BY object ORDER BY valid_from, scene) AS place_before FROM (SELECT object, a.valid_from, "
+    "a.scene, coalesce(o.place, 0) AS place, max(a.id) FROM association a JOIN observation o ON o.id = "
+    "a.observation WHERE {observed} AND object IS NOT NULL{filter} GROUP BY object, a.valid_from, a.scene)) "
+    "WHERE place_before IS NOT place",
     "object"};
 constexpr DerivedTable kObjectTerm = {
     "object_term", "term, object, since",
@@ -222,6 +222,7 @@ void Store::Connection::rank_observation(Id object, Id observation, TimeNs time,
                 .value_or(0);
   const auto [slot, unknown] = observations.try_emplace(object);
   Sequence& sequence = slot->second;
+  const bool may_be_again = unknown || sequence.last == key;
   const auto read_last_place = [&] {
     sequence.place =
         value<Id>("SELECT place FROM visit WHERE object = ? ORDER BY valid_from DESC, scene DESC LIMIT 1",
@@ -249,6 +250,11 @@ void Store::Connection::rank_observation(Id object, Id observation, TimeNs time,
     run("INSERT INTO observation_rank (object, number, valid_from, scene) VALUES (?, ?, ?, ?)",
         {sql(object), sql(sequence.count), sql(time), sql(scene)});
   if (sequence.place == place) return;
+  if (may_be_again) {  // taken for another observation of the scene than before
+    derive_for_object(*this, kVisit, object);
+    read_last_place();
+    return;
+  }
   run("INSERT INTO visit (object, place, valid_from, scene) VALUES (?, ?, ?, ?)",
       {sql(object), sql(place), sql(time), sql(scene)});
   sequence.place = place;

@@ -70,6 +70,27 @@ TEST_F(DerivedRows, AreWhatTheOtherRowsSay) {
   EXPECT_THAT(Store::open_read(file_).verify(silent).problems, IsEmpty());
 }
 
+TEST_F(DerivedRows, FollowAnObjectThatIsTakenForAnotherObservationOfAScene) {
+  {
+    Store store = Store::open_write(file_);
+    const Id run = store.begin_run("test", "{}");
+    for (int n = 0; n < 100; ++n) {
+      AssociationRow row{.object = 1, .explanation = Explanation::stay, .probability = 1, .chosen = true};
+      row.clock.valid_from = last_ + n * kSecond;
+      for (int64_t number = 0; number < 3; ++number) {
+        SceneTransaction scene(store, run);
+        if (number == 0) row.scene = scene.add_scene({.time = row.clock.valid_from});
+        const Id place = 1 + static_cast<Id>(random_.index(kPlaces));
+        row.observation = scene.add_observation({.scene = row.scene, .number = number, .place = place});
+        row.clock.supersedes = scene.add_association(row);
+        scene.commit();
+      }
+    }
+  }
+  NoProgress silent;
+  EXPECT_THAT(Store::open_read(file_).verify(silent).problems, IsEmpty());
+}
+
 TEST_F(DerivedRows, FindTheSightingsOnAPlaceThatAWalkFinds) {
   const Store store = Store::open_read(file_);
   int found = 0;

@@ -12,6 +12,7 @@
 #include "perception/annotators/scene_data.h"
 #include "perception/annotators/segmentation/clustering/color_outlines.h"
 #include "perception/annotators/segmentation/clustering/color_splitting.h"
+#include "perception/annotators/segmentation/clustering/row_splitting.h"
 #include "perception/annotators/segmentation/clustering/standing_points.h"
 #include "perception/conversions/opencv.h"
 
@@ -394,10 +395,11 @@ std::vector<std::vector<size_t>> split_objects(const std::vector<std::vector<siz
                          camera.fx,    images.points};
   std::vector<std::vector<std::vector<size_t>>> parts(objects.size());
   parallel_each(objects.size(), threads, [&](size_t object) {
-    for (std::vector<size_t>& beside :
-         split_colors(all.in_plane, all.normals_in_plane, all.areas, lab, objects[object]))
-      for (std::vector<size_t>& part : split_stack(cloud, std::move(beside), options.stacks))
-        parts[object].push_back(std::move(part));
+    for (const std::vector<size_t>& row : split_row(cloud, objects[object]))
+      for (std::vector<size_t>& beside :
+           split_colors(all.in_plane, all.normals_in_plane, all.areas, lab, row))
+        for (std::vector<size_t>& part : split_stack(cloud, std::move(beside), options.stacks))
+          parts[object].push_back(std::move(part));
   });
   std::vector<std::vector<size_t>> all_parts;
   for (auto& of_object : parts)
