@@ -20,6 +20,12 @@ double angle_of(const Isometry3d& motion) {
   return Eigen::AngleAxisd(motion.linear()).angle();
 }
 
+bool is_near(const Isometry3d& a, const Isometry3d& b) {
+  constexpr double kNear = 0.03, kNearAngle = 2 * kDegree;
+  const Isometry3d difference = a.inverse() * b;
+  return difference.translation().norm() <= kNear && angle_of(difference) <= kNearAngle;
+}
+
 Matrix6d information_of(double shift, double turn) {
   Matrix6d information = Matrix6d::Zero();
   information.diagonal() << Vector3d::Constant(1 / (shift * shift)), Vector3d::Constant(1 / (turn * turn));
@@ -90,8 +96,9 @@ void Tracker::remember(const PreparedFrame& frame, const Isometry3d& pose, size_
   last_ = std::move(now);
 }
 
-bool Tracker::motion_is_known(const PreparedFrame& frame) const {
-  return (frame.given && last_->given) || seconds_between(last_->time_ns, frame.time_ns) < kMaxGap;
+bool Tracker::motion_is_known(const PreparedFrame& frame, const Isometry3d& pose) const {
+  return (frame.given && last_->given) || seconds_between(last_->time_ns, frame.time_ns) < kMaxGap ||
+         (matched_ && is_near(*matched_, pose));
 }
 
 PosePrior Tracker::predicted(const PreparedFrame& frame) const {
@@ -163,7 +170,8 @@ std::optional<Tracker::Located> Tracker::try_pose(const PreparedFrame& frame, co
   for (const View& view : views) {
     Located located;
     located.alignment = align(frame.images, with_poses(view.keyframes), guess, {}, prior);
-    const bool follows = prior != nullptr && is_of_last(view) && motion_is_known(frame);
+    const bool follows =
+        prior != nullptr && is_of_last(view) && motion_is_known(frame, located.alignment.map_from_camera);
     objection_ = misfit_of(located.alignment, follows ? kVerdict.min_inliers : kKeyframes.min_loop_inliers);
     if (!objection_.empty()) continue;
     objection_ = "surfaces are seen through at the place that fits";
@@ -191,13 +199,8 @@ bool Tracker::is_newest(const Located& located) const {
 }
 
 std::vector<Isometry3d> Tracker::guesses_for(const PreparedFrame& frame) const {
-  constexpr double kNear = 0.03, kNearAngle = 2 * kDegree;
   std::vector<Isometry3d> guesses = {predicted(frame).map_from_camera};
-  if (const auto motion = match(last_->features, frame.features, Random(frame.number))) {
-    const Isometry3d pose = last_->pose * motion->a_from_b;
-    const Isometry3d difference = guesses.front().inverse() * pose;
-    if (difference.translation().norm() > kNear || angle_of(difference) > kNearAngle) guesses.push_back(pose);
-  }
+  if (matched_ && !is_near(guesses.front(), *matched_)) guesses.push_back(*matched_);
   if (guesses.size() == 1) return guesses;
   // The start that fits better comes first.
   const auto fit = [&](const Isometry3d& pose) {
@@ -212,6 +215,9 @@ std::vector<Isometry3d> Tracker::guesses_for(const PreparedFrame& frame) const {
 std::optional<Tracker::Located> Tracker::locate(const PreparedFrame& frame) {
   std::string first_objection;
   sliding_.reset();
+  matched_.reset();
+  if (const auto motion = match(last_->features, frame.features, Random(frame.number)))
+    matched_ = last_->pose * motion->a_from_b;
   const PosePrior prior = predicted(frame);
   for (const Isometry3d& guess : guesses_for(frame)) {
     auto located = try_pose(frame, guess, last_->region, &prior);

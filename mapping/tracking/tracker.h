@@ -77,8 +77,9 @@ class Tracker {
   std::optional<Located> locate(const PreparedFrame& frame);
   std::optional<Located> relocalise(const PreparedFrame& frame);
   std::vector<Isometry3d> guesses_for(const PreparedFrame& frame) const;
-  /// Whether the frame comes so soon after the last one that its pose is near the predicted one.
-  bool motion_is_known(const PreparedFrame& frame) const;
+  /// Whether a pose is near what is known of the motion: the frame comes soon after the last one, or corners
+  /// of both match.
+  bool motion_is_known(const PreparedFrame& frame, const Isometry3d& pose) const;
   PosePrior predicted(const PreparedFrame& frame) const;
   bool too_fast(const PreparedFrame& frame, const Isometry3d& pose) const;
   bool wants_keyframe(const Located& located) const;
@@ -126,8 +127,9 @@ class Tracker {
     std::optional<Vector6d> velocity;  ///< per second, in the camera frame
   };
   std::optional<Last> last_;
-  std::string objection_;           ///< to the last attempt
-  std::optional<Located> sliding_;  ///< a pose of the frame that fits, but may slide along the surfaces
+  std::optional<Isometry3d> matched_;  ///< pose of the frame by corners that it shares with the last one
+  std::string objection_;              ///< to the last attempt
+  std::optional<Located> sliding_;     ///< a pose of the frame that fits, but may slide along the surfaces
 };
 
 }  // namespace loci::mapping::tracking
