@@ -207,6 +207,56 @@ Alignment result_of(const Pass& pass, const Isometry3d& pose) {
   return result;
 }
 
+/// The range of depths (m) around a pixel, as edges are known to a few pixels only; nothing without depth.
+std::optional<std::pair<float, float>> depths_around(const cv::Mat& inverse_depth, const Vector2d& pixel) {
+  constexpr int kRadius = 2;
+  const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
+  float near = 0, far = 0;  // inverse
+  for (int v = std::max(0, y - kRadius); v <= std::min(inverse_depth.rows - 1, y + kRadius); ++v)
+    for (int u = std::max(0, x - kRadius); u <= std::min(inverse_depth.cols - 1, x + kRadius); ++u) {
+      const float inverse = inverse_depth.at<float>(v, u);
+      if (inverse <= 0) continue;
+      near = std::max(near, inverse);
+      far = far > 0 ? std::min(far, inverse) : inverse;
+    }
+  if (near <= 0) return std::nullopt;
+  return std::pair(1 / near, 1 / far);
+}
+
+/// Points that a depth image shows, and those where it shows space instead.
+struct SightCounts {
+  double seen = 0, through = 0;
+
+  /// A point in the camera frame of the depth image.
+  void add(const Eigen::Vector3f& point, const PinholeCamera& camera, const cv::Mat& inverse_depth) {
+    if (point.z() < 0.1F) return;
+    const Vector2d pixel = camera.project(point.cast<double>());
+    if (!camera.contains(pixel)) return;
+    const auto depths = depths_around(inverse_depth, pixel);
+    if (!depths) return;
+    const auto [near, far] = *depths;
+    const float gate = kAlignment.gate_m[1] + kAlignment.gate_per_z2 * far * far;
+    if (point.z() < near - gate)
+      ++through;
+    else if (point.z() <= far + gate)
+      ++seen;
+  }
+  double through_share() const { return through == 0 ? 0 : through / (through + seen); }
+};
+
+/// Some points of all surfaces: what has no normal is an edge or noise.
+std::vector<Eigen::Vector3f> surfaces_of(const ImageLevel& level) {
+  constexpr int kStride = 4;
+  std::vector<Eigen::Vector3f> points;
+  for (int v = kStride / 2; v < level.inverse_depth.rows; v += kStride)
+    for (int u = kStride / 2; u < level.inverse_depth.cols; u += kStride) {
+      if (level.normals.at<cv::Vec3f>(v, u)[2] == 0) continue;
+      const double z = 1 / static_cast<double>(level.inverse_depth.at<float>(v, u));
+      points.push_back(level.depth_camera.unproject(u, v, z).cast<float>());
+    }
+  return points;
+}
+
 }  // namespace
 
 Isometry3d small_motion(const Vector6d& v) {
@@ -285,6 +335,23 @@ double overlap(const FrameImages& frame, const Reference& reference, const Isome
       ++seen;
   }
   return points.empty() ? 0 : static_cast<double>(seen) / static_cast<double>(points.size());
+}
+
+double contradiction(const FrameImages& frame, std::span<const Reference> references,
+                     const Isometry3d& map_from_camera) {
+  const ImageLevel& level = frame.levels.front();
+  const std::vector<Eigen::Vector3f> surfaces = surfaces_of(level);
+  SightCounts of_keyframes, of_frame;
+  for (const Reference& reference : references) {
+    const Isometry3d motion = reference.map_from_keyframe.inverse() * map_from_camera;
+    const FloatMotion to_keyframe(motion), to_frame(motion.inverse());
+    const Keyframe& keyframe = *reference.keyframe;
+    for (const Eigen::Vector3f& point : surfaces)
+      of_keyframes.add(to_keyframe * point, keyframe.camera(), keyframe.inverse_depth());
+    for (const ModelPoint& model : keyframe.points(0))
+      of_frame.add(to_frame * model.position, level.depth_camera, level.inverse_depth);
+  }
+  return of_keyframes.through_share() + of_frame.through_share();
 }
 
 std::string misfit_of(const Alignment& alignment, double min_inliers) {

@@ -56,6 +56,12 @@ Alignment compare(const FrameImages& frame, std::span<const Reference> reference
 /// The part of a keyframe's points that a frame at this pose would see.
 double overlap(const FrameImages& frame, const Reference& reference, const Isometry3d& map_from_camera);
 
+/// The part of a frame's surfaces that the keyframes saw through, plus that of theirs that the frame sees
+/// through: at the right pose in a scene at rest there are none. What is hidden or out of view does not
+/// count.
+double contradiction(const FrameImages& frame, std::span<const Reference> references,
+                     const Isometry3d& map_from_camera);
+
 /// Why the images do not fit at the pose of an alignment; empty when they do.
 std::string misfit_of(const Alignment& alignment, double min_inliers);
 /// Whether what is in view determines the pose in all directions.

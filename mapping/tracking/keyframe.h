@@ -27,6 +27,10 @@ class Keyframe {
   /// Model points for a level of the pyramid.
   const std::vector<ModelPoint>& points(size_t level) const { return points_[level]; }
   size_t levels() const { return points_.size(); }
+  /// Of the depth.
+  const PinholeCamera& camera() const { return camera_; }
+  /// CV_32F, 1/m, fused; 0 = no measurement.
+  const cv::Mat& inverse_depth() const { return inverse_depth_; }
 
   /// Averages in the depth of a frame that sees the same surfaces.
   void fuse(const FrameImages& frame, const Isometry3d& frame_from_keyframe);

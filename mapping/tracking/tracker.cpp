@@ -10,9 +10,7 @@ namespace loci::mapping::tracking {
 namespace {
 
 constexpr double kMinMeasured = 0.05;  ///< part of an image with depth: with less nothing is tracked
-constexpr double kMaxGap = 1.0;        ///< s; after a longer one the velocity is not known
 constexpr double kGivenShift = 0.05, kGivenTurn = 2 * kDegree;  // σ of poses that are given
-constexpr const char* kUndetermined = "the surfaces in view do not determine the pose";
 
 double seconds_between(TimeNs from, TimeNs to) {
   return static_cast<double>(to - from) / static_cast<double>(kSecond);
@@ -20,6 +18,12 @@ double seconds_between(TimeNs from, TimeNs to) {
 
 double angle_of(const Isometry3d& motion) {
   return Eigen::AngleAxisd(motion.linear()).angle();
+}
+
+bool is_near(const Isometry3d& a, const Isometry3d& b) {
+  constexpr double kNear = 0.03, kNearAngle = 2 * kDegree;
+  const Isometry3d difference = a.inverse() * b;
+  return difference.translation().norm() <= kNear && angle_of(difference) <= kNearAngle;
 }
 
 Matrix6d information_of(double shift, double turn) {
@@ -47,8 +51,7 @@ Matrix6d with_prediction(const Matrix6d& information) {
 FrameResult Tracker::add(PreparedFrame frame) {
   FrameResult result;
   if (frame.images.measured < kMinMeasured) {
-    result.objection =
-        frame.is_damaged ? "the depth image cannot be read" : "there is hardly any depth in range";
+    result.objection = frame.is_damaged ? "the depth image cannot be read" : kHardlyAnyDepth;
     return result;
   }
   if (keyframes_.empty()) return begin_region(std::move(frame));
@@ -91,6 +94,11 @@ void Tracker::remember(const PreparedFrame& frame, const Isometry3d& pose, size_
     if (seconds > 1e-4 && seconds < kMaxGap) now.velocity = vector_of(last_->pose.inverse() * pose) / seconds;
   }
   last_ = std::move(now);
+}
+
+bool Tracker::motion_is_known(const PreparedFrame& frame, const Isometry3d& pose) const {
+  return (frame.given && last_->given) || seconds_between(last_->time_ns, frame.time_ns) < kMaxGap ||
+         (matched_ && is_near(*matched_, pose));
 }
 
 PosePrior Tracker::predicted(const PreparedFrame& frame) const {
@@ -154,7 +162,7 @@ std::vector<Reference> Tracker::with_poses(const std::vector<size_t>& keyframes)
 }
 
 std::optional<Tracker::Located> Tracker::try_pose(const PreparedFrame& frame, const Isometry3d& guess,
-                                                  size_t region, double min_inliers, const PosePrior* prior) {
+                                                  size_t region, const PosePrior* prior) {
   constexpr size_t kMaxParts = 3;
   std::vector<View> views = views_at(frame.images, guess, region);
   objection_ = "no keyframe shows the same";
@@ -162,8 +170,14 @@ std::optional<Tracker::Located> Tracker::try_pose(const PreparedFrame& frame, co
   for (const View& view : views) {
     Located located;
     located.alignment = align(frame.images, with_poses(view.keyframes), guess, {}, prior);
-    objection_ = misfit_of(located.alignment, is_of_last(view) ? min_inliers : kKeyframes.min_loop_inliers);
+    const bool follows =
+        prior != nullptr && is_of_last(view) && motion_is_known(frame, located.alignment.map_from_camera);
+    objection_ = misfit_of(located.alignment, follows ? kVerdict.min_inliers : kKeyframes.min_loop_inliers);
     if (!objection_.empty()) continue;
+    objection_ = "surfaces are seen through at the place that fits";
+    if (!follows && contradiction(frame.images, with_poses(view.keyframes),
+                                  located.alignment.map_from_camera) > kKeyframes.max_contradiction)
+      continue;
     const auto now = views_at(frame.images, located.alignment.map_from_camera, region);
     const auto same = std::ranges::find(now, view.part, &View::part);
     objection_ = "no keyframe shows the same";
@@ -185,13 +199,8 @@ bool Tracker::is_newest(const Located& located) const {
 }
 
 std::vector<Isometry3d> Tracker::guesses_for(const PreparedFrame& frame) const {
-  constexpr double kNear = 0.03, kNearAngle = 2 * kDegree;
   std::vector<Isometry3d> guesses = {predicted(frame).map_from_camera};
-  if (const auto motion = match(last_->features, frame.features, Random(frame.number))) {
-    const Isometry3d pose = last_->pose * motion->a_from_b;
-    const Isometry3d difference = guesses.front().inverse() * pose;
-    if (difference.translation().norm() > kNear || angle_of(difference) > kNearAngle) guesses.push_back(pose);
-  }
+  if (matched_ && !is_near(guesses.front(), *matched_)) guesses.push_back(*matched_);
   if (guesses.size() == 1) return guesses;
   // The start that fits better comes first.
   const auto fit = [&](const Isometry3d& pose) {
@@ -206,9 +215,12 @@ std::vector<Isometry3d> Tracker::guesses_for(const PreparedFrame& frame) const {
 std::optional<Tracker::Located> Tracker::locate(const PreparedFrame& frame) {
   std::string first_objection;
   sliding_.reset();
+  matched_.reset();
+  if (const auto motion = match(last_->features, frame.features, Random(frame.number)))
+    matched_ = last_->pose * motion->a_from_b;
   const PosePrior prior = predicted(frame);
   for (const Isometry3d& guess : guesses_for(frame)) {
-    auto located = try_pose(frame, guess, last_->region, kVerdict.min_inliers, &prior);
+    auto located = try_pose(frame, guess, last_->region, &prior);
     if (located && too_fast(frame, located->alignment.map_from_camera)) {
       objection_ = "the camera would have moved too fast";
       located.reset();
@@ -227,8 +239,7 @@ std::optional<Tracker::Located> Tracker::relocalise(const PreparedFrame& frame) 
     const size_t k = indexed_[entry];
     const auto motion = match(keyframes_[k]->features(), frame.features, Random(frame.number));
     if (!motion) continue;
-    auto located = try_pose(frame, map_from_keyframes_[k] * motion->a_from_b, region_[k],
-                            kKeyframes.min_loop_inliers, nullptr);
+    auto located = try_pose(frame, map_from_keyframes_[k] * motion->a_from_b, region_[k], nullptr);
     if (located) return located;
   }
   return std::nullopt;
@@ -253,6 +264,15 @@ bool Tracker::constrain(const FrameImages& images, size_t keyframe, const Isomet
   return true;
 }
 
+bool Tracker::constrain_loop(const FrameImages& images, size_t keyframe, const Isometry3d& guess) {
+  if (!constrain(images, keyframe, guess, kKeyframes.min_loop_inliers, {})) return false;
+  const std::vector<Reference> reference = {{keyframes_[keyframe].get(), Isometry3d::Identity()}};
+  if (contradiction(images, reference, constraints_.back().from_from_to) <= kKeyframes.max_contradiction)
+    return true;
+  constraints_.pop_back();
+  return false;
+}
+
 void Tracker::close_loops(const FrameImages& images, const Features& features, const Isometry3d& pose,
                           size_t region) {
   const size_t number = keyframes_.size();
@@ -265,7 +285,7 @@ void Tracker::close_loops(const FrameImages& images, const Features& features, c
     const size_t k = indexed_[entry];
     if (!is_far(k)) continue;
     const auto motion = match(keyframes_[k]->features(), features, Random(number));
-    if (motion && constrain(images, k, motion->a_from_b, kKeyframes.min_loop_inliers, {})) ++loops_;
+    if (motion && constrain_loop(images, k, motion->a_from_b)) ++loops_;
   }
   // What looks like nothing in particular is found by where it is.
   std::vector<std::pair<double, size_t>> near;
@@ -277,8 +297,7 @@ void Tracker::close_loops(const FrameImages& images, const Features& features, c
   }
   std::sort(near.begin(), near.end());
   if (near.size() > 2) near.resize(2);
-  for (const auto& [share, k] : near)
-    constrain(images, k, map_from_keyframes_[k].inverse() * pose, kKeyframes.min_loop_inliers, {});
+  for (const auto& [share, k] : near) constrain_loop(images, k, map_from_keyframes_[k].inverse() * pose);
 }
 
 /// The last keyframe may have been found in regions other than its own: they become one.

@@ -11,6 +11,12 @@
 
 namespace loci::mapping::tracking {
 
+/// s; after a longer gap between frames the velocity of the camera is not known.
+inline constexpr double kMaxGap = 1.0;
+/// Objections for which there is advice of their own.
+inline constexpr const char* kHardlyAnyDepth = "there is hardly any depth in range";
+inline constexpr const char* kUndetermined = "the surfaces in view do not determine the pose";
+
 /// A frame that is ready to be tracked.
 struct PreparedFrame {
   size_t number = 0;
@@ -65,11 +71,15 @@ class Tracker {
   /// Whether a part is that of the last frame.
   bool is_of_last(const View& view) const;
   std::vector<Reference> with_poses(const std::vector<size_t>& keyframes) const;
+  /// A prior says that the frame follows the last one: then less must agree.
   std::optional<Located> try_pose(const PreparedFrame& frame, const Isometry3d& guess, size_t region,
-                                  double min_inliers, const PosePrior* prior);
+                                  const PosePrior* prior);
   std::optional<Located> locate(const PreparedFrame& frame);
   std::optional<Located> relocalise(const PreparedFrame& frame);
   std::vector<Isometry3d> guesses_for(const PreparedFrame& frame) const;
+  /// Whether a pose is near what is known of the motion: the frame comes soon after the last one, or corners
+  /// of both match.
+  bool motion_is_known(const PreparedFrame& frame, const Isometry3d& pose) const;
   PosePrior predicted(const PreparedFrame& frame) const;
   bool too_fast(const PreparedFrame& frame, const Isometry3d& pose) const;
   bool wants_keyframe(const Located& located) const;
@@ -80,6 +90,9 @@ class Tracker {
   void extend(PreparedFrame frame, const Located& located);
   bool constrain(const FrameImages& images, size_t keyframe, const Isometry3d& guess, double min_inliers,
                  const LevelRange& levels);
+  /// As constrain, but neither view may see through what the other shows: equal fronts agree where both see
+  /// them, but their surroundings differ.
+  bool constrain_loop(const FrameImages& images, size_t keyframe, const Isometry3d& guess);
   void close_loops(const FrameImages& images, const Features& features, const Isometry3d& pose,
                    size_t region);
   void join_regions();
@@ -114,8 +127,9 @@ class Tracker {
     std::optional<Vector6d> velocity;  ///< per second, in the camera frame
   };
   std::optional<Last> last_;
-  std::string objection_;           ///< to the last attempt
-  std::optional<Located> sliding_;  ///< a pose of the frame that fits, but may slide along the surfaces
+  std::optional<Isometry3d> matched_;  ///< pose of the frame by corners that it shares with the last one
+  std::string objection_;              ///< to the last attempt
+  std::optional<Located> sliding_;     ///< a pose of the frame that fits, but may slide along the surfaces
 };
 
 }  // namespace loci::mapping::tracking

@@ -84,6 +84,36 @@ bool stands_still(const std::vector<TrackedFrame>& frames) {
   });
 }
 
+double median_interval_s(const std::vector<TrackedFrame>& frames) {
+  std::vector<TimeNs> intervals;
+  for (size_t i = 1; i < frames.size(); ++i) intervals.push_back(frames[i].time_ns - frames[i - 1].time_ns);
+  if (intervals.empty()) return 0;
+  std::ranges::nth_element(intervals, intervals.begin() + static_cast<ptrdiff_t>(intervals.size() / 2));
+  return static_cast<double>(intervals[intervals.size() / 2]) / static_cast<double>(kSecond);
+}
+
+/// What may help against what most frames were lost for.
+std::string advice_for(const TrackingResult& result) {
+  size_t no_depth = 0, undetermined = 0, lost = 0;
+  for (const TrackedFrame& frame : result.frames) {
+    if (frame.map_from_camera) continue;
+    ++lost;
+    if (frame.objection == kHardlyAnyDepth) ++no_depth;
+    if (frame.objection == kUndetermined) ++undetermined;
+  }
+  if (2 * no_depth > lost) return "keep 0.5 to 4 m from surfaces, and check depth_scale";
+  if (2 * undetermined > lost)
+    return "keep surfaces with corners or texture in view, or give poses (--poses)";
+  if (const double interval = median_interval_s(result.frames); interval >= kMaxGap)
+    return fmt::format(
+        "frames are {:.3g} s apart: images of one room must overlap by half, at a few per second, or have "
+        "poses "
+        "(--poses); images of different scenes do not make a map, but loci-perceive run takes them with "
+        "--fixed-camera",
+        interval);
+  return "move more slowly, keep 0.5 to 4 m from surfaces with corners or texture, or give poses (--poses)";
+}
+
 }  // namespace
 
 void TrackingOptions::declare(OptionTable& table) {
@@ -142,8 +172,7 @@ void require_usable(const TrackingResult& result, const std::string& path) {
   // The first frame of a part defines its frame: alone it is placed relative to nothing.
   const size_t needed = std::min<size_t>(2, result.frames.size());
   if (result.good() >= needed && 10 * result.good() >= result.frames.size()) return;
-  throw Error("the camera cannot be tracked: " + result.summary(), {path, 0, ""},
-              "move more slowly, keep 0.5 to 4 m from surfaces with corners or texture, or give poses");
+  throw Error("the camera cannot be tracked: " + result.summary(), {path, 0, ""}, advice_for(result));
 }
 
 std::unique_ptr<Recording> with_tracked_poses(std::unique_ptr<Recording> recording,

@@ -11,6 +11,7 @@
 #include "mapping/base/math/math.h"
 #include "mapping/base/math/random.h"
 #include "mapping/base/text/json.h"
+#include "mapping/tracking/alignment.h"
 #include "mapping/tracking/pose_graph.h"
 
 namespace loci::mapping {
@@ -256,12 +257,19 @@ TEST(Tracking, APlaceWhoseDepthContradictsIsNotTheKnownOne) {
   for (size_t i = 40; i < 50; ++i) EXPECT_FALSE(result.frames[i].map_from_camera) << i;
 }
 
-/// What stands nearer hides the known surfaces and does not contradict them.
+/// What little stands nearer hides known surfaces and does not contradict them.
 TEST(Tracking, WhatIsHiddenDoesNotContradictAKnownPlace) {
-  const Room room = room_that_changed(-0.3);
+  Room room = room_that_changed(0);
+  room.changed_.push_back({{0.2, -0.1, -0.1}, {0.4, 0.1, 0.1}});
   const TrackingResult result = tracked(room);
   for (size_t i = 40; i < 50; ++i) EXPECT_TRUE(result.frames[i].map_from_camera) << i;
   EXPECT_LT(max_error(room, result), 0.015);
+}
+
+/// Where much stands nearer, all of the model in view may agree: the old depth saw through it.
+TEST(Tracking, APlaceWithMuchInItsFreeSpaceIsNotTheKnownOne) {
+  const TrackingResult result = tracked(room_that_changed(-0.3));
+  for (size_t i = 40; i < 50; ++i) EXPECT_FALSE(result.frames[i].map_from_camera) << i;
 }
 
 TEST(Tracking, WhatIsTrackedLongestCounts) {
@@ -274,6 +282,79 @@ TEST(Tracking, WhatIsTrackedLongestCounts) {
   EXPECT_THAT(result.frames[3].objection, HasSubstr("nothing connects it"));
   EXPECT_GT(result.good(), 33U);
   EXPECT_LT(max_error(room, result), 0.015);
+}
+
+/// An empty room without texture: a corner with a box in it, a bare wall, another such corner, and back.
+Room two_corners() {
+  std::vector<Isometry3d> poses;
+  for (int i = -36; i <= 36; ++i) poses.push_back(camera_at(0, 0, (130 - 2.5 * std::abs(i)) * kDegree, 0.1));
+  Room room(poses);
+  room.textured_ = false;
+  room.boxes_ = {{{1.3, 1.1, -1}, {2, 1.8, -0.1}}, {{-1.5, 1.0, -1}, {-0.9, 1.8, 0}}};
+  return room;
+}
+
+/// Along the bare wall the camera slides: what was seen behind it is not known to be right.
+TEST(Tracking, WhatABareWallSeparatesIsAnotherPart) {
+  const Room room = two_corners();
+  const TrackingResult result = tracked(room);
+  for (size_t i = 0; i < 5; ++i) EXPECT_TRUE(result.frames[i].map_from_camera) << i;
+  for (size_t i = 34; i < 39; ++i) {
+    EXPECT_FALSE(result.frames[i].map_from_camera) << i;
+    EXPECT_THAT(result.frames[i].objection, HasSubstr("nothing connects it")) << i;
+  }
+  for (size_t i = 68; i < 73; ++i) EXPECT_TRUE(result.frames[i].map_from_camera) << i;
+  EXPECT_LT(max_error(room, result), 0.02);
+}
+
+/// The contradiction between the first frame and another at a pose that is wrong by `error`.
+double contradiction_of(const Room& room, size_t other, const Isometry3d& error = Isometry3d::Identity()) {
+  const tracking::Keyframe keyframe(0, tracking::frame_images(room.frame(0)), {});
+  const std::vector<tracking::Reference> reference = {{&keyframe, room.poses()[0]}};
+  return contradiction(tracking::frame_images(room.frame(other)), reference, room.poses()[other] * error);
+}
+
+TEST(Contradiction, TheRightPoseHasNone) {
+  const Room room({camera_at(-1.2, 0, 0), camera_at(-1.1, 0.5, -0.2), camera_at(-0.6, -0.4, 0.3)});
+  EXPECT_LT(contradiction_of(room, 0), 0.01);
+  EXPECT_LT(contradiction_of(room, 1), 0.02);
+  EXPECT_LT(contradiction_of(room, 2), 0.02);
+}
+
+TEST(Contradiction, AWrongPoseHasMuch) {
+  const Room room({camera_at(-1.2, 0, 0), camera_at(-1.1, 0.1, 0)});
+  Isometry3d shift = Isometry3d::Identity();
+  shift.translation().x() = 0.36;
+  EXPECT_GT(contradiction_of(room, 1, shift), 0.05);
+  EXPECT_GT(contradiction_of(room, 1, shift.inverse()), 0.05);
+}
+
+/// What stands nearer hides all that could disagree in the frame: only the keyframe's depth sees through it.
+TEST(Contradiction, EachViewChecksTheOther) {
+  for (const double shift : {-0.4, 0.4}) {
+    Room room({camera_at(-1.2, 0, 0), camera_at(-1.2, 0, 0)});
+    room.changes_at_ = 1;
+    room.changed_ = room.boxes_;
+    for (Box& box : room.changed_) box.low.x() += shift, box.high.x() += shift;
+    EXPECT_GT(contradiction_of(room, 1), 0.05) << shift;
+  }
+}
+
+TEST(Tracking, TheAdviceFitsTheReason) {
+  const auto advice = [](TimeNs interval, const std::string& objection) {
+    TrackingResult result;
+    for (int i = 0; i < 20; ++i) result.frames.push_back({0, i, i * interval, {}, {}, objection});
+    try {
+      require_usable(result, "room");
+    } catch (const Error& error) {
+      return error.hint();
+    }
+    return std::string();
+  };
+  EXPECT_THAT(advice(60 * kSecond, "no keyframe shows the same"), HasSubstr("frames are 60 s apart"));
+  EXPECT_THAT(advice(kSecond / 30, "no keyframe shows the same"), HasSubstr("move more slowly"));
+  EXPECT_THAT(advice(kSecond / 30, "there is hardly any depth in range"), HasSubstr("depth_scale"));
+  EXPECT_THAT(advice(60 * kSecond, "the surfaces in view do not determine the pose"), HasSubstr("corners"));
 }
 
 TEST(Tracking, TheFixedErrorOfTheDepthCameraIsFoundAndUndone) {
