@@ -107,9 +107,8 @@ std::string advice_for(const TrackingResult& result) {
   if (const double interval = median_interval_s(result.frames); interval >= kMaxGap)
     return fmt::format(
         "frames are {:.3g} s apart: images of one room must overlap by half, at a few per second, or have "
-        "poses "
-        "(--poses); images of different scenes do not make a map, but loci-perceive run takes them with "
-        "--fixed-camera",
+        "poses (--poses); images of different scenes do not make a map, but loci-perceive run takes them "
+        "with --fixed-camera",
         interval);
   return "move more slowly, keep 0.5 to 4 m from surfaces with corners or texture, or give poses (--poses)";
 }

@@ -17,7 +17,7 @@ struct Absence {
 /// Unset for other sentences.
 std::optional<Absence> find_absence(const std::string& sentence, const Snapshot& snapshot);
 
-/// From the look before it left to the look that saw it back, else to `now`: it was away no longer than that.
+/// From the look before it left to the look that saw it back, else to `now`: at most that long it was away.
 Reply absence_reply(const TimeSpan& left, const std::optional<TimeSpan>& came, TimeNs now,
                     const TimeWriter& times);
 

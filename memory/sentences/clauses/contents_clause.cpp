@@ -63,7 +63,7 @@ bool add_word(const Words& words, size_t at, Skeleton& skeleton) {
   if (found == letters().end()) return false;
   const std::string before = at > 0 ? words[at - 1] : "";
   const bool no_more = words[at] == "more" && (before == "any" || before == "no" || before == "not");
-  if (found->second == '-' || no_more || words[at] == "how") return true;
+  if (found->second == '-' || no_more) return true;
   // "not there any more", "is gone": one negation.
   if (found->second == 'N' && skeleton.letters.ends_with('N')) return words[at] != "not";
   skeleton.letters += found->second;
