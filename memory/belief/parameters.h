@@ -119,6 +119,8 @@ struct Parameters {
   double hazard_tail = 0.15;     ///< slow tail of the rate of handling: nothing stays forever …
   double hazard_tail_time = 24;  ///< … in multiples of move_time_s
   double max_probability = 0.9;  ///< of returning and of being clutter
+  double handled_per_use = 0.3;  ///< objects in a drawer that are handled when it is opened or shut
+  double use_motion = 0.03;      ///< m + rad by which a place moves when it is used
 };
 
 inline constexpr Parameters kParameters;

@@ -81,10 +81,11 @@ std::vector<PlaceView> view_places(BeliefState& state, const Scene& scene, const
     if (std::ranges::find(views, name, &PlaceView::name) == views.end()) views.push_back({name});
   };
   for (const Observation& observation : scene.observations) {
-    const AxisBox spot{place_pose(observation.place, scene.places).inverse() * observation.box.centre,
-                       Vector3d::Zero()};
+    const Isometry3d& pose = place_pose(observation.place, scene.places);
+    const AxisBox spot{pose.inverse() * observation.box.centre, Vector3d::Zero()};
     const auto [place, is_new] = state.places.try_emplace(observation.place);
     place->second.extent = is_new ? spot : join(place->second.extent, spot);
+    if (is_new) place->second.map_from_place = pose;
     add(observation.place);
   }
   if (scene.view.observed)
