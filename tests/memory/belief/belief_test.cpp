@@ -210,6 +210,19 @@ TEST_F(Belief, HiddenObjectStaysAndIsTheSameWhenObservedAgain) {
   EXPECT_THAT(events(observe(900)), ElementsAre("reappeared 1", "gone 2"));
 }
 
+TEST_F(Belief, ObjectOfWhichLittleWouldBeInViewIsGoneWhereThatIsSeenThrough) {
+  kitchen.objects = {{"banana", SyntheticKitchen::on_table(0, 0, 0.05), {0.18, 0.1, 0.05}}};
+  observe(0);
+  kitchen.objects.push_back(
+      {"bottle", SyntheticKitchen::on_table(-0.02, -0.1, 0.24), {0.12, 0.06, 0.24}, kBlue});
+  kitchen.objects[0].detected = false;
+  const BeliefState before = state;
+  EXPECT_THAT(events(observe(600)), ::testing::Not(::testing::Contains("gone 1"))) << "its ends are in view";
+  state = before;
+  kitchen.objects.erase(kitchen.objects.begin());
+  EXPECT_THAT(events(observe(600)), ::testing::Contains("gone 1"));
+}
+
 TEST_F(Belief, OutOfViewIsNotGone) {
   kitchen.objects = {{"mug", at(0, 0)}};
   observe(0);
