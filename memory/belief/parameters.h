@@ -80,9 +80,11 @@ struct Parameters {
   double max_sighting = 2;        ///< the same, a second later
   double repeat_clutter_in_video = 0.4;  ///< at least: frames in a row make the same mistakes
   double patience = 12;  ///< in a video, what was found repeatedly waits this many times longer for a view
-  double max_log_odds = 20;        ///< of existing: evidence against must still count
-  double min_observed = 0.3;       ///< a spot must be observed this much before absence counts
-  double seen_empty = 0.7;         ///< from this share on an empty spot counts …
+  double max_log_odds = 20;   ///< of existing: evidence against must still count
+  double min_observed = 0.3;  ///< a spot must be observed this much before absence counts …
+  double mostly_displaced =
+      0.5;                  ///< … or of the surface that would be in view more than this be seen through
+  double seen_empty = 0.7;  ///< from this share on an empty spot counts …
   double seen_empty_factor = 1.1;  ///< … this much more than a missed detection
 
   // Fusion of views

@@ -225,8 +225,9 @@ void SceneUpdate::update_unobserved(size_t o) {
   }
   if (object.status != Status::present) return;
   // Time alone makes nothing go: objects out of view stay present until their spot is observed.
-  // Where the points of its surface are seen through, that is so however little of it is in view.
-  const bool observed = in_view >= kParameters.min_observed || p.log_surface < 0;
+  // However little of it would be in view: where most of that is seen through, its spot was observed.
+  const bool observed = in_view >= kParameters.min_observed ||
+                        displaced_share(p.surface).value_or(0) > kParameters.mostly_displaced;
   if (1 - object.probability_here >= options_.gone && observed) {
     update_.objects[o].explanation = Explanation::disappear;
     learn_clutter(object);
