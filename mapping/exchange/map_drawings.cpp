@@ -52,8 +52,7 @@ class Drawing {
     text_ += fmt::format(
         "<image x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" preserveAspectRatio=\"none\" "
         "href=\"data:image/jpeg;base64,{}\"/>\n",
-        corner.x(), corner.y(), size.x(), size.y(),
-        base64_from_bytes({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()}));
+        corner.x(), corner.y(), size.x(), size.y(), base64_from_bytes(jpeg));
   }
   void write(const Vector2d& middle, const std::string& words, double size = 12, double lines_down = 0) {
     const Vector2d p = at(middle);

@@ -206,8 +206,7 @@ std::string top_view_svg(const InterpretedMap& map, const ScanSet& scans) {
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{4} 0 {3} {1}\" width=\"{3}\" height=\"{1}\" "
       "role=\"img\" "
       "aria-label=\"Top view\">\n<image width=\"{0}\" height=\"{1}\" href=\"data:image/png;base64,{2}\"/>\n",
-      view.width(), view.height(), base64_from_bytes({reinterpret_cast<const char*>(png.data()), png.size()}),
-      view.width() + 2 * kLabelMargin, -kLabelMargin);
+      view.width(), view.height(), base64_from_bytes(png), view.width() + 2 * kLabelMargin, -kLabelMargin);
   for (const auto& [name, link] : map.semantics.links)
     if (link.geometry.contains("outline")) svg += drawing_of(name, link, view);
   const Vector2d left = {20, view.height() - 20.0};

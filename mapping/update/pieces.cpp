@@ -1,5 +1,4 @@
 #include "mapping/update/pieces.h"
-#include "mapping/interpretation/furniture/cabinets.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +10,9 @@
 #include <set>
 
 #include "mapping/base/math/cell_index.h"
+#include "mapping/base/math/polygon.h"
 #include "mapping/base/text/json.h"
+#include "mapping/interpretation/furniture/cabinets.h"
 #include "mapping/update/parameters.h"
 #include "mapping/world/furniture_classes.h"
 
@@ -358,19 +359,8 @@ std::vector<Vector2d> rectangle_around(const std::vector<Vector2d>& points) {
   return rectangle;
 }
 
-bool inside(const std::vector<Vector2d>& polygon, const Vector2d& point, double margin) {
-  bool within = false;
-  double nearest = 1e9;
-  for (size_t i = 0; i < polygon.size(); ++i) {
-    const Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    if ((a.y() > point.y()) != (b.y() > point.y()) &&
-        point.x() < a.x() + (b.x() - a.x()) * (point.y() - a.y()) / (b.y() - a.y()))
-      within = !within;
-    const Vector2d side = b - a;
-    const double t = std::clamp((point - a).dot(side) / std::max(side.squaredNorm(), 1e-12), 0.0, 1.0);
-    nearest = std::min(nearest, (a + t * side - point).norm());
-  }
-  return within || nearest < margin;
+bool inside(const Polygon& polygon, const Vector2d& point, double margin) {
+  return contains(polygon, point) || distance_to_edge(polygon, point) < margin;
 }
 
 }  // namespace loci::mapping

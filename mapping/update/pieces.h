@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/base/math/polygon.h"
 #include "mapping/base/math/pose.h"
 #include "mapping/registration/surfels.h"
 #include "mapping/world/free_standing.h"
@@ -55,6 +56,6 @@ std::string shape_class(const registration::Surfels& surface, const Piece& piece
 std::vector<Vector2d> rectangle_around(const std::vector<Vector2d>& points);
 
 /// Whether a point is in a polygon grown by `margin`.
-bool inside(const std::vector<Vector2d>& polygon, const Vector2d& point, double margin);
+bool inside(const Polygon& polygon, const Vector2d& point, double margin);
 
 }  // namespace loci::mapping

@@ -63,11 +63,16 @@ double InteractionModel::hazard(const ByAge& prior) const {
   return sum;
 }
 
+double InteractionModel::hazard_of_uses(const InteractionKey& object) const {
+  return object.uses * kParameters.handled_per_use * statistics_.by_use.value();
+}
+
 double InteractionModel::probability(const InteractionKey& object, double from_age, double to_age,
                                      const BeliefOptions& options) const {
   const double by_age = hazard(prior_hazard(from_age, to_age, options));
   return 1 - std::exp(-by_age * factor(statistics_.by_class, object.class_name) *
-                      factor(statistics_.by_place, object.place) * object.own.value());
+                          factor(statistics_.by_place, object.place) * object.own.value() -
+                      hazard_of_uses(object));
 }
 
 void InteractionModel::learn_interaction(const InteractionKey& object, RateFactor& own, double from_age,
@@ -79,8 +84,11 @@ void InteractionModel::learn_interaction(const InteractionKey& object, RateFacto
   // Each factor explains what those before it leave; together they must not count the same evidence twice.
   const double by_class = by_age * factor(statistics_.by_class, object.class_name);
   const double by_place = by_class * factor(statistics_.by_place, object.place);
-  const double all = by_place * own.value();
-  const double exposed = weight * (1 - handled * (1 - elapsed_share(all))), found = weight * handled;
+  const double in_time = by_place * own.value(), by_use = hazard_of_uses(object), all = in_time + by_use;
+  const double exposed = weight * (1 - handled * (1 - elapsed_share(all)));
+  const double found = weight * handled * in_time / all;
+  statistics_.by_use.count(weight * handled * by_use / all,
+                           object.uses * kParameters.handled_per_use * exposed);
   for (size_t age = 0; age < kAges; ++age) {
     const double share = statistics_.by_age[age].value() * prior[age] / by_age;
     statistics_.by_age[age].count(found * share, prior[age] * exposed);

@@ -28,6 +28,7 @@ struct InteractionKey {
   std::string class_name;  ///< empty = unknown
   std::string place;       ///< empty = unknown
   RateFactor own = {};     ///< of the object itself, stored with the object
+  double uses = 0;         ///< of its place (ProtoObject::uses)
 };
 
 /// How objects are handled in this home: how long they stay, by the time since they were observed, class,
@@ -41,6 +42,7 @@ class InteractionModel {
   struct Statistics {
     std::array<RateFactor, kAges> by_age{};
     std::map<std::string, RateFactor> by_class, by_place;
+    RateFactor by_use;  ///< of what lies on a place, when that is opened, shut or moved
     /// What was handled is put down on its place or on another one, or carried off.
     RateFactor within, elsewhere, off;
     double short_moves = 0, moves_within = 0;  ///< of those on their place
@@ -106,6 +108,7 @@ class InteractionModel {
 
  private:
   double hazard(const std::array<double, kAges>& prior) const;
+  double hazard_of_uses(const InteractionKey& object) const;
   double outcome_share(const RateFactor& outcome, bool alone) const;
   /// How much was put down on all places but one.
   double put_down_beside(const std::string& from) const;

@@ -80,9 +80,11 @@ struct Parameters {
   double max_sighting = 2;        ///< the same, a second later
   double repeat_clutter_in_video = 0.4;  ///< at least: frames in a row make the same mistakes
   double patience = 12;  ///< in a video, what was found repeatedly waits this many times longer for a view
-  double max_log_odds = 20;        ///< of existing: evidence against must still count
-  double min_observed = 0.3;       ///< a spot must be observed this much before absence counts
-  double seen_empty = 0.7;         ///< from this share on an empty spot counts …
+  double max_log_odds = 20;   ///< of existing: evidence against must still count
+  double min_observed = 0.3;  ///< a spot must be observed this much before absence counts …
+  double mostly_displaced =
+      0.5;                  ///< … or of the surface that would be in view more than this be seen through
+  double seen_empty = 0.7;  ///< from this share on an empty spot counts …
   double seen_empty_factor = 1.1;  ///< … this much more than a missed detection
 
   // Fusion of views
@@ -119,6 +121,8 @@ struct Parameters {
   double hazard_tail = 0.15;     ///< slow tail of the rate of handling: nothing stays forever …
   double hazard_tail_time = 24;  ///< … in multiples of move_time_s
   double max_probability = 0.9;  ///< of returning and of being clutter
+  double handled_per_use = 0.3;  ///< objects in a drawer that are handled when it is opened or shut
+  double use_motion = 0.03;      ///< m + rad by which a place moves when it is used
 };
 
 inline constexpr Parameters kParameters;

@@ -19,6 +19,7 @@ struct PlaceHistory {
   double never_seen = 1;    ///< share that no view has shown
   double begin_s = 0;       ///< when it was seen first
   AxisBox extent;           ///< around all that was found there, place frame
+  Isometry3d map_from_place = Isometry3d::Identity();  ///< when it was last known
 
   /// A view at `exposure_s` that showed a share of the place. Views within a second are one view.
   void add_view(double exposure_s, double share);

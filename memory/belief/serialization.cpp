@@ -9,7 +9,7 @@
 namespace loci::memory::belief {
 namespace {
 
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 constexpr size_t kMaxBytes = size_t{1} << 26;  // a message takes some tens of times its bytes
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -222,6 +222,7 @@ struct Codec {
     write(statistics.by_age, *message.mutable_by_age());
     write(statistics.by_class, *message.mutable_by_class());
     write(statistics.by_place, *message.mutable_by_place());
+    write(statistics.by_use, *message.mutable_by_use());
     message.set_short_moves(statistics.short_moves);
     message.set_moves_within(statistics.moves_within);
     write(statistics.within, *message.mutable_within());
@@ -246,6 +247,7 @@ struct Codec {
     read(message.by_age(), statistics.by_age);
     read(message.by_class(), statistics.by_class);
     read(message.by_place(), statistics.by_place);
+    statistics.by_use = read(message.by_use());
     statistics.short_moves = message.short_moves();
     statistics.moves_within = message.moves_within();
     statistics.within = read(message.within());
@@ -276,6 +278,7 @@ struct Codec {
       message.set_never_seen(place.never_seen);
       message.set_begin_s(place.begin_s);
       write(place.extent, *message.mutable_extent());
+      write(place.map_from_place, *message.mutable_map_from_place());
     }
   }
 
@@ -286,6 +289,7 @@ struct Codec {
     place.never_seen = finite(message.never_seen(), "view of a place");
     place.begin_s = finite(message.begin_s(), "time");
     place.extent = read(message.extent());
+    place.map_from_place = read(message.map_from_place());
     return place;
   }
 
@@ -544,6 +548,7 @@ std::string to_bytes(const ProtoObject& object) {
   message.set_hidden_reported(object.hidden_reported);
   message.set_missed_views(object.missed_views);
   message.set_gone_by_s(object.gone_by_s);
+  message.set_uses(object.uses);
   message.set_place(object.place);
   Codec::write(object.box, *message.mutable_box());
   message.set_variance(object.variance);
@@ -583,6 +588,7 @@ ProtoObject object_from_bytes(std::string_view bytes) {
   object.hidden_reported = message.hidden_reported();
   object.missed_views = message.missed_views();
   object.gone_by_s = message.gone_by_s();
+  object.uses = message.uses();
   object.place = message.place();
   object.box = Codec::read(message.box());
   object.variance = finite(message.variance(), "variance");

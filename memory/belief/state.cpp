@@ -19,7 +19,7 @@ const ProtoObject* BeliefState::find(int64_t id) const {
 }
 
 InteractionKey interaction_key(const ProtoObject& object) {
-  return {object.class_name, object.place, object.interaction};
+  return {object.class_name, object.place, object.interaction, object.uses};
 }
 
 double interaction_probability(const ProtoObject& object, double exposure_s, const BeliefState& state,

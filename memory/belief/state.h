@@ -64,6 +64,7 @@ struct ProtoObject {
   double exposure_s = 0;            ///< BeliefState::exposure_s then; probability_here is as of that
   double last_seen_exposure_s = 0;  ///< BeliefState::exposure_s when it was observed last
   double gone_by_s = 0;             ///< of a gone object: BeliefState::exposure_s of the view that showed it
+  double uses = 0;  ///< times that its place was opened, shut or moved since, by what lies there
   int observation_count = 0;
   double exists_log_odds = 0;    ///< of being an object and not clutter
   double probability_here = 1;   ///< of still being where it was observed last

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "mapping/base/files.h"
+#include "mapping/base/math/polygon.h"
 #include "mapping/base/text/json.h"
 #include "mapping/image/hsv.h"
 #include "mapping/world/semantic_map.h"
@@ -23,17 +24,6 @@ constexpr double kOnSupport_m = 0.1;
 std::string class_of_name(const std::string& name) {
   const size_t end = name.find_last_not_of("0123456789");
   return end == std::string::npos || name[end] != '_' || end == 0 ? name : name.substr(0, end);
-}
-
-bool contains(const std::vector<Vector2d>& outline, const Vector2d& point) {
-  bool in = false;
-  for (size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
-    const Vector2d &a = outline[i], &b = outline[j];
-    if ((a.y() > point.y()) != (b.y() > point.y()) &&
-        point.x() < (b.x() - a.x()) * (point.y() - a.y()) / (b.y() - a.y()) + a.x())
-      in = !in;
-  }
-  return in;
 }
 
 /// The support of the map under a detection; empty = none.

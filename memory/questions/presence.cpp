@@ -14,6 +14,7 @@
 #include <set>
 #include <utility>
 
+#include "mapping/base/math/polygon.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
@@ -34,22 +35,12 @@ std::vector<Vector3d> points_on(const PlaceRow& place) {
     low = low.cwiseMin(corner);
     high = high.cwiseMax(corner);
   }
-  const auto inside = [&](const Vector2d& p) {
-    bool result = false;
-    for (size_t i = 0, j = place.outline.size() - 1; i < place.outline.size(); j = i++) {
-      const Vector2d &a = place.outline[i], &b = place.outline[j];
-      if ((a.y() > p.y()) != (b.y() > p.y()) &&
-          p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
-        result = !result;
-    }
-    return result;
-  };
   constexpr int kSide = 24;
   for (int i = 0; i < kSide; ++i)
     for (int j = 0; j < kSide; ++j) {
       const Vector2d p(low.x() + (high.x() - low.x()) * (i + 0.5) / kSide,
                        low.y() + (high.y() - low.y()) * (j + 0.5) / kSide);
-      if (inside(p)) points.emplace_back(p.x(), p.y(), *place.height);
+      if (contains(place.outline, p)) points.emplace_back(p.x(), p.y(), *place.height);
     }
   return points;
 }

@@ -62,7 +62,7 @@ std::shared_ptr<Snapshot::Reads> Snapshot::reads_of(const Store& store, const As
 Snapshot::Snapshot(const Store& store, const AsOf& as_of)
     : store_(store), as_of_(as_of), reads_(reads_of(store, as_of)) {}
 
-const std::vector<BeliefRow>& Snapshot::beliefs() const {
+const std::vector<BeliefRow>& Snapshot::beliefs() const& {
   if (!reads_->beliefs) reads_->beliefs = store_.beliefs(as_of_);
   return *reads_->beliefs;
 }
@@ -74,12 +74,12 @@ Isometry3d Snapshot::place_motion(const PlaceRow& place, const SceneRow& scene) 
   return Isometry3d::Identity();
 }
 
-const PartNames& Snapshot::part_names() const {
+const PartNames& Snapshot::part_names() const& {
   if (!reads_->part_names) reads_->part_names = loci::memory::part_names(store_, as_of_.known_at);
   return *reads_->part_names;
 }
 
-const std::vector<SceneRow>& Snapshot::scenes() const {
+const std::vector<SceneRow>& Snapshot::scenes() const& {
   if (!reads_->scenes) reads_->scenes = store_.scenes(as_of_);
   return *reads_->scenes;
 }

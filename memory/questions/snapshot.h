@@ -35,12 +35,18 @@ class Snapshot {
 
   const Store& store() const { return store_; }
   const AsOf& as_of() const { return as_of_; }
-  const std::vector<BeliefRow>& beliefs() const;
-  const std::vector<PlaceRow>& places() const { return reads_->places; }
-  const std::vector<FactRow>& facts() const { return reads_->facts; }
-  const PartNames& part_names() const;
+  // What was read goes with its snapshot.
+  const std::vector<BeliefRow>& beliefs() const&;
+  const std::vector<PlaceRow>& places() const& { return reads_->places; }
+  const std::vector<FactRow>& facts() const& { return reads_->facts; }
+  const PartNames& part_names() const&;
   /// Scenes up to `at`, known at `known_at`, in order of time.
-  const std::vector<SceneRow>& scenes() const;
+  const std::vector<SceneRow>& scenes() const&;
+  void beliefs() const&& = delete;
+  void places() const&& = delete;
+  void facts() const&& = delete;
+  void part_names() const&& = delete;
+  void scenes() const&& = delete;
   const BeliefRow* belief(Id object) const;
   const SceneRow* scene(Id id) const;
 

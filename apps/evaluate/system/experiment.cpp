@@ -116,7 +116,7 @@ std::string object_svg(const perception::types::Cluster& cluster) {
     image = fmt::format(
         "<image x='15' y='15' width='{0}' height='{0}' preserveAspectRatio='xMidYMin' "
         "href='data:image/png;base64,{1}'/>\n",
-        kImage, base64_from_bytes(std::string_view(reinterpret_cast<const char*>(png.data()), png.size())));
+        kImage, base64_from_bytes(png));
   }
   return fmt::format(
              "<svg xmlns='http://www.w3.org/2000/svg' width='{0}' height='{1}' viewBox='0 0 {0} {1}' "

@@ -33,6 +33,10 @@ std::string base64_from_bytes(std::string_view bytes) {
   return text;
 }
 
+std::string base64_from_bytes(std::span<const unsigned char> bytes) {
+  return base64_from_bytes(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+}
+
 std::string bytes_from_base64(std::string_view text) {
   static const std::array<int8_t, 256> values = digit_values();
   const Error broken("not base64 text");

@@ -106,7 +106,7 @@ std::string html_list(const std::vector<std::string>& items) {
 
 std::string html_image(std::span<const unsigned char> bytes, std::string_view mime, std::string_view alt) {
   return fmt::format("<img alt=\"{}\" src=\"data:{};base64,{}\">\n", html_escape(alt), html_escape(mime),
-                     base64_from_bytes({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+                     base64_from_bytes(bytes));
 }
 
 std::string html_section(std::string_view id, std::string_view heading, std::string_view body) {

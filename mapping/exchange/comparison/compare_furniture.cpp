@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/math/convex.h"
+#include "mapping/base/math/polygon.h"
 #include "mapping/base/math/math.h"
 
 namespace loci::mapping {

@@ -11,7 +11,7 @@
 #include <set>
 #include <tuple>
 
-#include "mapping/base/math/convex.h"
+#include "mapping/base/math/polygon.h"
 #include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/parameters.h"
 #include "mapping/world/furniture_classes.h"

@@ -91,8 +91,8 @@ class ProblemBuilder {
     }
     problem_.out_of_view.push_back(undetectable(o));
     problem_.disappear_prior.push_back(std::log(std::max(1e-6, 1 - p.here)) + absence.if_gone);
-    problem_.missed_prior.push_back(std::log(std::max(1e-6, p.here)) + absence.if_there);
-    problem_.hidden_prior.push_back(0.0);
+    problem_.missed_prior.push_back(std::log(std::max(1e-6, p.here)) + absence.if_there + p.log_surface);
+    problem_.hidden_prior.push_back(std::log(1 - p.here + p.here * std::exp(p.log_surface)));
   }
 
   AbsenceEvidence absence_of(size_t o) const {

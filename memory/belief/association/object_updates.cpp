@@ -104,6 +104,7 @@ void SceneUpdate::mark_observed(ProtoObject& object, const Observation& observat
   object.last_seen = scene_.time;
   object.last_update = scene_.time;
   object.exposure_s = object.last_seen_exposure_s = timing_.exposure_s;
+  object.uses = 0;
   object.map_from_camera = scene_.view.map_from_camera;
   object.last_observation = observation.id;
   ++object.observation_count;
@@ -205,10 +206,12 @@ void SceneUpdate::update_unobserved(size_t o) {
     weigh_clutter(object, presence.empty * (1 - options_.repeat_clutter), presence.there + presence.away);
   object.last_update = scene_.time;
   object.exposure_s = timing_.exposure_s;
+  object.uses = 0;
   // The undetectable part explains neither presence nor absence.
-  const double hidden = p.undetectable;
-  const double missed = presence.there - p.here * p.undetectable,
-               left = presence.away - (1 - p.here) * p.undetectable;
+  const double there_hidden = p.here * p.undetectable * std::exp(p.log_surface),
+               away_hidden = (1 - p.here) * p.undetectable;
+  const double hidden = there_hidden + away_hidden;
+  const double missed = presence.there - there_hidden, left = presence.away - away_hidden;
   update_.objects[o].explanation = hidden >= missed && hidden >= left ? Explanation::hidden
                                    : missed >= left                   ? Explanation::missed
                                                                       : Explanation::disappear;
@@ -222,7 +225,11 @@ void SceneUpdate::update_unobserved(size_t o) {
   }
   if (object.status != Status::present) return;
   // Time alone makes nothing go: objects out of view stay present until their spot is observed.
-  if (1 - object.probability_here >= options_.gone && in_view >= kParameters.min_observed) {
+  // However little of it would be in view: where most of that is seen through, its spot was observed.
+  const bool observed = in_view >= kParameters.min_observed ||
+                        displaced_share(p.surface).value_or(0) > kParameters.mostly_displaced;
+  if (1 - object.probability_here >= options_.gone && observed) {
+    update_.objects[o].explanation = Explanation::disappear;
     learn_clutter(object);
     set_gone(o);
     return;
@@ -257,7 +264,8 @@ SceneUpdate::PresenceEvidence SceneUpdate::presence_evidence(size_t o) const {
                                                     state_.detection.value(options_), options_);
   const double in_view = 1 - p.undetectable;
   const double empty = p.undetectable + in_view * std::exp(evidence.if_gone);
-  return {p.here * (p.undetectable + in_view * std::exp(evidence.if_there)), (1 - p.here) * empty, empty};
+  return {p.here * (p.undetectable + in_view * std::exp(evidence.if_there)) * std::exp(p.log_surface),
+          (1 - p.here) * empty, empty};
 }
 
 double SceneUpdate::posterior_empty_share(size_t o) const {
@@ -359,6 +367,7 @@ void SceneUpdate::keep_alternative(size_t o, size_t k) {
   alternative.alternative_of = object.key;
   alternative.probability_here = here;
   alternative.exposure_s = timing_.exposure_s;
+  alternative.uses = 0;
   alternative.last_update = scene_.time;
   alternative.alternatives.clear();
 }

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "memory/belief/association/association_problem.h"
+#include "memory/belief/evidence/proximity.h"
 #include "memory/belief/parameters.h"
 
 namespace loci::memory::belief {
@@ -27,6 +28,7 @@ SceneUpdate::SceneUpdate(BeliefState& state, const Scene& scene, const BeliefOpt
 
 BeliefUpdate SceneUpdate::run() {
   drop_doubles();
+  note_uses();
   // 1. Prediction: where each object is now, whether it still is, and what observing its spot showed.
   places_ = view_places(state_, scene_, options_);
   predicted_ = predict(state_, scene_, places_, options_);
@@ -70,6 +72,22 @@ BeliefUpdate SceneUpdate::run() {
   prune_gone();
   state_.last_scene = scene_.time;
   return std::move(update_);
+}
+
+void SceneUpdate::note_uses() {
+  for (auto& [name, place] : state_.places) {
+    if (!is_place_known(name, scene_.places)) continue;
+    const Isometry3d& now = place_pose(name, scene_.places);
+    const bool used = camera_motion(place.map_from_place, now) > kParameters.use_motion;
+    place.map_from_place = now;
+    if (!used || !timing_.independent) continue;  // a video shows what is taken out
+    const auto lies_there = [&](const ProtoObject& object) {
+      return object.place == name && object.status == Status::present;
+    };
+    const auto contents = std::ranges::count_if(state_.objects, lies_there);
+    for (ProtoObject& object : state_.objects)
+      if (lies_there(object)) object.uses += 1 / static_cast<double>(contents);
+  }
 }
 
 void SceneUpdate::solve_association() {

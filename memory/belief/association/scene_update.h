@@ -53,6 +53,8 @@ class SceneUpdate {
   void remove_double(size_t o);
   /// Forgets the doubles of the scene before, which reported them as gone: they do not come back.
   void drop_doubles();
+  /// Counts, for what lies in drawers and on furniture, that these were opened, shut or moved unseen.
+  void note_uses();
 
   // Alternative hypotheses: what is believed to have moved may have stayed. Two similar objects must not
   // become one that goes to and fro, so the second hypothesis is kept until the spot is observed again

@@ -81,10 +81,11 @@ std::vector<PlaceView> view_places(BeliefState& state, const Scene& scene, const
     if (std::ranges::find(views, name, &PlaceView::name) == views.end()) views.push_back({name});
   };
   for (const Observation& observation : scene.observations) {
-    const AxisBox spot{place_pose(observation.place, scene.places).inverse() * observation.box.centre,
-                       Vector3d::Zero()};
+    const Isometry3d& pose = place_pose(observation.place, scene.places);
+    const AxisBox spot{pose.inverse() * observation.box.centre, Vector3d::Zero()};
     const auto [place, is_new] = state.places.try_emplace(observation.place);
     place->second.extent = is_new ? spot : join(place->second.extent, spot);
+    if (is_new) place->second.map_from_place = pose;
     add(observation.place);
   }
   if (scene.view.observed)
@@ -156,9 +157,10 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
     if (unobserved_s >= options.snapshot_gap_s && !object.surface.empty()) {
       const double pose_variance =
           view_noise * view_change_variance(object.surface_camera, scene.view.map_from_camera, 0, options);
-      p.surface = observe_surface(scene.view, surface_in_map(object, scene.places), std::sqrt(pose_variance),
-                                  options.visibility);
-      p.log_surface = surface_log_ratio(displaced_share(p.surface).value_or(0));
+      p.surface = observe_surface(scene.view, surface_in_map(object, scene.places), p.box.low().z(),
+                                  std::sqrt(pose_variance), options.visibility);
+      if (const std::optional<double> displaced = displaced_share(p.surface))
+        p.log_surface = surface_log_ratio(*displaced);
     }
     // Without a size the sampled box is the uncertainty of the position. Nothing is certainly out of view.
     constexpr double kMinInView = 1e-3;

@@ -18,19 +18,21 @@ std::vector<Surface> sample_surfaces(const SceneView& view, size_t observations,
 enum class PointState {
   there,         ///< a surface is measured at its depth
   hidden,        ///< something is before it
-  unknown,       ///< out of view, or not measured
+  unknown,       ///< out of view, not measured, or not to be told from what the object stands on
   seen_through,  ///< all around it what lies behind is measured: it is not there any more
 };
-/// `pose_error_m`: between the view that measured them and this one.
-std::vector<PointState> observe_surface(const SceneView& view, const Surface& points, double pose_error_m,
-                                        const VisibilityOptions& options = {});
+/// `support_z`: height of what the object stands on, map frame. `pose_error_m`: between the view that
+/// measured the points and this one.
+std::vector<PointState> observe_surface(const SceneView& view, const Surface& points, double support_z,
+                                        double pose_error_m, const VisibilityOptions& options = {});
 
 /// Share of the points that are not there any more, of those about which the view tells; unset where it tells
 /// of too few.
 std::optional<double> displaced_share(const std::vector<PointState>& states);
 
-/// Log-likelihood ratio of that share: "the object has not moved" against "moved to near its former spot".
-/// Never above 0: that nothing is displaced tells as much as the error of the poses is small.
+/// Log-likelihood ratio of that share: "the object has not moved" against "it is not where it was". Where
+/// nothing is displaced it tells little: something like it may stand there, or it moved by less than the
+/// error of the poses.
 double surface_log_ratio(double displaced);
 
 }  // namespace loci::memory::belief

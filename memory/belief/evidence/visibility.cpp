@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/math/polygon.h"
 #include "memory/belief/parameters.h"
 
 namespace loci::memory::belief {
@@ -218,14 +219,8 @@ double observed_fraction(const SceneView& view, const std::vector<Vector3d>& out
     low = low.cwiseMin(corner);
     high = high.cwiseMax(corner);
   }
-  const auto inside = [&](double x, double y) {
-    bool in = false;
-    for (size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
-      const Vector3d &a = outline[i], &b = outline[j];
-      if ((a.y() > y) != (b.y() > y) && x < (b.x() - a.x()) * (y - a.y()) / (b.y() - a.y()) + a.x()) in = !in;
-    }
-    return in;
-  };
+  Polygon plan;
+  for (const Vector3d& corner : outline) plan.emplace_back(corner.head<2>());
   const Isometry3d camera_from_map = view.map_from_camera.inverse();
   const int columns = std::max(1, static_cast<int>((high.x() - low.x()) / step_m));
   const int rows = std::max(1, static_cast<int>((high.y() - low.y()) / step_m));
@@ -234,7 +229,7 @@ double observed_fraction(const SceneView& view, const std::vector<Vector3d>& out
     for (int column = 0; column < columns; ++column) {
       const Vector3d point(low.x() + (column + 0.5) * (high.x() - low.x()) / columns,
                            low.y() + (row + 0.5) * (high.y() - low.y()) / rows, (low.z() + high.z()) / 2);
-      if (!inside(point.x(), point.y())) continue;
+      if (!contains(plan, point.head<2>())) continue;
       ++total;
       // A slab from just below the surface to above the footing of objects: an object on the place occludes
       // the spot under it and yet shows what is there, so both count as observed.

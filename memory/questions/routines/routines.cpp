@@ -180,9 +180,11 @@ PlaceContentsHistory new_contents_of(const Snapshot& snapshot, const PlaceRow& p
   std::set<Id> then;
   for (const PastContent& object : contents_history_of(snapshot, place, question, meant).objects)
     then.insert(object.now.object.id);
-  if (question.to)  // what was not in view, too
-    for (const BeliefRow& belief : Snapshot(snapshot.store(), {.at = question.to}).beliefs())
+  if (question.to) {  // what was not in view, too
+    const Snapshot at_end(snapshot.store(), {.at = question.to});
+    for (const BeliefRow& belief : at_end.beliefs())
       if (is_believed_at(belief, place.id)) then.insert(belief.object);
+  }
   ContentsHistoryQuestion ever = question;
   ever.from.reset();
   ever.to.reset();

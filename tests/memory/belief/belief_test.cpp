@@ -210,6 +210,19 @@ TEST_F(Belief, HiddenObjectStaysAndIsTheSameWhenObservedAgain) {
   EXPECT_THAT(events(observe(900)), ElementsAre("reappeared 1", "gone 2"));
 }
 
+TEST_F(Belief, ObjectOfWhichLittleWouldBeInViewIsGoneWhereThatIsSeenThrough) {
+  kitchen.objects = {{"banana", SyntheticKitchen::on_table(0, 0, 0.05), {0.18, 0.1, 0.05}}};
+  observe(0);
+  kitchen.objects.push_back(
+      {"bottle", SyntheticKitchen::on_table(-0.02, -0.1, 0.24), {0.12, 0.06, 0.24}, kBlue});
+  kitchen.objects[0].detected = false;
+  const BeliefState before = state;
+  EXPECT_THAT(events(observe(600)), ::testing::Not(::testing::Contains("gone 1"))) << "its ends are in view";
+  state = before;
+  kitchen.objects.erase(kitchen.objects.begin());
+  EXPECT_THAT(events(observe(600)), ::testing::Contains("gone 1"));
+}
+
 TEST_F(Belief, OutOfViewIsNotGone) {
   kitchen.objects = {{"mug", at(0, 0)}};
   observe(0);
@@ -437,6 +450,32 @@ TEST_F(Belief, ObjectInADrawerMovesWithIt) {
   half_open.places = {drawer(0.1)};
   EXPECT_THAT(events(advance(state, half_open)), ElementsAre("reappeared 1"));
   EXPECT_NEAR(box_in_map(*state.find(1), half_open.places).centre.y(), 0.2, 0.005);
+}
+
+TEST_F(Belief, WhatLiesInADrawerIsHandledWhenTheDrawerIsUsed) {
+  const auto probability_after = [&](double opening, double to_next) {
+    BeliefState after;
+    kitchen.objects = {{"spoon", at(0, 0)}};
+    Scene scene = kitchen.scene(0);
+    scene.observations[0].place = "drawer_1_bottom";
+    for (const auto& [seconds, open] : {std::pair{0.0, 0.3}, std::pair{to_next, opening}}) {
+      PlacePose pose{"drawer_1_bottom", Isometry3d::Identity()};
+      pose.map_from_place.translation() = Vector3d(0, -open, 0.7);
+      scene.time = static_cast<TimeNs>(seconds * 1e9);
+      scene.places = {pose};
+      advance(after, scene);
+      scene.observations.clear();
+      scene.view.depth.setTo(std::numeric_limits<float>::quiet_NaN());
+      scene.view.labels.setTo(-1);
+    }
+    return probability_here(*after.find(1), after, {});
+  };
+  const double untouched = probability_after(0.3, 600);
+  EXPECT_LT(probability_after(0, 600), untouched - 0.15);
+  EXPECT_NEAR(probability_after(0.29, 600), untouched, 1e-9)
+      << "the pose of a drawer that stays open is not exact";
+  EXPECT_NEAR(probability_after(0, 0.1), probability_after(0.3, 0.1), 1e-9)
+      << "a video shows what is taken out";
 }
 
 TEST_F(Belief, SettledObservationsAreAssignedAsByTheModel) {

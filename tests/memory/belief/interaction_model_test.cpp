@@ -37,6 +37,20 @@ TEST(InteractionModel, LearnsHowLongObjectsStay) {
   EXPECT_NEAR(observed("mug", 400, 2).probability({"mug", "table_1"}, 0, kHour, kOptions), 0.5, 0.1);
 }
 
+TEST(InteractionModel, LearnsHowOftenUsesOfADrawerConcernItsContents) {
+  const auto after = [](double handled) {
+    InteractionModel model;
+    RateFactor own;
+    for (int i = 0; i < 100; ++i)
+      model.learn_interaction({"spoon", "drawer_1", own, 1}, own, 0, 60, handled, 1, kOptions);
+    return model.probability({"spoon", "drawer_1", {}, 1}, 0, 60, kOptions);
+  };
+  const double prior = InteractionModel().probability({"spoon", "drawer_1", {}, 1}, 0, 60, kOptions);
+  EXPECT_GT(prior, InteractionModel().probability({"spoon", "drawer_1"}, 0, 60, kOptions) + 0.2);
+  EXPECT_NEAR(after(0.6), 0.6, 0.15);
+  EXPECT_LT(after(0), 0.05);
+}
+
 TEST(InteractionModel, ClassesDiffer) {
   const InteractionModel model = observed("mug", 200, 2, observed("vase", 200, 50));
   const double mug = model.probability({"mug", "table_1"}, 0, kHour, kOptions);

@@ -1,6 +1,8 @@
-#include "mapping/base/math/convex.h"
+#include "mapping/base/math/polygon.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace loci {
 namespace {
@@ -20,6 +22,28 @@ double signed_area(const Polygon& polygon) {
 
 double area_of(const Polygon& polygon) {
   return std::abs(signed_area(polygon));
+}
+
+bool contains(const Polygon& polygon, const Eigen::Vector2d& point) {
+  bool inside = false;
+  for (size_t i = 0; i < polygon.size() && polygon.size() > 2; ++i) {
+    const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    if ((a.y() > point.y()) != (b.y() > point.y()) &&
+        point.x() < a.x() + (b.x() - a.x()) * (point.y() - a.y()) / (b.y() - a.y()))
+      inside = !inside;
+  }
+  return inside;
+}
+
+double distance_to_edge(const Polygon& polygon, const Eigen::Vector2d& point) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const Eigen::Vector2d side = b - a;
+    const double t = std::clamp((point - a).dot(side) / std::max(side.squaredNorm(), 1e-12), 0.0, 1.0);
+    nearest = std::min(nearest, (a + t * side - point).norm());
+  }
+  return nearest;
 }
 
 double shared_area(const Polygon& a, const Polygon& b) {
