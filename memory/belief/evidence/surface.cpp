@@ -10,16 +10,18 @@ namespace {
 /// What the pixels around a point's image show. `radius`: pixels.
 PointState state_of(const SceneView& view, const Vector2d& pixel, double z, double tolerance, int radius) {
   const int u = static_cast<int>(std::lround(pixel.x())), v = static_cast<int>(std::lround(pixel.y()));
-  bool measured = false, nearer = false;
+  int pixels = 0, measured = 0;
+  bool nearer = false;
   for (int y = std::max(0, v - radius); y <= std::min(view.depth.rows - 1, v + radius); ++y)
     for (int x = std::max(0, u - radius); x <= std::min(view.depth.cols - 1, u + radius); ++x) {
+      ++pixels;
       const auto depth = static_cast<double>(view.depth.at<float>(y, x));
       if (!std::isfinite(depth)) continue;
       if (std::abs(depth - z) < tolerance) return PointState::there;
-      measured = true;
+      ++measured;
       nearer = nearer || depth < z;
     }
-  if (!measured) return PointState::unknown;
+  if (2 * measured < pixels) return PointState::unknown;  // glass and gloss may be seen through now and then
   return nearer ? PointState::hidden : PointState::seen_through;
 }
 

@@ -18,8 +18,8 @@ std::vector<Surface> sample_surfaces(const SceneView& view, size_t observations,
 enum class PointState {
   there,         ///< a surface is measured at its depth
   hidden,        ///< something is before it
-  unknown,       ///< out of view, not measured, or not to be told from what the object stands on
-  seen_through,  ///< all around it what lies behind is measured: it is not there any more
+  unknown,       ///< out of view, hardly measured, or not to be told from what the object stands on
+  seen_through,  ///< all that is measured around it lies behind it: it is not there any more
 };
 /// `support_z`: height of what the object stands on, map frame. `pose_error_m`: between the view that
 /// measured the points and this one.

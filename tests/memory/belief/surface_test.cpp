@@ -49,6 +49,16 @@ TEST_F(SurfaceOfABox, TellsNothingWhereItsSupportHasNearlyTheSameDepth) {
   EXPECT_FALSE(displaced().has_value());
 }
 
+TEST_F(SurfaceOfABox, IsUnknownWhereLittleAroundItIsMeasured) {
+  kitchen.objects[0].centre.x() += 1;
+  SceneView view = kitchen.scene(60).view;
+  EXPECT_GT(displaced_share(observe_surface(view, surface, 0.7, 0)).value(), 0.9);
+  for (int v = 0; v < view.depth.rows; ++v)
+    for (int u = 0; u < view.depth.cols; ++u)
+      if (u % 4 != 0 || v % 2 != 0) view.depth.at<float>(v, u) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(displaced_share(observe_surface(view, surface, 0.7, 0)).has_value());
+}
+
 TEST_F(SurfaceOfABox, MayHaveMovedByTheErrorOfThePoses) {
   kitchen.objects[0].centre.x() += 0.03;
   EXPECT_GT(displaced(0).value(), 0.05);
