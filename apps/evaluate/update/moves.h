@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "apps/evaluate/changes/line_of_sight.h"
-#include "mapping/base/math/polygon.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/math/polygon.h"
 #include "mapping/base/math/random.h"
 #include "mapping/world/mesh.h"
 #include "mapping/world/world.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mapping/base/math/polygon.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/math/polygon.h"
 
 namespace loci::mapping {
 namespace {
