@@ -588,7 +588,7 @@ ProtoObject object_from_bytes(std::string_view bytes) {
   object.hidden_reported = message.hidden_reported();
   object.missed_views = message.missed_views();
   object.gone_by_s = message.gone_by_s();
-  object.uses = message.uses();
+  object.uses = finite(message.uses(), "use of a place");
   object.place = message.place();
   object.box = Codec::read(message.box());
   object.variance = finite(message.variance(), "variance");

@@ -453,12 +453,12 @@ TEST_F(Belief, ObjectInADrawerMovesWithIt) {
 }
 
 TEST_F(Belief, WhatLiesInADrawerIsHandledWhenTheDrawerIsUsed) {
-  const auto probability_after = [&](double opening, double to_next) {
+  const auto probability_after = [&](double then_open, double after_s) {
     BeliefState after;
     kitchen.objects = {{"spoon", at(0, 0)}};
     Scene scene = kitchen.scene(0);
     scene.observations[0].place = "drawer_1_bottom";
-    for (const auto& [seconds, open] : {std::pair{0.0, 0.3}, std::pair{to_next, opening}}) {
+    for (const auto& [seconds, open] : {std::pair{0.0, 0.3}, std::pair{after_s, then_open}}) {
       PlacePose pose{"drawer_1_bottom", Isometry3d::Identity()};
       pose.map_from_place.translation() = Vector3d(0, -open, 0.7);
       scene.time = static_cast<TimeNs>(seconds * 1e9);
