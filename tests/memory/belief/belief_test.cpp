@@ -77,6 +77,16 @@ TEST_F(Belief, ShiftWithinThePoseErrorIsNoMoveForACameraThatMoved) {
   EXPECT_THAT(events(observe(60)), IsEmpty());
 }
 
+TEST_F(Belief, AThinBoxThatStandsNearerThanBelievedIsNotHiddenByItself) {
+  const auto stands_at = [](double y) { return SyntheticKitchen::on_table(0, y, 0.4); };
+  kitchen.objects = {{"tray", stands_at(0), {0.4, 0.02, 0.4}, kRed}};
+  kitchen.map_from_camera = SyntheticKitchen::look_from({-0.4, -0.9, 0.9}, {0, 0, 0.9});
+  observe(0);
+  kitchen.object("tray").centre = stands_at(-0.06);
+  kitchen.map_from_camera = SyntheticKitchen::look_from({0.4, -0.9, 0.9}, {0, 0, 0.9});
+  EXPECT_THAT(events(observe(60)), IsEmpty());
+}
+
 TEST_F(Belief, ShiftOfABoxThatIsHalfHiddenIsAMove) {
   kitchen.objects = {{"box", at(0, 0), {0.3, 0.2, 0.1}, kRed},
                      {"before", SyntheticKitchen::on_table(0, -0.2, 0.15), {0.12, 0.05, 0.15}, kBlue}};
