@@ -361,7 +361,10 @@ Tokens tokens_of(Words words) {
   }
   Tokens tokens;
   for (std::string& word : words) {
-    tokens.lemmas.push_back(lemma_of(word));
+    // "The can" is an object, "can" alone a verb.
+    const bool object =
+        word == "can" && !tokens.lemmas.empty() && class_of(tokens.lemmas.back()) == WordClass::article;
+    tokens.lemmas.push_back(object ? word : lemma_of(word));
     tokens.words.push_back(std::move(word));
   }
   return tokens;

@@ -361,6 +361,8 @@ constexpr Compound kCompounds[] = {
     {"[at] (the|a) same (place|spot|location|position)", "together"},
     {"in (the|one) same (place|spot|location|position|drawer)", "together"},
     {"side by side", "together"},
+    {"(the|a|one) (same|identical) (colour|color)|alike in (colour|color)", "samecolour"},
+    {"(the|a|one) (same|identical) (size|sizes)|equally (big|large)", "samesize"},
     {"more than one", "two"},
     {"more than two", "three"},
 

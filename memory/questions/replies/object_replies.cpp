@@ -504,12 +504,52 @@ void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply
   add_sightings(there, names, context, reply);
 }
 
+namespace {
+
+/// Whether extents are equal but for what the view changes.
+bool are_of_one_size(Vector3d a, Vector3d b) {
+  constexpr double kViewRatio = 1.3;
+  std::ranges::sort(a);
+  std::ranges::sort(b);
+  return (a.array() <= kViewRatio * b.array()).all() && (b.array() <= kViewRatio * a.array()).all();
+}
+
+/// The colours or sizes of several objects, and whether they are the same.
+void compare_objects(const std::vector<AboutObject>& objects, bool by_color, const ReplyContext& context,
+                     const Names& names, Reply& reply) {
+  std::vector<std::string> list;
+  std::vector<ObjectBelief> beliefs;
+  const ObjectRef& first = objects.front().now.object;
+  bool same = true;
+  for (const AboutObject& one : objects) {
+    const ObjectRef& object = one.now.object;
+    reply.objects.push_back(object.id);
+    beliefs.push_back(one.now);
+    if (by_color ? !object.color : !object.size) continue;
+    same = same && (by_color ? object.color == first.color
+                             : first.size && are_of_one_size(*object.size, *first.size));
+    list.push_back(fmt::format("{} {} {}", names.subject(object), by_color ? "is" : "measures",
+                               by_color ? *object.color : size_text(*object.size)));
+  }
+  reply.not_known = list.empty();
+  reply.text = list.empty() ? "Not known." : list_in_words(list, 4) + ".";
+  if (context.query.asks == Asks::together && list.size() == objects.size()) {
+    reply.verdict = same ? Verdict::yes : Verdict::no;
+    reply.text = fmt::format("{}: {}", same ? "Yes" : "No", reply.text);
+  }
+  add_sightings(beliefs, names, context, reply);
+}
+
+}  // namespace
+
 void write_reply(const AboutAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
   const AboutObject& first = answer.objects.front();
   const ObjectRef& object = first.now.object;
   const std::string property = context.query.argument("property"), name = names.subject(object);
+  if ((property == "colour" || property == "size") && answer.objects.size() > 1)
+    return compare_objects(answer.objects, property == "colour", context, names, reply);
   reply.objects = {object.id};
   if (property == "owner") {
     const auto owner = std::ranges::find(first.facts, "owner", &Fact::key);

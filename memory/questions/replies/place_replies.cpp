@@ -337,10 +337,13 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
                   relation_in_words(answer, around, context.times));
   const BeliefRow* belief = object ? snapshot.belief(*object) : nullptr;
   const bool hides = answer.relation == Relation::under || answer.relation == Relation::behind;
-  if (answer.relation != Relation::near && belief != nullptr && belief->status == ObjectStatus::gone) {
+  if (belief != nullptr && belief->status == ObjectStatus::gone && !none_of_several) {
+    const std::string near = answer.relation == Relation::near && !list.empty() && only.empty()
+                                 ? fmt::format("; where it was: {}", list_in_words(list, 3))
+                                 : "";
     reply = {};
     reply.not_known = true;
-    reply.text = fmt::format("Not known: {} has gone.", around);
+    reply.text = fmt::format("Not known: {} has gone{}.", around, near);
   } else if (context.query.asks == Asks::agent) {
     reply.not_known = true;
     reply.objects.clear();

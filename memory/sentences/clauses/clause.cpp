@@ -115,10 +115,10 @@ class ClauseReader {
     const std::string& one = lemma();
     const bool after_person = after_person_;
     if (class_of(one) != WordClass::empty) after_person_ = false;
-    // "A can" is one; "can" alone is not a name.
-    const bool can_of = class_of(previous()) == WordClass::article ||
-                        (!name_.empty() && class_of(lemma(1)) != WordClass::person && next_word() != "be");
-    if (word() == "can" && can_of) return take_name();
+    // "the purple can", not "the bowl can be"
+    if (one == "may" && word() == "can" && !name_.empty() && class_of(lemma(1)) != WordClass::person &&
+        next_word() != "be")
+      return take_name();
     if (word() == "one" && previous() == "may") {  // "where could one see it"
       clause_.marks.insert("person");
       return true;

@@ -176,6 +176,7 @@ bool restricts(const std::string& lemma) {
       "least more fewer less than other else except without never again repeated before afterwards since "
       "newsince until between during within back or tomorrow predict closed open empty full fresh new "
       "breakfast lunch dinner supper noon midday midnight morning afternoon evening night tonight "
+      "colour shape size weight material "
       "will should howlong howmany howmuch howsure howfar howbig howoften when where why who whose which");
   return restricting.contains(lemma) || count_of(lemma).value_or(0) > 1 || is_digit(lemma[0]) ||
          lemma.size() == 1 || is_degree(lemma);

@@ -206,6 +206,8 @@ TEST_F(NaturalLanguage, TheReplyAnswersWhatWasAsked) {
       {"Who moved the red thing?",
        "Not known who: people are not recognised; the tea cup moved from table_1 to counter_1 by 09:30."},
       {"What colour is the tea cup?", "The tea cup is red."},
+      {"Do the tea cup and the green thing have the same colour?",
+       "No: the tea cup is red and the green object is green."},
       {"How long was the red thing on the counter?",
        "At least 1 h 0 min: the tea cup was seen on counter_1 from 09:30 to 10:30."},
       {"What has been on the table the longest?", "The blue object: 2 h 30 min, from 08:00 to 10:30."},
