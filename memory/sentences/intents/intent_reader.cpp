@@ -168,8 +168,8 @@ bool is_degree(const std::string& word) {
          (compares(PartOfSpeech::adjective) || compares(PartOfSpeech::adverb));
 }
 
-/// Whether a word restricts what is asked: numbers and quantities, order, comparison, exceptions, times,
-/// states, and question words.
+/// Whether a word restricts what is asked: numbers and quantities, order, comparison, exceptions, properties,
+/// times, states, and question words.
 bool restricts(const std::string& lemma) {
   static const std::set<std::string> restricting = word_set(
       "second third fourth two three four five six half spare once twice only every both first last most "
