@@ -86,6 +86,14 @@ TEST_F(NaturalLanguage, NothingOfAColourIsNoUnknownName) {
   EXPECT_EQ(answer.reply->verdict, Verdict::no);
 }
 
+TEST_F(NaturalLanguage, WhatHasGoneHasNoNeighbours) {
+  const NaturalLanguageAnswer answer = say("What was next to the tea cup at 09:10?");
+  ASSERT_TRUE(answer.reply);
+  EXPECT_TRUE(answer.reply->not_known);
+  EXPECT_EQ(answer.reply->text, "Not known: the tea cup has gone; where it was: blue object.");
+  EXPECT_THAT(answer.reply->objects, testing::IsEmpty());
+}
+
 TEST_F(NaturalLanguage, WhereAPlaceIs) {
   const NaturalLanguageAnswer answer = say("Where is the table?");
   EXPECT_EQ(answer.query->text(), "room table");
