@@ -107,11 +107,14 @@ class ProblemBuilder {
                             std::min(1e9, timing_.seconds), detection_, options_);
   }
 
-  /// Whether an observation shows that the place of an object is in view: it lies there, and what hides the
-  /// predicted box may be the object itself, which stands a little nearer.
+  /// Whether an observation shows that the place of an object is in view: it may be the part of the object
+  /// that is not cut off, or the object itself, which stands a little nearer than another view showed and
+  /// hides its predicted box, or it lies there and no depth measures what is in view.
   bool shows_in_view(size_t o, size_t k) const {
-    const bool near = predicted_[o].with_depth || state_.objects[o].place == scene_.observations[k].place;
-    return near && evidence_.log_proximity(index(o), index(k)) > 0;
+    const Observation& observation = scene_.observations[k];
+    const bool may_be_it = predicted_[o].with_depth ? observation.partial || timing_.independent
+                                                    : state_.objects[o].place == observation.place;
+    return may_be_it && evidence_.log_proximity(index(o), index(k)) > 0;
   }
 
   /// Probability of not being detected if there. What is seen where the object should be shows that not all

@@ -99,6 +99,8 @@ class PairComparer {
         snapshot_(SceneTiming(state, scene, options).snapshot),
         corrections_(state.calibration.corrections()),
         noise_weights_(state.view_noise.weights(options.noise_spread)) {
+    if (SceneTiming(state, scene, options).independent)
+      corrections_.misleading_partial = kParameters.misleading_partial;
     // The area of a detector without depth is that of the places that it states.
     if (!scene.view.depth.empty())
       position_options_.area_m2 = effective_area(scene.observations, options.area_m2);
@@ -283,7 +285,7 @@ class PairComparer {
   const BeliefOptions& options_;
   BeliefOptions position_options_;  ///< with the area of this view
   const bool snapshot_;
-  const Corrections corrections_;
+  Corrections corrections_;
   const NoiseScale::Levels noise_weights_;
   std::vector<Appearance> appearances_;
   std::vector<Observation> shapes_;

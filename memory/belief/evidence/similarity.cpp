@@ -22,9 +22,6 @@ LogExtents log_extents(const std::vector<float>& values) {
 
 /// Of a partial view the extents are lower bounds: what it lacks counts less.
 constexpr double kLackingWeight = 0.5;
-/// Share of partial views whose extents are those of anything: more is hidden than can be told, or part of
-/// what hides it was taken along.
-constexpr double kMisleadingPartial = 0.3;
 
 /// A distance, and the share of the axes that it is about.
 struct ExtentDistance {
@@ -273,8 +270,8 @@ ViewSimilarity compare(const Appearance& a, const Appearance& b, PartialViews pa
     double ratio = (i == kMeanColor ? color_log_ratio(*of_a.values, *of_b.values, corrections.color_noise)
                                     : prior_log_ratio(comparison, distance, result.achromatic)) +
                    corrections.of[i][result.achromatic].at(distance);
-    if (comparison.of_size && partial.any())
-      ratio = std::log((1 - kMisleadingPartial) * std::exp(ratio) + kMisleadingPartial);
+    if (comparison.of_size && partial.any() && corrections.misleading_partial > 0)
+      ratio = std::log(std::lerp(std::exp(ratio), 1.0, corrections.misleading_partial));
     ratio *= share;
     if (comparison.summarised_by && result.parts[*comparison.summarised_by].distance >= 0) ratio = 0;
     result.parts[i] = {distance, ratio};

@@ -65,12 +65,15 @@ struct Correction {
 /// upper bound, since a low one would take noise for change.
 inline constexpr double kColorVariance = 0.02;
 
-/// What a home taught about the evidence of distances.
+/// What a home taught about the evidence of distances, and what follows from the views.
 struct Corrections {
   /// By kind, in the order of comparisons(); the second is for two achromatic objects.
   std::array<std::array<Correction, 2>, kComparisons> of{};
   /// Of the factors on the noise of mean colours between two views of one object.
   NoiseScale::Levels color_noise = NoiseScale().main_weights(kParameters.calibration_spread);
+  /// Share of partial views whose extents are those of anything: more is hidden than can be told, or part of
+  /// what hides it was taken along. From one frame of a video to the next the same is missing.
+  double misleading_partial = 0;
 };
 
 /// Log-likelihood ratio of the table. Achromatic objects are common: that two of them agree in colour counts
