@@ -65,6 +65,7 @@ struct Parameters {
   double min_hindsight_log_ratio = 0.7;      ///< twice as probable: a decision is not changed for less
   size_t hindsight_advances = 2000;          ///< scenes that looking back may reason about: bounds its time
   double excluded = -200;              ///< log weight of what a known identity excludes: beyond all evidence
+  double misleading_partial = 0.3;     ///< Corrections::misleading_partial of views that are apart
   double newview_color_weight = 0.25;  ///< another side may have other colours, though seldom altogether
 
   // One object as several
@@ -92,7 +93,6 @@ struct Parameters {
   double grow_gain = 0.5;            ///< another view point shows further parts: boxes grow quickly …
   double shrink_gain = 0.05;         ///< … and shrink slowly
   double min_variance_share = 0.25;  ///< of one view's: errors of one view point repeat
-  double misleading_partial = 0.3;   ///< Corrections::misleading_partial of views that are apart
   double same_view_log_ratio = 2.5;  ///< views at least this similar are stored once
   double whole_view_bonus = 5;       ///< in views: whole ones are stored rather than partial ones
   size_t surface_points = 200;       ///< of an object's surface that are kept

@@ -96,11 +96,10 @@ class PairComparer {
         scene_(scene),
         options_(options),
         position_options_(options),
-        snapshot_(SceneTiming(state, scene, options).snapshot),
+        timing_(state, scene, options),
         corrections_(state.calibration.corrections()),
         noise_weights_(state.view_noise.weights(options.noise_spread)) {
-    if (SceneTiming(state, scene, options).independent)
-      corrections_.misleading_partial = kParameters.misleading_partial;
+    if (timing_.independent) corrections_.misleading_partial = kParameters.misleading_partial;
     // The area of a detector without depth is that of the places that it states.
     if (!scene.view.depth.empty())
       position_options_.area_m2 = effective_area(scene.observations, options.area_m2);
@@ -162,7 +161,7 @@ class PairComparer {
     AxisBox believed = p.box;
     if (!object.has_size) believed.size = observation.box.size;
     if (!observation.has_size) observation.box.size = believed.size;
-    if (!snapshot_ && is_piece(p, observation.box)) observation.partial = true;
+    if (!timing_.snapshot && is_piece(p, observation.box)) observation.partial = true;
     const ViewSimilarity similar =
         views.compare(appearances_[size_t(k)], observation.partial, corrections_, options_);
     evidence_.achromatic(o, k) = similar.achromatic;
@@ -182,7 +181,7 @@ class PairComparer {
 
   /// Whether a snapshot shows the side of an object whose print is known, and the print is another one.
   bool shows_another_print(const ProtoObject& object, const Observation& observation) const {
-    if (!snapshot_) return false;
+    if (!timing_.snapshot) return false;
     const Vector3d towards = towards_camera(observation, scene_);
     for (const TextureView& view : object.textures)
       if (view.in_place && is_same_side(view.towards_camera, towards) &&
@@ -284,7 +283,7 @@ class PairComparer {
   const Scene& scene_;
   const BeliefOptions& options_;
   BeliefOptions position_options_;  ///< with the area of this view
-  const bool snapshot_;
+  const SceneTiming timing_;
   Corrections corrections_;
   const NoiseScale::Levels noise_weights_;
   std::vector<Appearance> appearances_;

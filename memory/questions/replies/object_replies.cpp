@@ -514,9 +514,16 @@ bool are_of_one_size(Vector3d a, Vector3d b) {
   return (a.array() <= kViewRatio * b.array()).all() && (b.array() <= kViewRatio * a.array()).all();
 }
 
+/// "is red", "measures 6 x 4 x 25 cm"; unset where it is not known.
+std::optional<std::string> look_in_words(const ObjectRef& object, const std::string& property) {
+  if (property == "colour" && object.color) return "is " + *object.color;
+  if (property == "size" && object.size) return "measures " + size_text(*object.size);
+  return {};
+}
+
 /// The colours or sizes of several objects, and whether they are the same.
-void compare_objects(const std::vector<AboutObject>& objects, bool by_color, const ReplyContext& context,
-                     const Names& names, Reply& reply) {
+void compare_looks(const std::vector<AboutObject>& objects, const std::string& property,
+                   const ReplyContext& context, const Names& names, Reply& reply) {
   std::vector<std::string> list;
   std::vector<ObjectBelief> beliefs;
   const ObjectRef& first = objects.front().now.object;
@@ -525,11 +532,11 @@ void compare_objects(const std::vector<AboutObject>& objects, bool by_color, con
     const ObjectRef& object = one.now.object;
     reply.objects.push_back(object.id);
     beliefs.push_back(one.now);
-    if (by_color ? !object.color : !object.size) continue;
-    same = same && (by_color ? object.color == first.color
-                             : first.size && are_of_one_size(*object.size, *first.size));
-    list.push_back(fmt::format("{} {} {}", names.subject(object), by_color ? "is" : "measures",
-                               by_color ? *object.color : size_text(*object.size)));
+    const std::optional<std::string> look = look_in_words(object, property);
+    if (!look) continue;
+    list.push_back(fmt::format("{} {}", names.subject(object), *look));
+    if (property == "colour") same = same && object.color == first.color;
+    if (property == "size") same = same && first.size && are_of_one_size(*object.size, *first.size);
   }
   reply.not_known = list.empty();
   reply.text = list.empty() ? "Not known." : list_in_words(list, 4) + ".";
@@ -549,17 +556,15 @@ void write_reply(const AboutAnswer& answer, const ReplyContext& context, Reply& 
   const ObjectRef& object = first.now.object;
   const std::string property = context.query.argument("property"), name = names.subject(object);
   if ((property == "colour" || property == "size") && answer.objects.size() > 1)
-    return compare_objects(answer.objects, property == "colour", context, names, reply);
+    return compare_looks(answer.objects, property, context, names, reply);
   reply.objects = {object.id};
   if (property == "owner") {
     const auto owner = std::ranges::find(first.facts, "owner", &Fact::key);
     reply.not_known = owner == first.facts.end();
     reply.text = reply.not_known ? fmt::format("Not known: nobody stated who owns {}.", name)
                                  : fmt::format("{} owns {}.", owner->value, name);
-  } else if (property == "colour" && object.color) {
-    reply.text = fmt::format("{} is {}.", name, *object.color);
-  } else if (property == "size" && object.size) {
-    reply.text = fmt::format("{} measures {}.", name, size_text(*object.size));
+  } else if (const std::optional<std::string> look = look_in_words(object, property)) {
+    reply.text = fmt::format("{} {}.", name, *look);
   } else if (property == "sightings") {
     reply.number = first.now.sightings;
     reply.text = fmt::format("{} was seen in {}.", name, counted(first.now.sightings, "scene"));

@@ -87,6 +87,20 @@ TEST_F(Belief, AThinBoxThatStandsNearerThanBelievedIsNotHiddenByItself) {
   EXPECT_THAT(events(observe(60)), IsEmpty());
 }
 
+TEST_F(Belief, ExtentsOfAPartialViewSpeakAgainstThePairInAVideoOnly) {
+  const auto size_evidence_after = [&](double seconds) {
+    state = {};
+    kitchen.objects = {{"box", at(0, 0), {0.3, 0.2, 0.1}, kRed}};
+    observe(0, seconds);
+    Scene scene = kitchen.scene(seconds);
+    scene.observations[0].partial = true;
+    scene.observations[0].descriptors[1].values = {0.05F, 0.05F, 0.05F};
+    return advance(state, scene).evidence.log_size(0, 0);
+  };
+  EXPECT_GT(size_evidence_after(60), -1.5);
+  EXPECT_LT(size_evidence_after(0.2), -3);
+}
+
 TEST_F(Belief, ShiftOfABoxThatIsHalfHiddenIsAMove) {
   kitchen.objects = {{"box", at(0, 0), {0.3, 0.2, 0.1}, kRed},
                      {"before", SyntheticKitchen::on_table(0, -0.2, 0.15), {0.12, 0.05, 0.15}, kBlue}};

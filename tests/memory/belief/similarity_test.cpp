@@ -60,7 +60,7 @@ TEST(Similarity, OtherExtentsOfACutOffViewHardlySpeakAgainst) {
   const std::vector<Descriptor> small = {{"extents", {0.1F, 0.1F, 0.1F}}},
                                 large = {{"extents", {0.4F, 0.3F, 0.3F}}};
   Corrections apart;
-  apart.misleading_partial = 0.3;
+  apart.misleading_partial = kParameters.misleading_partial;
   const auto of_appearance = [&](PartialViews partial) {
     return compare(Appearance(small), Appearance(large), partial, 1, apart).log_ratio;
   };
