@@ -58,7 +58,7 @@ std::optional<py::array> rgb_array_of(const cv::Mat& bgr) {
 cv::Mat image_of(const py::array& array, int type, const char* what) {
   const int channels = CV_MAT_CN(type);
   const bool fits = channels == 1 ? array.ndim() == 2 : array.ndim() == 3 && array.shape(2) == channels;
-  if (!fits || !dtype_of(CV_MAT_DEPTH(type)).is(array.dtype()))
+  if (!fits || !dtype_of(CV_MAT_DEPTH(type)).equal(array.dtype()))
     throw Error(std::string(what) + " is not an array of rows x columns" +
                 (channels == 1 ? "" : " x " + std::to_string(channels)) + " of " +
                 py::str(dtype_of(CV_MAT_DEPTH(type))).cast<std::string>());

@@ -111,7 +111,7 @@ cv::Mat image_of_cluster(const ClusterAccess& cluster) {
 
 void set_view(const Access& access, const std::string& name, const py::array& array) {
   for (const int depth : {CV_8U, CV_16U, CV_32F})
-    if (dtype_of(depth).is(array.dtype()))
+    if (dtype_of(depth).equal(array.dtype()))
       return perception::types::set_view_image(
           access.scene(), name,
           image_of(array, CV_MAKETYPE(depth, array.ndim() == 3 ? static_cast<int>(array.shape(2)) : 1),

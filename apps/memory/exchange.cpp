@@ -405,7 +405,7 @@ Command report_command() {
       "report",
       "Write a self-contained HTML page about a memory",
       {"loci-memory report -m demo-output/memory.loci -o demo-output/memory.html",
-       "loci-memory report -m demo-output/memory.loci --append-to demo-output/report.html"},
+       "loci-memory report -m demo-output/memory.loci --append-to demo-output/explored/report.html"},
       [](ArgumentTable& table) {
         struct Arguments {
           std::string memory, output, append_to;

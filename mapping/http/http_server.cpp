@@ -117,6 +117,7 @@ class HttpServer::Loop {
   }
 
   void accept();
+  void accept_later();
   bool make_room();
   void stop();
 
@@ -127,6 +128,7 @@ class HttpServer::Loop {
   Handler handler_;
   asio::io_context context_;
   tcp::acceptor acceptor_{context_};
+  asio::steady_timer retry_{context_};
   int port_ = 0;
   std::list<Connection*> connections_;  ///< the oldest first; of the loop's thread alone
   std::atomic<bool> stopping_ = false;
@@ -307,10 +309,16 @@ class HttpServer::Loop::Connection : public std::enable_shared_from_this<Connect
 void HttpServer::Loop::accept() {
   acceptor_.async_accept([this](Code code, tcp::socket socket) {
     if (code == asio::error::operation_aborted || stopping_) return;
-    if (!code) {
-      if (make_room()) std::make_shared<Connection>(*this, std::move(socket))->read_header();
-    }
+    if (code) return accept_later();  // out of descriptors: at once it would fail again
+    if (make_room()) std::make_shared<Connection>(*this, std::move(socket))->read_header();
     accept();
+  });
+}
+
+void HttpServer::Loop::accept_later() {
+  retry_.expires_after(std::chrono::milliseconds(100));
+  retry_.async_wait([this](Code code) {
+    if (!code && !stopping_) accept();
   });
 }
 
@@ -327,6 +335,7 @@ bool HttpServer::Loop::make_room() {
 void HttpServer::Loop::stop() {
   Code ignored;
   acceptor_.close(ignored);
+  retry_.cancel();
   const auto connections = connections_;
   for (Connection* connection : connections) connection->stop();
 }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <opencv2/core.hpp>
 
 namespace loci::mapping {
@@ -12,6 +14,11 @@ struct DepthHeader {
   int height = 0;         ///< pixels
   bool is_float = false;  ///< floating-point numbers, else 16-bit integers
 };
+
+/// A depth where something was measured (positive and finite), else NaN.
+inline float metres_or_nan(float metres) {
+  return metres > 0 && std::isfinite(metres) ? metres : std::numeric_limits<float>::quiet_NaN();
+}
 
 /// Endings of depth images, what is depth most surely first: PNG may also be a drawing of it.
 inline constexpr std::array kDepthEndings = {".npy", ".exr", ".tiff", ".tif", ".png"};

@@ -192,10 +192,8 @@ cv::Mat FileRecording::depth_of(const FrameFiles& from) const {
       std::transform(raw.ptr<uint16_t>(v), raw.ptr<uint16_t>(v) + raw.cols, depth.ptr<float>(v),
                      [&](uint16_t value) { return metres_from_raw_[value]; });
     else
-      std::transform(raw.ptr<float>(v), raw.ptr<float>(v) + raw.cols, depth.ptr<float>(v), [&](float value) {
-        const float metres = value * scale;
-        return metres > 0 && std::isfinite(metres) ? metres : std::numeric_limits<float>::quiet_NaN();
-      });
+      std::transform(raw.ptr<float>(v), raw.ptr<float>(v) + raw.cols, depth.ptr<float>(v),
+                     [&](float value) { return metres_or_nan(value * scale); });
   }
   if (from.confidence.empty()) return depth;
   const std::string bytes = read_file(from.confidence);

@@ -105,7 +105,6 @@ struct Parameters {
   double detection_prior = 20;     ///< views that the stated rate of detection is worth
   double min_place_share = 0.05;   ///< of a place that a scene must show to be a view of it
   double min_place_extent_m = 0.5;
-  double min_unseen = 1e-3;  ///< share of a place below which everything was seen
   double max_appearance_change = 0.95;
   double view_point_ratio = 4;    ///< variance to be learned over the known one from which a view teaches
   double noise_prior = 3;         ///< offsets that the stated noise is worth

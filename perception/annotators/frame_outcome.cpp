@@ -28,7 +28,8 @@ double finite_share(const cv::Mat& vectors) {
 }
 
 /// Whether there is a support when the camera is taken as turned by quarters of a circle about its axis.
-bool shows_support(const cv::Mat& points, const cv::Mat& normals, int quarters) {
+bool shows_support(const cv::Mat& points, const cv::Mat& normals, const mapping::PinholeCamera& camera,
+                   int quarters) {
   static constexpr std::array<std::array<float, 4>, 4> kTurns = {
       {{1, 0, 0, 1}, {0, 1, -1, 0}, {-1, 0, 0, -1}, {0, -1, 1, 0}}};
   const auto& [a, b, c, d] = kTurns[static_cast<size_t>(quarters)];
@@ -36,7 +37,7 @@ bool shows_support(const cv::Mat& points, const cv::Mat& normals, int quarters) 
   cv::Mat turned_points, turned_normals;
   cv::transform(points, turned_points, turn);
   cv::transform(normals, turned_normals, turn);
-  return !find_supports(turned_points, turned_normals, std::nullopt, SupportOptions()).empty();
+  return !find_supports(turned_points, turned_normals, camera, std::nullopt, SupportOptions()).empty();
 }
 
 std::optional<Reason> no_depth_because(const cv::Mat& depth) {
@@ -74,17 +75,17 @@ Reason no_object_in_map_because(const types::SceneCas& scene) {
 }  // namespace
 
 Reason no_support_because(const cv::Mat& depth, const cv::Mat& points, const cv::Mat& normals,
-                          const std::optional<Vector3d>& up) {
+                          const mapping::PinholeCamera& camera, const std::optional<Vector3d>& up) {
   if (const auto reason = no_depth_because(depth)) return *reason;
   if (finite_share(normals) < kMinShare) return Reason::depth_too_sparse;
   if (up) {
     // A camera that looks ahead or down, upright, is right about what is up: a plane across is a wall.
     const bool looks_up = up->z() > 0.5, is_turned = up->y() > -0.3;
-    const bool tilted = (looks_up || is_turned) && shows_support(points, normals, 0);
+    const bool tilted = (looks_up || is_turned) && shows_support(points, normals, camera, 0);
     return tilted ? Reason::map_not_level : Reason::no_plane;
   }
   for (const int quarters : {1, 2, 3})
-    if (shows_support(points, normals, quarters)) return Reason::camera_rolled;
+    if (shows_support(points, normals, camera, quarters)) return Reason::camera_rolled;
   return Reason::no_plane;
 }
 
@@ -104,7 +105,8 @@ std::optional<Reason> no_object_because(const types::SceneCas& scene, bool remem
   std::optional<Vector3d> up;
   if (has_measured_pose(scene.scene()))
     up = map_from_camera(scene.scene()).linear().transpose() * Vector3d::UnitZ();
-  return no_support_because(depth, cloud_points(scene), cloud_normals(scene), up);
+  return no_support_because(depth, cloud_points(scene), cloud_normals(scene), types::cameras(scene).depth,
+                            up);
 }
 
 }  // namespace loci::perception

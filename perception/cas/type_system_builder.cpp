@@ -5,6 +5,7 @@
 #include <set>
 
 #include "mapping/base/files.h"
+#include "mapping/base/text/text.h"
 #include "perception/cas/type_system.h"
 
 namespace loci::perception::cas {
@@ -35,21 +36,13 @@ std::string at(const FileLocation& place) {
   return place.file.empty() ? "the built-in types" : place.text();
 }
 
-std::string trimmed(const char* text) {
-  std::string result = text == nullptr ? "" : text;
-  const char* spaces = " \t\r\n";
-  result.erase(0, std::min(result.find_first_not_of(spaces), result.size()));
-  result.erase(result.find_last_not_of(spaces) + 1);
-  return result;
-}
-
 FileLocation place_of(const XMLElement& element, const std::string& file) {
   return {file, element.GetLineNum(), {}};
 }
 
 std::string child_text(const XMLElement& element, const char* name) {
   const XMLElement* child = element.FirstChildElement(name);
-  return child == nullptr ? "" : trimmed(child->GetText());
+  return child == nullptr || child->GetText() == nullptr ? "" : trimmed(child->GetText());
 }
 
 std::string required_text(const XMLElement& element, const char* name, const std::string& file) {

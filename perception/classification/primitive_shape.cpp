@@ -197,12 +197,14 @@ std::optional<Circle> circle_through(const CircleData& data) {
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> values(system);
     if (values.eigenvalues()[0] < 0.01 * values.eigenvalues()[1]) return std::nullopt;
-    circle.centre = values.operatorInverseSqrt() * values.operatorInverseSqrt() * right;
+    circle.centre = system.ldlt().solve(right);
     std::vector<double> distances;
     for (const Vector2d& point : data.points) distances.push_back((point - circle.centre).norm());
     circle.radius = median(distances);
     for (size_t i = 0; i < data.points.size(); ++i) {
       const Vector2d from = data.points[i] - circle.centre;
+      weights[i] = 0;
+      if (distances[i] < 1e-6) continue;
       const double past = data.normals[i].x() * from.y() - data.normals[i].y() * from.x();
       weights[i] = robust_weight(std::pow((distances[i] - circle.radius) / (3 * data.sigma_m), 2) / kWorst +
                                  std::pow(past / (data.sigma_angle * distances[i]), 2) / kWorst);

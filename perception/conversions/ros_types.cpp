@@ -9,6 +9,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/text/html.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::perception {
 namespace {
@@ -38,13 +39,6 @@ const RosPrimitive* find_ros_primitive(const std::string& name) {
 namespace fs = std::filesystem;
 
 constexpr const char* kHeader = "std_msgs/Header";
-
-std::string trimmed(std::string text) {
-  const auto is_space = [](unsigned char c) { return std::isspace(c) != 0; };
-  text.erase(text.begin(), std::find_if_not(text.begin(), text.end(), is_space));
-  text.erase(std::find_if_not(text.rbegin(), text.rend(), is_space).base(), text.end());
-  return text;
-}
 
 bool is_name(const std::string& text) {
   return !text.empty() && std::isalpha(static_cast<unsigned char>(text[0])) != 0 &&

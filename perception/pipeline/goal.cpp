@@ -94,6 +94,21 @@ GoalChoice consider(const GoalTerm& term, const std::string& name, const std::ve
   return choice;
 }
 
+/// By gain per time; what takes no measurable time pays most.
+bool pays_more(const GoalChoice& one, const GoalChoice& two) {
+  return one.gain * two.seconds > two.gain * one.seconds;
+}
+
+/// Takes out of a choice what runs already, and its time.
+void leave_out(const std::set<std::string>& running, const StatisticsTable& statistics, GoalChoice& choice) {
+  std::erase_if(choice.with, [&](const std::string& each) {
+    if (!running.contains(each)) return false;
+    choice.seconds -= expected_seconds(each, statistics);
+    return true;
+  });
+  if (running.contains(choice.annotator)) choice.seconds = 0;
+}
+
 }  // namespace
 
 std::vector<GoalTerm> parse_goal(const std::string& text) {
@@ -151,7 +166,7 @@ GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Js
     };
     std::stable_sort(options.begin(), options.end(), [&](const GoalChoice& one, const GoalChoice& two) {
       const int a = rank(one), b = rank(two);
-      return a != b ? a < b : one.gain / one.seconds > two.gain / two.seconds;
+      return a != b ? a < b : pays_more(one, two);
     });
     for (size_t i = 0; i < options.size(); ++i) {
       if (i == 0)
@@ -163,15 +178,18 @@ GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Js
     }
     if (options.empty()) plan.unanswered.push_back(term.key + "=" + term.value);
   }
-  std::stable_sort(best.begin(), best.end(), [](const auto& one, const auto& two) {
-    return one.first.gain / one.first.seconds > two.first.gain / two.first.seconds;
-  });
+  std::stable_sort(best.begin(), best.end(),
+                   [](const auto& one, const auto& two) { return pays_more(one.first, two.first); });
   // From the inside out: later annotators see only the clusters that fit so far.
   std::vector<std::pair<Json, std::string>> taken;
+  std::set<std::string> running;
   for (auto& [choice, term] : best) {
+    leave_out(running, statistics, choice);
     choice.taken = !budget_s || plan.seconds + choice.seconds <= *budget_s;
     choice.why = choice.taken
-                     ? fmt::format("gain per time is {:.3g} per second", choice.gain / choice.seconds)
+                     ? choice.seconds > 0
+                           ? fmt::format("gain per time is {:.3g} per second", choice.gain / choice.seconds)
+                           : "it takes no further time"
                      : "the budget is used up";
     plan.choices.push_back(choice);
     if (!choice.taken) {
@@ -183,7 +201,9 @@ GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Js
     for (const std::string& each : choice.with) steps.push_back(each);
     const Json options =
         configured.contains(choice.annotator) ? configured[choice.annotator] : Json::object();
-    steps.push_back({{choice.annotator, options}});
+    if (!running.contains(choice.annotator)) steps.push_back({{choice.annotator, options}});
+    running.insert(choice.with.begin(), choice.with.end());
+    running.insert(choice.annotator);
     taken.emplace_back(steps, term->condition);
     plan.condition += (plan.condition.empty() ? "" : " and ") + term->condition;
   }

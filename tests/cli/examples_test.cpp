@@ -79,7 +79,7 @@ class Examples : public testing::Test {
           "loci-simulate record apps/samples/tour.yaml -o demo-output/tour",
           "loci-simulate record apps/samples/walk.yaml -o demo-output/walk",
           "loci-map fuse demo-output/tour -o demo-output/scans",
-          "loci-map interpret demo-output/scans -o demo-output",
+          "loci-map interpret demo-output/scans --recording demo-output/tour -o demo-output",
           "loci-simulate record apps/samples/day.yaml -o demo-output/day",
           "loci-perceive run demo-output/day --map demo-output/explored/map.urdf -m demo-output/memory.loci"})
       expect_works(command);

@@ -70,17 +70,25 @@ bool is_floor(const WorldTriangle& triangle, double height) {
          });
 }
 
+void require_heights_in_order(const GridOptions& options) {
+  if (options.min_height_m >= options.max_height_m)
+    throw Error(fmt::format("no height is an obstacle's: min_height_m is {}, max_height_m {}",
+                            options.min_height_m, options.max_height_m),
+                {}, "max_height_m is the robot's height, min_height_m what it drives over");
+}
+
 }  // namespace
 
 void GridOptions::declare(OptionTable& table) {
   table.number("resolution_m", resolution_m, "m", "Size of a cell, or of a voxel.", 0.001, 1);
-  table.number("height_min_m", height_min_m, "m", "Lower obstacles can be driven over (grid).", 0, 10);
-  table.number("height_max_m", height_max_m, "m", "Higher obstacles can be driven under (grid).", 0, 10);
+  table.number("min_height_m", min_height_m, "m", "Lower obstacles can be driven over (grid).", 0, 10);
+  table.number("max_height_m", max_height_m, "m", "Higher obstacles can be driven under (grid).", 0, 10);
   table.number("floor_m", floor_m, "m", "Height of the floor (grid).", -100, 100);
 }
 
 OccupancyGrid occupancy_grid(const std::vector<WorldTriangle>& triangles, const GridOptions& options,
                              Warnings& warnings) {
+  require_heights_in_order(options);
   Eigen::AlignedBox2d box;
   for (const WorldTriangle& triangle : triangles)
     for (const Vector3d& corner : triangle.corners) box.extend(corner.head<2>());
@@ -90,7 +98,7 @@ OccupancyGrid occupancy_grid(const std::vector<WorldTriangle>& triangles, const 
   cv::Mat floor = occupied.clone();
   for (const WorldTriangle& triangle : triangles) {
     fill(occupied, grid,
-         slice(triangle, options.floor_m + options.height_min_m, options.floor_m + options.height_max_m));
+         slice(triangle, options.floor_m + options.min_height_m, options.floor_m + options.max_height_m));
     if (is_floor(triangle, options.floor_m))
       fill(floor, grid, {triangle.corners.begin(), triangle.corners.end()});
   }
@@ -112,13 +120,14 @@ OccupancyGrid occupancy_grid(const std::vector<WorldTriangle>& triangles, const 
 }
 
 OccupancyGrid occupancy_grid(const octomap::OcTree& tree, const GridOptions& options) {
+  require_heights_in_order(options);
   Vector3d low, high;
   tree.getMetricMin(low.x(), low.y(), low.z());
   tree.getMetricMax(high.x(), high.y(), high.z());
   if (tree.size() == 0) throw Error("the scans leave nothing known to make a grid of");
   OccupancyGrid grid = empty_grid({low.head<2>(), high.head<2>()}, tree.getResolution());
-  const double bottom = options.floor_m + options.height_min_m;
-  const double top = options.floor_m + options.height_max_m;
+  const double bottom = options.floor_m + options.min_height_m;
+  const double top = options.floor_m + options.max_height_m;
   for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
     const double half = leaf.getSize() / 2;
     if (leaf.getZ() + half <= bottom || leaf.getZ() - half >= top) continue;

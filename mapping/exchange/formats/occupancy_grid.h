@@ -18,8 +18,8 @@ namespace loci::mapping {
 
 struct GridOptions {
   double resolution_m = 0.05;
-  double height_min_m = 0.10;  ///< what is lower can be driven over
-  double height_max_m = 1.50;  ///< what is higher can be driven under
+  double min_height_m = 0.10;  ///< what is lower can be driven over
+  double max_height_m = 1.50;  ///< what is higher can be driven under
   double floor_m = 0;
 
   void declare(loci::OptionTable& table);

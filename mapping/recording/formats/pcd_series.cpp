@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "mapping/base/time_limits.h"
+#include "mapping/recording/depth_image.h"
 #include "mapping/sensor/pcd.h"
 
 namespace loci::mapping {
@@ -202,7 +203,7 @@ cv::Mat PcdSeries::images_of(const FrameFiles& from, cv::Mat& color) const {
   if (field != nullptr) color.create(camera.height, camera.width, CV_8UC3);
   for (size_t p = 0; p < cloud.size(); ++p) {
     const double value = backwards_ ? -cloud.number(p, *z) : cloud.number(p, *z);
-    depth.ptr<float>()[p] = value > 0 ? static_cast<float>(value) : std::numeric_limits<float>::quiet_NaN();
+    depth.ptr<float>()[p] = metres_or_nan(static_cast<float>(value));
     if (field == nullptr) continue;
     const uint32_t bits = cloud.bits(p, *field);
     color.ptr<cv::Vec3b>()[p] = {static_cast<uint8_t>(bits), static_cast<uint8_t>(bits >> 8),

@@ -12,6 +12,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/image/image_io.h"
+#include "mapping/recording/depth_image.h"
 #include "mapping/recording/formats/layouts.h"
 #include "mapping/recording/ros/rvl.h"
 
@@ -178,7 +179,7 @@ cv::Mat metres_from(const cv::Mat& raw, double unit_m, const FileLocation& locat
         if (millimetres != 0 && millimetres != 65535)
           metres = static_cast<float>(unit_m * static_cast<double>(millimetres));
       }
-      depth.at<float>(v, u) = metres > 0 && metres < std::numeric_limits<float>::infinity() ? metres : kNan;
+      depth.at<float>(v, u) = metres_or_nan(metres);
     }
   return depth;
 }

@@ -11,6 +11,7 @@
 
 #include "mapping/base/output_file.h"
 #include "mapping/base/text/json.h"
+#include "mapping/base/time_limits.h"
 #include "memory/store/memory_file.h"
 #include "memory/store/rows/derived_rows.h"
 #include "memory/store/rows/row_columns.h"
@@ -181,7 +182,8 @@ RetentionResult Store::retain(const RetentionRules& rules) {
     database.exec("PRAGMA secure_delete = ON");
     SQLite::Transaction all(database, SQLite::TransactionBehavior::IMMEDIATE);
     const auto discard = [&](const std::optional<double>& age_s, auto what) {
-      if (age_s) what(database, *last - static_cast<TimeNs>(*age_s * double(kSecond)), result);
+      if (!age_s || *age_s * double(kSecond) >= double(kMaxTime)) return;  // nothing is so old
+      what(database, *last - static_cast<TimeNs>(*age_s * double(kSecond)), result);
     };
     discard(rules.images_s, discard_images);
     discard(rules.images_s, discard_clouds);

@@ -37,12 +37,12 @@ Isometry3d pose_over_first_support(const mapping::Recording& recording, const st
     const cv::Mat depth = smooth_depth(frame.depth, frame.camera.depth, NormalOptions::for_objects());
     const cv::Mat points = points_from_depth(depth, frame.camera.depth);
     const cv::Mat normals = normals_from_depth(depth, frame.camera.depth, NormalOptions::for_objects());
-    const auto supports = find_supports(points, normals, up, SupportOptions());
+    const auto supports = find_supports(points, normals, frame.camera.depth, up, SupportOptions());
     const auto largest =
         std::max_element(supports.begin(), supports.end(),
                          [](const SupportPlane& a, const SupportPlane& b) { return a.inliers < b.inliers; });
     if (largest != supports.end()) return largest->camera_from_plane.inverse();
-    tries.add(no_support_because(frame.depth, points, normals, up));
+    tries.add(no_support_because(frame.depth, points, normals, frame.camera.depth, up));
   }
   throw Error("the recording has no poses and shows no support: " + tries.reasons(),
               {recording.info().path, 0, {}}, tries.hint());

@@ -287,7 +287,8 @@ void UnsupportedObjectExtractor::process(cas::Cas& cas, Context& context) {
   const Isometry3d pose = map_from_camera(scene);
   std::optional<Vector3d> up;
   if (has_measured_pose(scene)) up = pose.linear().transpose() * Vector3d::UnitZ();
-  if (no_support_because(depth, points, normals, up) != Reason::no_plane) return;
+  if (no_support_because(depth, points, normals, types::cameras(facade).depth, up) != Reason::no_plane)
+    return;
   const mapping::RgbdCamera cameras = types::cameras(facade);
   cv::Mat color, lab;
   if (facade.has(types::SceneCas::kColor)) {

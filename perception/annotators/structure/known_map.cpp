@@ -105,6 +105,7 @@ Corners outline_of(const Corners& triangles) {
 
 std::optional<SupportSurface> surface_of(const KnownMap& map, const mapping::Link& link,
                                          const Isometry3d& map_from_link) {
+  constexpr double kMinFilled = 0.1;  // of the outline
   const std::vector<Facet> facets = upper_facets(map, link, map_from_link);
   const auto level = top_height(facets);
   if (!level) return std::nullopt;
@@ -123,7 +124,8 @@ std::optional<SupportSurface> surface_of(const KnownMap& map, const mapping::Lin
     }
   }
   const Corners outline = outline_of(corners);
-  if (outline.size() < 3) return std::nullopt;
+  // On the ends of legs, or on a frame, nothing can stand.
+  if (outline.size() < 3 || area < kMinFilled * cv::contourArea(outline)) return std::nullopt;
   Eigen::AlignedBox2d extent;
   for (const cv::Point2f& p : outline) extent.extend(Vector2d(p.x, p.y));
   SupportSurface surface;

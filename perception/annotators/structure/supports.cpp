@@ -313,7 +313,8 @@ bool ends_in_view(const cv::Mat& points, const SupportPlane& plane) {
 }
 
 std::vector<SupportPlane> horizontal_supports(const cv::Mat& points, const cv::Mat& normals,
-                                              const Vector3d& up, const SupportOptions& options) {
+                                              const mapping::PinholeCamera& camera, const Vector3d& up,
+                                              const SupportOptions& options) {
   const double cosine = std::cos(options.normal_deg * kPi / 180);
   // A table under a high camera may lie as deep as this.
   const double deepest = 2 * options.max_below_camera_m;
@@ -327,9 +328,9 @@ std::vector<SupportPlane> horizontal_supports(const cv::Mat& points, const cv::M
     const double bin = (up.dot(all[i].point) + deepest) / kBin;
     if (bin < 0 || bin >= static_cast<double>(bins)) continue;
     bin_of[i] = static_cast<int>(bin);
-    // The area behind a pixel, but for the focal length, which is the same for all.
     const double cos_view = std::max(0.15, -up.dot(all[i].point.normalized()));
-    area[static_cast<size_t>(bin_of[i])] += all[i].point.z() * all[i].point.z() / cos_view;
+    area[static_cast<size_t>(bin_of[i])] +=
+        all[i].point.z() * all[i].point.z() / (camera.fx * camera.fy * cos_view);
   }
   std::vector<SupportPlane> found;
   for (int attempt = 0; attempt < 12; ++attempt) {
@@ -342,7 +343,7 @@ std::vector<SupportPlane> horizontal_supports(const cv::Mat& points, const cv::M
         peak = i;
       }
     }
-    if (best / (600.0 * 600.0) < options.min_area_m2 / 2) break;
+    if (best < options.min_area_m2 / 2) break;
     std::vector<PlaneSample> layer;
     const int reach = static_cast<int>(options.inlier_m / kBin) + 1;
     for (size_t i = 0; i < all.size(); ++i)
@@ -471,8 +472,9 @@ std::optional<SupportPlane> refine_support(const cv::Mat& points, const cv::Mat&
 }
 
 std::vector<SupportPlane> find_supports(const cv::Mat& points, const cv::Mat& normals,
+                                        const mapping::PinholeCamera& camera,
                                         const std::optional<Vector3d>& up, const SupportOptions& options) {
-  if (up) return horizontal_supports(points, normals, *up, options);
+  if (up) return horizontal_supports(points, normals, camera, *up, options);
   double offset = 0;
   const double cosine = std::cos(options.normal_deg * kPi / 180);
   const auto normal = dominant_plane(points, normals, options.inlier_m, cosine, offset);

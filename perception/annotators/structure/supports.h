@@ -101,6 +101,7 @@ std::optional<SupportPlane> refine_support(const cv::Mat& points, const cv::Mat&
 /// All horizontal supports in view, nearest to the camera's height last, when `up` (unit, camera frame) is
 /// known; otherwise the one plane that dominates the image and looks upwards in it.
 std::vector<SupportPlane> find_supports(const cv::Mat& points, const cv::Mat& normals,
+                                        const mapping::PinholeCamera& camera,
                                         const std::optional<Vector3d>& up, const SupportOptions& options);
 
 /// Normal n (unit, up) and offset of a support's plane in the camera's frame, n · p = offset, metres. `pose`

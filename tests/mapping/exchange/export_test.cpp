@@ -226,7 +226,7 @@ TEST(Grid, WorldWithoutFloorStandsOnOne) {
   std::erase_if(map.world.links, [](const Link& link) { return link.name == "floor"; });
   Warnings warnings;
   GridOptions above_all;
-  above_all.height_min_m = 1;
+  above_all.min_height_m = 1;
   const OccupancyGrid grid = occupancy_grid(triangles_of(map.world), above_all, warnings);
   EXPECT_FALSE(warnings.empty());
   EXPECT_EQ(at(grid, 0, 1.7), Occupancy::free);
@@ -237,9 +237,13 @@ TEST(Grid, WhatARobotDrivesOverOrUnderIsNoObstacle) {
   const FurnishedMap map;
   Warnings warnings;
   GridOptions options;
-  options.height_max_m = 0.05;
-  options.height_min_m = 0.02;
+  options.max_height_m = 0.05;
+  options.min_height_m = 0.02;
   EXPECT_EQ(at(occupancy_grid(triangles_of(map.world), options, warnings), 0, 1.7), Occupancy::free);
+  options.max_height_m = 1.5;
+  EXPECT_EQ(at(occupancy_grid(triangles_of(map.world), options, warnings), 0, 1.7), Occupancy::occupied);
+  options.min_height_m = 2;
+  EXPECT_THROW(occupancy_grid(triangles_of(map.world), options, warnings), Error);
 }
 
 TEST(Grid, MapServersImageHasTheHighestRowFirst) {

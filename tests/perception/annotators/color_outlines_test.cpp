@@ -31,7 +31,7 @@ struct Scene {
     for (size_t i = 0; i < colors.size(); ++i)
       images.color.setTo(cv::Scalar(colors[i]), labels == static_cast<int>(i) + 1);
     images.color_camera = table.camera;
-    supports = find_supports(images.points, images.normals, table.up(), SupportOptions());
+    supports = find_supports(images.points, images.normals, table.camera, table.up(), SupportOptions());
     clusters = extract_clusters(images, table.camera, supports, ClusterOptions());
   }
 

@@ -31,7 +31,7 @@ Found find(const SyntheticTable& table, double sigma, const std::optional<Vector
       smooth_depth(table.render(sigma, found.labels), table.camera, NormalOptions::for_objects());
   const cv::Mat points = points_from_depth(depth, table.camera);
   const cv::Mat normals = normals_from_depth(depth, table.camera, NormalOptions::for_objects());
-  found.supports = find_supports(points, normals, up, SupportOptions());
+  found.supports = find_supports(points, normals, table.camera, up, SupportOptions());
   found.clusters = extract_clusters({points, normals, {}, {}}, table.camera, found.supports, options);
   return found;
 }
@@ -125,7 +125,7 @@ TEST(Clusters, AreTheSameOnAnyNumberOfThreads) {
   const cv::Mat depth = smooth_depth(table.render(0.1, labels), table.camera, NormalOptions::for_objects());
   const cv::Mat points = points_from_depth(depth, table.camera);
   const cv::Mat normals = normals_from_depth(depth, table.camera, NormalOptions::for_objects());
-  const auto supports = find_supports(points, normals, table.up(), SupportOptions());
+  const auto supports = find_supports(points, normals, table.camera, table.up(), SupportOptions());
   const auto pixels_with = [&](int threads) {
     std::vector<std::vector<int>> pixels;
     for (const ObjectCluster& cluster :
@@ -393,7 +393,7 @@ TEST(Clusters, WhatIsFlushWithTheMapIsNoObject) {
                              normals_from_depth(depth, table.camera, NormalOptions::for_objects()),
                              {},
                              map.render(0, ignored)};
-  found.supports = find_supports(images.points, images.normals, table.up(), SupportOptions());
+  found.supports = find_supports(images.points, images.normals, table.camera, table.up(), SupportOptions());
   found.clusters = extract_clusters(images, table.camera, found.supports, ClusterOptions());
   ASSERT_EQ(found.clusters.size(), 1U);
   EXPECT_GT(overlap(found, found.clusters[0], 2), 0.8);
@@ -417,7 +417,7 @@ TEST(Clusters, WhatStandsBeforeAWallOfTheMapIsNoPieceOfIt) {
   const ClusterImages images{points_from_depth(depth, table.camera),
                              normals_from_depth(depth, table.camera, NormalOptions::for_objects()), region,
                              map_depth};
-  found.supports = find_supports(images.points, images.normals, table.up(), SupportOptions());
+  found.supports = find_supports(images.points, images.normals, table.camera, table.up(), SupportOptions());
   ASSERT_FALSE(found.supports.empty());
   for (SupportPlane& support : found.supports) support.region = 1;
   found.clusters = extract_clusters(images, table.camera, found.supports, ClusterOptions());
@@ -452,7 +452,7 @@ TEST(Clusters, WhatHasAnotherColourIsNoPartOfWhatItTouches) {
   images.color = cv::Mat(depth.size(), CV_8UC3, cv::Scalar(70, 120, 170));
   images.color.setTo(cv::Scalar(30, 30, 30), found.labels == 2);
   images.color_camera = table.camera;
-  found.supports = find_supports(images.points, images.normals, table.up(), SupportOptions());
+  found.supports = find_supports(images.points, images.normals, table.camera, table.up(), SupportOptions());
   found.clusters = extract_clusters(images, table.camera, found.supports, ClusterOptions());
   EXPECT_EQ(found.clusters.size(), 2U);
   EXPECT_GT(best_overlap(found, 2), 0.8);
@@ -502,7 +502,7 @@ TEST(Clusters, MatchTheLabelledTableScenes) {
     const cv::Mat points = points_from_depth(smooth, camera);
     const cv::Mat normals = normals_from_depth(smooth, camera, NormalOptions::for_objects());
     const auto clusters = extract_clusters({points, normals, {}, {}}, camera,
-                                           find_supports(points, normals, std::nullopt, {}), {});
+                                           find_supports(points, normals, camera, std::nullopt, {}), {});
     std::map<int, int> sizes;
     for (size_t i = 0; i < labels.total(); ++i) ++sizes[labels.ptr<unsigned char>()[i] / 10];
     for (const auto& [object, size] : sizes) {

@@ -214,6 +214,21 @@ TEST(KnownMap, SupportsGoRoundCorners) {
   EXPECT_NEAR(inside(-0.7, 0.7), -0.2, 0.01) << "before the corner";
 }
 
+TEST(KnownMap, NothingStandsOnTheEndsOfLegs) {
+  std::string legs = "<link name=\"table_legs\">";
+  for (const char* corner : {"0.5 0.3", "0.5 -0.3", "-0.5 0.3", "-0.5 -0.3"})
+    legs += std::string("<visual><origin xyz=\"") + corner +
+            " 0.35\"/><geometry><box size=\"0.06 0.06 0.7\"/></geometry></visual>";
+  Warnings warnings;
+  const auto map =
+      KnownMap::make(world_of("<link name=\"map\"/>" + box("table", "1.1 0.7 0.03") +
+                              fixed("table", "0 0 0.72") + legs + "</link>" + fixed("table_legs", "0 0 0")),
+                     {}, {}, warnings);
+  const std::vector<SupportSurface> surfaces = map->support_surfaces({"table*"});
+  ASSERT_EQ(surfaces.size(), 1U);
+  EXPECT_EQ(surfaces[0].link, "table");
+}
+
 TEST(KnownStructure, ATableBeforeACornerKeepsWhatStandsOnIt) {
   Warnings warnings;
   const auto map = KnownMap::make(corner_kitchen(), {}, {}, warnings);

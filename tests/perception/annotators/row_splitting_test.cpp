@@ -25,7 +25,8 @@ std::pair<size_t, int> found_on(const SyntheticTable& table, int labels) {
   const cv::Mat depth = smooth_depth(table.render(0.1, shown), table.camera, NormalOptions::for_objects());
   const cv::Mat points = points_from_depth(depth, table.camera);
   const cv::Mat normals = normals_from_depth(depth, table.camera, NormalOptions::for_objects());
-  const std::vector<SupportPlane> supports = find_supports(points, normals, table.up(), SupportOptions());
+  const std::vector<SupportPlane> supports =
+      find_supports(points, normals, table.camera, table.up(), SupportOptions());
   const std::vector<ObjectCluster> clusters =
       extract_clusters({points, normals, {}, {}}, table.camera, supports, ClusterOptions());
   int found = 0;

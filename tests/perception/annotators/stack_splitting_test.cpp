@@ -69,7 +69,8 @@ StackResult find_stacks(const PaintedTable& table, bool with_color = true,
     images.color = table.color(found.labels, measured);
     images.color_camera = table.camera;
   }
-  const auto supports = find_supports(images.points, images.normals, table.up(), SupportOptions());
+  const auto supports =
+      find_supports(images.points, images.normals, table.camera, table.up(), SupportOptions());
   found.clusters = extract_clusters(images, table.camera, supports, options);
   return found;
 }

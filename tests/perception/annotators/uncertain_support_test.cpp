@@ -23,9 +23,23 @@ std::vector<ObjectCluster> on_uncertain_table(const cv::Vec3b& table_color, cons
     images.color_camera = table.camera;
   }
   std::vector<SupportPlane> supports =
-      find_supports(images.points, images.normals, table.up(), SupportOptions());
+      find_supports(images.points, images.normals, table.camera, table.up(), SupportOptions());
   for (SupportPlane& support : supports) support.uncertainty = 0.015;
   return extract_clusters(images, table.camera, supports, ClusterOptions());
+}
+
+TEST(Supports, AreFoundAtTheResolutionOfAPhone) {
+  test::SyntheticTable table;
+  table.camera = {160, 120, 145, 145, 80, 60};
+  cv::Mat labels;
+  const cv::Mat depth = smooth_depth(table.render(0.05, labels), table.camera, NormalOptions::for_objects());
+  SupportOptions options;
+  options.min_area_m2 = 0.2;  // a third of the table
+  const auto supports = find_supports(points_from_depth(depth, table.camera),
+                                      normals_from_depth(depth, table.camera, NormalOptions::for_objects()),
+                                      table.camera, table.up(), options);
+  ASSERT_EQ(supports.size(), 1U);
+  EXPECT_GT(supports[0].area, 0.4);
 }
 
 TEST(UncertainSupport, ALowObjectIsToldByItsColor) {

@@ -76,6 +76,17 @@ TEST(Goal, AsksLaterExpertsOnlyAboutWhatFitsSoFar) {
   EXPECT_EQ(refusal_of(Json{{"flow", flow}}.dump(), registry).find("needs"), std::string::npos);
 }
 
+TEST(Goal, WhatTwoTermsNeedRunsOnce) {
+  AnnotatorRegistry registry = experts();
+  add_scripted(registry, {"Products", "", {"PclFeatureAnnotation"}, {"ProductAnnotation"}});
+  const GoalPlan made = plan_goal(parse_goal("class=mug product=tea"), Json::array({"Finder"}),
+                                  Json::object(), registry, {}, std::nullopt);
+  EXPECT_THAT(taken(made), ::testing::UnorderedElementsAre("Classes", "Products"));
+  const std::string flow = made.pipeline.dump();
+  ASSERT_NE(flow.find("Features"), std::string::npos);
+  EXPECT_EQ(flow.find("Features"), flow.rfind("Features")) << flow;
+}
+
 TEST(Goal, KeepsToTheBudget) {
   const GoalPlan made = plan("class=mug color=red", 0.12);
   EXPECT_THAT(taken(made), ElementsAre("Colors"));

@@ -282,7 +282,7 @@ void PlaneClusterExtractor::process(cas::Cas& cas, Context& context) {
   } else {
     std::optional<Vector3d> up;
     if (has_measured_pose(scene)) up = pose.linear().transpose() * Vector3d::UnitZ();
-    planes = find_supports(points, normals, up, support_options_);
+    planes = find_supports(points, normals, camera, up, support_options_);
     if (scene.map_from_camera.get().frame_id.get() == "map")
       std::erase_if(planes, [&](const SupportPlane& plane) {
         return (pose * plane.camera_from_plane.translation()).z() < kFloorHeight;
