@@ -22,10 +22,12 @@ class AtomicEdits : public testing::Test {
     ingest(fs::path(LOCI_SOURCE_DIR) / "apps/samples/detections.jsonl", file_, {}, {}, silent_, warnings);
     Store store = Store::open_write(file_);
     teach(store, "object_1", "mug");
-    merge_objects(store, 1, 2);
-    // A belief that cannot be read is the failure.
+    split_object(store, 1, store.observations_of(1).back().time);
+    // A belief that cannot be read is the failure: the present one, and that to which undo returns.
     SceneTransaction rows(store, store.begin_run("test", "{}"));
     rows.set_checkpoint("belief", "no belief", store.last_scene()->id);
+    for (const auto& [name, kept] : store.checkpoints(kKeptBeliefs))
+      if (name.ends_with("/belief")) rows.set_checkpoint(name, "no belief", kept.scene);
     rows.commit();
   }
   void TearDown() override { fs::remove(file_); }
@@ -58,6 +60,7 @@ TEST_F(AtomicEdits, AFailedEditLeavesTheMemoryAsItWas) {
   const Store read = Store::open_read(file_);
   const std::string place = read.places().front().name;
   const std::vector<ObjectObservation> seen = read.observations_of(1);
+  ASSERT_GT(seen.size(), 1U);
   expect_unchanged("teach", [](Store& store) { teach(store, "object_1", "bowl"); });
   expect_unchanged("say", [](Store& store) { say(store, "object_1", "alias", "tea mug"); });
   expect_unchanged("retract", [](Store& store) { say(store, "object_1", "class", ""); });

@@ -93,7 +93,7 @@ TEST_F(Declarations, ACountAsksWhetherThereAreAsMany) {
     const Answer answer = question.ask(*store_, query);
     return full_json(question.reply(*store_, query, answer), answer);
   };
-  const Json many = asked("on table_1 --count 99"), one = asked("on table_1 --count 1");
+  const Json many = asked("on table_1 --at 08:00 --count 99"), one = asked("on table_1 --at 08:00 --count 1");
   EXPECT_EQ(many["verdict"], "no");
   EXPECT_EQ(many["reply"]["verdict"], "no");
   EXPECT_EQ(one["verdict"], "yes");
