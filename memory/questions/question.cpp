@@ -227,7 +227,8 @@ std::optional<int64_t> read_number(const std::string& text) {
   int64_t number = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (failure == std::errc() && end == text.data() + text.size()) return number;
-  const bool word = std::ranges::all_of(text, [](unsigned char c) { return std::isalpha(c) != 0; });
+  const bool word =
+      !text.empty() && std::ranges::all_of(text, [](unsigned char c) { return std::isalpha(c) != 0; });
   return word ? count_of(lower_case(text)) : std::nullopt;
 }
 

@@ -93,7 +93,7 @@ struct Query {
   std::string text() const;
 };
 
-/// A whole number in digits, or in words up to twelve; unset for anything else.
+/// A whole number in digits or in words ("two"); unset for anything else.
 std::optional<int64_t> read_number(const std::string& text);
 
 /// Error for arguments that `parameters` do not have, for required ones that are missing, for names that are
