@@ -85,7 +85,7 @@ class PythonProgress : public Progress {
  public:
   explicit PythonProgress(ProgressCallable callable) : callable_(std::move(callable)) {}
   bool update(double fraction, std::string_view text) override;
-  /// After Interrupted: the exception that stopped it, or KeyboardInterrupt.
+  /// After Interrupted: the exception that stopped it, or Error where the callable returned False.
   [[noreturn]] void rethrow();
 
  private:
@@ -93,7 +93,7 @@ class PythonProgress : public Progress {
   std::optional<py::error_already_set> failure_;
 };
 
-/// Runs a stage unlocked; Interrupted becomes the exception of Python that caused it.
+/// Runs a stage unlocked; Interrupted becomes the exception of Python that caused it, or an Error.
 template <class Stage>
 auto run_stage(const ProgressCallable& callable, Stage&& stage) {
   PythonProgress progress(callable);

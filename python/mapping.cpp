@@ -1,5 +1,7 @@
 // Maps and recordings.
 
+#include <cmath>
+
 #include "mapping/base/output_file.h"
 #include "mapping/base/text/json.h"
 #include "mapping/recording/recording.h"
@@ -222,17 +224,15 @@ class Writer {
         writer_(std::make_unique<mapping::RecordingWriter>(
             folder, camera_, map_frame, mapping::RecordingWriterOptions{.time_assumed = time_assumed})) {}
 
-  void add(const TimeArgument& time,
-           const py::array_t<float, py::array::c_style | py::array::forcecast>& depth,
-           const std::optional<py::array>& color, const std::optional<py::array_t<double>>& map_from_camera,
-           const JointState& joints) {
+  void add(const TimeArgument& time, const py::array& depth, const std::optional<py::array>& color,
+           const std::optional<py::array_t<double>>& map_from_camera, const JointState& joints) {
     if (!writer_) throw Error("the recording is finished");
     mapping::RgbdFrame frame{
         .index = count_++,
         .name = {},
         .time_ns = time_of(time),
         .camera = camera_,
-        .depth = image_of(depth, CV_32F, "a depth image"),
+        .depth = depth_of(depth),
         .color = color ? bgr_of(*color) : cv::Mat(),
         .map_from_camera = map_from_camera ? std::optional(pose_of(*map_from_camera)) : std::nullopt,
         .joints = joints,
@@ -243,12 +243,32 @@ class Writer {
   }
   void finish() {
     if (!writer_) return;
+    if (count_ == 0) throw Error("no frame was added: nothing is written", {}, "add(time, depth, ...) first");
     unlocked([&] { writer_->finish(); });
     writer_.reset();
   }
   void discard() { writer_.reset(); }
 
  private:
+  /// Metres of floating-point numbers, or of whole millimetres.
+  static cv::Mat depth_of(const py::array& array) {
+    const char kind = array.dtype().kind();
+    if (kind != 'f' && kind != 'u' && kind != 'i')
+      throw Error("a depth image holds metres (float) or millimetres (integers)");
+    using Metres = py::array_t<float, py::array::c_style | py::array::forcecast>;
+    cv::Mat depth = image_of(Metres::ensure(array), CV_32F, "a depth image");
+    if (kind != 'f') depth *= 0.001;
+    const double max_m = 65534 * mapping::RecordingWriterOptions{}.depth_unit_m;
+    size_t measured = 0, stored = 0;
+    for (const float z : cv::Mat_<float>(depth)) {
+      measured += std::isfinite(z) && z != 0 ? 1 : 0;
+      stored += z > 0 && static_cast<double>(z) <= max_m ? 1 : 0;
+    }
+    if (measured > 0 && stored == 0)
+      throw Error("none of the depths lies between 0 and " + std::to_string(static_cast<int>(max_m)) + " m",
+                  {}, "depth is metres as floating-point numbers, or millimetres as integers");
+    return depth;
+  }
   static void check_size(const cv::Mat& image, const mapping::PinholeCamera& camera, const char* what) {
     if (image.cols != camera.width || image.rows != camera.height)
       throw Error(std::string("the ") + what + " image has " + std::to_string(image.rows) + " rows and " +
@@ -320,11 +340,13 @@ void add_recordings(py::module_& module) {
            py::arg("time_assumed") = false,
            "camera: of the depth images, and of colour where no other is given; time_assumed: the times are "
            "made up")
-      .def("add", &Writer::add, py::arg("time"), py::arg("depth"), py::arg("color") = py::none(),
-           py::arg("map_from_camera") = py::none(), py::arg("joints") = JointState(),
-           "Adds a frame: z in m with NaN or 0 = no measurement, RGB, pose of the depth camera 4 x 4. Frames "
-           "come in "
-           "order of time.")
+      .def(
+          "add", &Writer::add, py::arg("time"), py::arg("depth"), py::arg("color") = py::none(),
+          py::arg("map_from_camera") = py::none(), py::arg("joints") = JointState(),
+          "Adds a frame: z in m (integers: mm) with NaN or 0 = no measurement, RGB, pose of the depth camera "
+          "4 x 4. Depth beyond 65 m is stored as no measurement; a frame of which all is, is refused. "
+          "Frames "
+          "come in order of time.")
       .def("finish", &Writer::finish, "Puts the recording at its place.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](Writer& writer, const py::args& raised) {

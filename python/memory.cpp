@@ -1,10 +1,13 @@
 // Memories: questions, scenes, observations, tables.
 
+#include <algorithm>
+#include <array>
 #include <map>
 #include <mutex>
 #include <tuple>
 
 #include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/image/image_io.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_actions.h"
@@ -15,6 +18,7 @@
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
+#include "memory/questions/replies/reply.h"
 #include "memory/sentences/natural_language.h"
 #include "memory/store/scene_images.h"
 #include "memory/store/store.h"
@@ -66,8 +70,11 @@ using TextAndData = std::pair<std::string, std::string>;
 TextAndData answer_query(OpenMemory& memory, const std::string& question,
                          const std::map<std::string, std::string>& arguments) {
   return memory.with_store([&](const memory::Store& store) -> TextAndData {
-    const memory::Answer answer = ask(store, memory::Query{question, arguments});
-    return {answer.to_text(memory::TimeWriter(store)), dumped(answer.to_json())};
+    const memory::Question& declared = *memory::find_question(question);
+    const memory::Query query{question, arguments};
+    const memory::Answer answer = declared.ask(store, query);
+    const memory::Reply reply = declared.reply(store, query, answer);
+    return {full_text(reply, answer, memory::TimeWriter(store)), dumped(full_json(reply, answer))};
   });
 }
 
@@ -90,17 +97,23 @@ py::object cell_of(const Json& value) {
   return py::none();
 }
 
+/// The public views without their prefix.
+constexpr std::array kTables = {"objects",          "observations", "events", "scenes",
+                                "place_visibility", "log",          "facts"};
+
 py::dict table(OpenMemory& memory, const std::string& name) {
+  if (std::ranges::count(kTables, name) == 0)
+    throw Error("there is no table '" + name + "'", {memory.path().string(), 0, {}},
+                "there are: " + joined({kTables.begin(), kTables.end()}, ", "));
   std::vector<Json> rows;
-  memory.with_store([&](const memory::Store& store) {
-    store.read_view("v_" + name, [&](const Json& row) { rows.push_back(row); });
+  const std::vector<std::string> names = memory.with_store([&](const memory::Store& store) {
+    return store.read_view("v_" + name, [&](const Json& row) { rows.push_back(row); });
   });
   py::dict columns;
+  for (const std::string& column : names) columns[py::str(column)] = py::list();
   for (const Json& row : rows)
-    for (const auto& [column, value] : row.items()) {
-      if (!columns.contains(column)) columns[py::str(column)] = py::list();
+    for (const auto& [column, value] : row.items())
       columns[py::str(column)].cast<py::list>().append(cell_of(value));
-    }
   return columns;
 }
 
@@ -320,17 +333,15 @@ std::string ingest_file(const std::filesystem::path& file, const std::filesystem
 }
 
 std::string teach(OpenMemory& memory, const std::string& object, const std::string& class_name) {
-  return memory.with_store([&](memory::Store& store) {
-    set_facts(store, object, {{"class", class_name}, {memory::kTaughtKey, class_name}});
-    return dumped(apply_catalogues(store).report());
-  });
+  return memory.with_store(
+      [&](memory::Store& store) { return dumped(memory::teach(store, object, class_name).report()); });
 }
 
 std::string edit(OpenMemory& memory, const std::string& name,
                  const std::map<std::string, std::string>& arguments) {
   return memory.with_store([&](memory::Store& store) {
     if (!store.writable()) throw store.error("the memory is open for reading", "loci.open(file, write=True)");
-    return dumped(to_json(make_edit(store, memory::Query{name, arguments})));
+    return dumped(result_json(make_edit(store, memory::Query{name, arguments})));
   });
 }
 

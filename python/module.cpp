@@ -141,8 +141,7 @@ bool PythonProgress::update(double fraction, std::string_view text) {
 
 void PythonProgress::rethrow() {
   if (failure_) throw *failure_;
-  PyErr_SetNone(PyExc_KeyboardInterrupt);
-  throw py::error_already_set();
+  throw Error("stopped: progress returned False");
 }
 
 void raise_warnings(const Warnings& warnings) {
@@ -178,6 +177,7 @@ std::string in_python(const std::string& message) {
 
 PYBIND11_MODULE(_loci, module) {
   using namespace loci::python;
+  module.attr("__version__") = LOCI_VERSION;
   module.doc() = "What the package loci is made of; use that.";
   static py::exception<loci::Error> error(module, "Error");
   error.doc() = "What happened, where, and what to do about it, in one line.";

@@ -235,6 +235,17 @@ perception::AnnotatorRegistry registry_with(const std::vector<Held>& annotators)
   return registry;
 }
 
+/// What an annotator of Python adds to a scene are views, and annotations of known types.
+void check_outputs(const perception::AnnotatorDescriptor& descriptor,
+                   const perception::cas::TypeSystem& types) {
+  for (const std::string& output : descriptor.outputs)
+    if (output != "Cluster" && !output.starts_with("view:")) try {
+        annotation_type(types, output);
+      } catch (const Error& error) {
+        throw Error(descriptor.name + ".outputs: " + error.message(), {}, error.hint());
+      }
+}
+
 memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recording, const RunOptions& options,
                                      const std::function<void(perception::cas::Cas&)>& done,
                                      Progress& progress, Warnings& warnings) {
@@ -257,6 +268,7 @@ memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recordi
   }
   const auto types = options.types.empty() ? perception::types::type_system()
                                            : perception::types::type_system_with(options.types);
+  for (const Held& type : options.annotators) check_outputs(PythonAnnotator(type).descriptor(), *types);
   perception::Context context{resources, warnings, options.threads, {}};
   if (options.memory.empty()) return {pipeline.run(context, types, progress, done), 0};
   memory::MemorySessionOptions session{.memory = options.memory,
@@ -314,7 +326,7 @@ std::string run(const std::filesystem::path& path, const std::string& pipeline, 
                        {"left_out", result.pipeline.left_out},
                        {"seconds", Json(result.pipeline.seconds)}};
     return json.dump();
-  } catch (const py::error_already_set&) {
+  } catch (...) {
     if (raised) throw *raised;
     throw;
   }

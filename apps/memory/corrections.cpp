@@ -76,14 +76,6 @@ void answer_maps(Session& session, const memory::Store& store) {
   session.answer(text.empty() ? "No scene was perceived with a map.\n" : text, {{"maps", maps}});
 }
 
-void answer_list(Session& session, const memory::EditList& list) {
-  std::string text = list.done.empty() && list.undone.empty() ? "Nothing was edited.\n" : "";
-  for (const memory::Edit& edit : list.done) text += edit.text + "\n";
-  for (auto edit = list.undone.rbegin(); edit != list.undone.rend(); ++edit)
-    text += edit->text + " (undone)\n";
-  session.answer(text, to_json(list));
-}
-
 }  // namespace
 
 Command edit_command() {
@@ -98,14 +90,14 @@ Command edit_command() {
                              "What the action takes; names of several words in quotes");
             table.memory(arguments->memory);
             return [arguments](Session& session) {
-              if (arguments->action == "list")
-                return answer_list(session, edits(open_memory(arguments->memory, session)));
+              if (arguments->action == "list") {
+                const memory::EditList list = edits(open_memory(arguments->memory, session));
+                return session.answer(to_text(list), to_json(list));
+              }
               const memory::Query query = arguments->query();
               memory::Store store = open_to_change(arguments->memory, session);
               const memory::Edit edit = make_edit(store, query, session.progress());
-              const std::string done = arguments->action == "undo" ? "Undone: " : "Done: ";
-              session.answer(done + edit.text + (edit.note.empty() ? "" : "; " + edit.note) + "\n",
-                             to_json(edit));
+              session.answer(summary(edit), result_json(edit));
             };
           }};
 }
@@ -138,9 +130,11 @@ Command fact_command() {
                 answer = ask(open_memory(memory, session), memory::FactsQuestion{word(0), word(1), {}});
               } else {
                 memory::Store store = open_to_change(memory, session);
+                memory::ChangeTransaction all(store);
                 answer = action == "set" ? set_fact(store, word(0), word(1), word(2))
                                          : remove_fact(store, word(0), word(1), word(2));
                 apply_catalogues(store);  // of what was an example, or is called otherwise now
+                all.commit();
               }
               session.answer(to_text(answer), to_json(answer));
             };
@@ -162,9 +156,8 @@ Command teach_command() {
             table.memory(arguments->memory);
             return [arguments](Session& session) {
               memory::Store store = open_to_change(arguments->memory, session);
-              set_facts(store, arguments->object,
-                        {{"class", arguments->class_name}, {memory::kTaughtKey, arguments->class_name}});
-              const memory::CatalogueResult result = apply_catalogues(store);
+              const memory::CatalogueResult result =
+                  memory::teach(store, arguments->object, arguments->class_name);
               session.answer(result.summary(), result.report());
             };
           }};

@@ -350,7 +350,7 @@ memory::Id one_object(const memory::Store& store, const std::string& words, cons
   const memory::Snapshot snapshot(store, as_of);
   const std::vector<memory::Id> found = snapshot.find_objects(words);
   if (found.size() == 1) return found.front();
-  throw Error(fmt::format("'{}' means {} objects", words, found.size()), {store.path().string(), 0, {}},
+  throw Error(fmt::format("'{}' means {} objects", words, found.size()), {store.name(), 0, {}},
               fmt::format("{} is the most probable one", memory::object_name(found.front())));
 }
 

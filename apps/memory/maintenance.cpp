@@ -174,7 +174,13 @@ Command verify_command() {
         return [arguments](Session& session) {
           if (!arguments->forgotten.empty())
             return verify_forgotten(session, memory_file(arguments->memory, session), arguments->forgotten);
-          memory::VerifyReport report = open_memory(arguments->memory, session).verify(session.progress());
+          memory::VerifyReport report;
+          std::optional<Error> unreadable;
+          {
+            const memory::Store store = open_memory(arguments->memory, session);
+            report = store.verify(session.progress());
+            unreadable = memory::unreadable_belief(store);
+          }
           const size_t repaired = arguments->repair ? report.derived_problems.size() : 0;
           if (repaired > 0) {
             memory::Store store = memory::Store::open_write(arguments->memory);
@@ -185,6 +191,11 @@ Command verify_command() {
           }
           Json json = report_json(report);
           std::string text = report_text(report);
+          if (unreadable) {
+            text += fmt::format("\n  It can be read, but not continued or corrected: {} ({})",
+                                unreadable->message(), unreadable->hint());
+            json["not_continued"] = {{"because", unreadable->message()}, {"hint", unreadable->hint()}};
+          }
           if (arguments->repair) {
             json["repaired"] = repaired;
             text = fmt::format("{} problems repaired. ", repaired) + text;

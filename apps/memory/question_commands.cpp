@@ -42,6 +42,7 @@ struct QuestionArguments {
   bool details = false;
   std::vector<std::string> words, between;
   std::map<std::string, std::string> options;  // by name of the parameter
+  std::map<std::string, bool> given;           // of these
 
   void declare(const memory::Question& question, ArgumentTable& table);
   memory::Query query(const memory::Question& question) const;
@@ -62,6 +63,7 @@ void QuestionArguments::declare(const memory::Question& question, ArgumentTable&
       continue;
     }
     ArgumentDetails with{.default_text = parameter.default_text, .choices = parameter.choices};
+    with.given = &given[parameter.name];
     if (parameter.name == "from" || parameter.name == "to") with.excludes = {"--between"};
     for (const memory::Parameter& other : parameters)
       if (std::ranges::count(parameter.excludes, other.name) > 0)
@@ -76,7 +78,7 @@ void QuestionArguments::declare(const memory::Question& question, ArgumentTable&
 memory::Query QuestionArguments::query(const memory::Question& question) const {
   memory::Query query{.question = question.name, .asks = question.asks};
   for (const auto& [name, value] : options)
-    if (!value.empty()) query.arguments[name] = value;
+    if (given.at(name)) query.arguments[name] = value;
   if (!between.empty()) query.arguments["from"] = between.at(0);
   if (!between.empty()) query.arguments["to"] = between.at(1);
   question.read(words, query);
@@ -88,13 +90,11 @@ memory::Query QuestionArguments::query(const memory::Question& question) const {
 std::string text_of(const memory::Answer& answer, const memory::Question& question,
                     const memory::Query& query, bool details, const memory::Store& store) {
   const memory::TimeWriter times(store);
-  const auto as_of = read_as_of(store, query.argument("at"), query.argument("known-at"));
-  memory::Reply reply = answer.reply({store, query, as_of, times});
-  const bool inspects = question.group == memory::QuestionGroup::inspect;
-  if (!details && !inspects) return to_text(reply);
-  reply.evidence.clear();  // it is in what follows
+  const memory::Reply reply = question.reply(store, query, answer);
+  if (details) return full_text(reply, answer, times);
+  if (question.group == memory::QuestionGroup::ask) return to_text(reply);
   const std::string all = answer.to_text(times);
-  return (all.starts_with(reply.text) ? "" : to_text(reply)) + (details ? all : first_lines(all));
+  return (all.starts_with(reply.text) ? "" : reply.text + "\n") + first_lines(all);
 }
 
 Command question_command(const memory::Question& question) {
@@ -114,7 +114,7 @@ Command question_command(const memory::Question& question) {
                   const memory::Query query = arguments->query(question);
                   const memory::Answer answer = question.ask(store, query);
                   session.answer(text_of(answer, question, query, arguments->details, store),
-                                 answer.to_json());
+                                 full_json(question.reply(store, query, answer), answer));
                 };
               },
           .group = to_text(question.group)};
@@ -142,7 +142,8 @@ Command digest_command() {
       if (!arguments->page.empty())
         write_output(arguments->page, digest_page(store, answer.get<memory::DigestAnswer>()),
                      session.outputs());
-      session.answer(text_of(answer, question, query, arguments->question.details, store), answer.to_json());
+      session.answer(text_of(answer, question, query, arguments->question.details, store),
+                     full_json(question.reply(store, query, answer), answer));
     };
   };
   return command;

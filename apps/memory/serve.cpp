@@ -25,7 +25,7 @@ constexpr size_t kMaxMessage = static_cast<size_t>(kMaxMessage_mb * 1e6);  ///< 
 /// Replies to lines from standard input until it ends.
 class LineServer {
  public:
-  explicit LineServer(const memory::ToolServer& server) : server_(server) {}
+  explicit LineServer(const memory::ToolServer& server) : transport_(server) {}
 
   void run() {
     std::string bytes(65536, '\0');
@@ -55,14 +55,14 @@ class LineServer {
 
   void answer() {
     const std::optional<std::string> reply =
-        line_.find_first_not_of(" \t\r") == std::string::npos ? std::nullopt : server_.reply(line_);
+        line_.find_first_not_of(" \t\r") == std::string::npos ? std::nullopt : transport_.reply(line_);
     line_.clear();
     if (!reply) return;
     fmt::print("{}\n", *reply);
     std::fflush(stdout);
   }
 
-  const memory::ToolServer& server_;
+  memory::LineTransport transport_;
   std::string line_;
 };
 

@@ -10,6 +10,7 @@
 #include "apps/memory/memory_arguments.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/text/json.h"
+#include "memory/fleet/fleet_database.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/routines/standing_question.h"
@@ -35,18 +36,44 @@ void run_command(const std::string& command, const memory::EventWatcher::News& n
   if (status != 0) warnings.add(fmt::format("the command ended with status {}", status));
 }
 
+/// Whether there is something to wait for. `stopwatch` runs since the command began.
+bool goes_on(const WatchArguments& arguments, const Stopwatch& stopwatch) {
+  return !interrupted() && (!arguments.for_s || stopwatch.seconds() < *arguments.for_s);
+}
+
+void wait_a_moment() {
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+}
+
+/// Waits for a memory that no program has made yet. Whether it was there from the beginning.
+bool wait_for_memory(const WatchArguments& arguments, const Stopwatch& stopwatch, Session& session) {
+  const auto is_there = [&] {
+    return memory::is_fleet_url(arguments.memory) || std::filesystem::exists(arguments.memory);
+  };
+  if (is_there()) return true;
+  session.log(fmt::format("{}: there is no such memory yet, waiting for it", arguments.memory));
+  while (!is_there() && goes_on(arguments, stopwatch)) wait_a_moment();
+  return false;
+}
+
 void watch(const WatchArguments& arguments, Session& session) {
   std::vector<memory::StandingQuestion> questions;
   for (const std::string& text : arguments.questions)
     questions.push_back(memory::parse_standing_question(text));
-  std::vector<std::string> unknown;
-  const std::function<std::filesystem::path()> source = memory_source(arguments.memory, session);
-  memory::EventWatcher watcher(questions, memory::Store::open_read(source()), unknown);
-  for (const std::string& name : unknown) session.warnings().add(name + " yet", {arguments.memory, 0, {}});
+  memory::EventWatcher watcher(questions);
   const Stopwatch stopwatch;
+  const bool was_there = wait_for_memory(arguments, stopwatch, session);
+  if (!goes_on(arguments, stopwatch)) return;
+  const std::function<std::filesystem::path()> source = memory_source(arguments.memory, session);
+  {
+    const memory::Store store = memory::Store::open_read(source());
+    if (was_there) watcher.begin_now(store);
+    for (const std::string& name : watcher.unknown(store))
+      session.log(fmt::format("warning: {}: {} yet", arguments.memory, name));
+  }
   int64_t count = 0;
-  while (!interrupted() && (!arguments.for_s || stopwatch.seconds() < *arguments.for_s)) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  while (goes_on(arguments, stopwatch)) {
+    wait_a_moment();
     const memory::Store store = memory::Store::open_read(source());
     const memory::TimeWriter times(store);
     for (const memory::EventWatcher::News& news : watcher.poll(store)) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "mapping/base/files.h"
+#include "mapping/base/text/text.h"
 
 namespace loci {
 namespace {
@@ -87,8 +88,9 @@ void Config::finish() const {
   for (const auto& entry : node_) {
     const auto key = entry.first.as<std::string>();
     if (known_.contains(key)) continue;
+    const std::string nearest = did_you_mean(key, candidates);
     throw Error("unknown key '" + key + "'", {file_, entry.first.Mark().line + 1, path_},
-                did_you_mean(key, candidates));
+                !nearest.empty() || candidates.empty() ? nearest : "known are " + joined(candidates, ", "));
   }
 }
 

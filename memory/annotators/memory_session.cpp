@@ -19,7 +19,7 @@ KnownPlanes load_planes(const Store& store) {
   if (!last) return {};
   for (const AnnotationRow& row : store.annotations(last->id))
     if (row.type == kKnownPlanesType) try {
-        return KnownPlanes::from_json(parse_json(row.value, store.path().string()));
+        return KnownPlanes::from_json(parse_json(row.value, store.name()));
       } catch (const Json::exception&) {
         throw store.error("the known planes in table annotation are damaged", "perceive into a new memory");
       }

@@ -10,6 +10,9 @@ namespace loci::memory::belief {
 namespace {
 
 constexpr uint32_t kVersion = 2;
+/// The evidence of scenes is read from this version on: from it the belief is computed again where the state
+/// of another version cannot be continued.
+constexpr uint32_t kOldestReasoning = 1;
 constexpr size_t kMaxBytes = size_t{1} << 26;  // a message takes some tens of times its bytes
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -33,12 +36,12 @@ std::string bytes_of(Message& message) {
 }
 
 template <class Message>
-Message parsed(std::string_view bytes) {
+Message parsed(std::string_view bytes, uint32_t oldest = kVersion) {
   Message message;
   if (bytes.size() > kMaxBytes || !message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
     refuse("the bytes are damaged");
   if (message.version() == 0) refuse("the bytes are damaged or end too early");
-  if (message.version() != kVersion) refuse("another version of loci wrote it");
+  if (message.version() < oldest || message.version() > kVersion) refuse("another version of loci wrote it");
   return message;
 }
 
@@ -673,7 +676,7 @@ std::string to_bytes(const SceneReasoning& reasoning) {
 }
 
 SceneReasoning reasoning_from_bytes(std::string_view bytes) {
-  const auto message = parsed<stored::SceneReasoning>(bytes);
+  const auto message = parsed<stored::SceneReasoning>(bytes, kOldestReasoning);
   SceneReasoning reasoning{Codec::read(message.evidence()), Codec::read(message.decisions()),
                            Codec::read(message.matrices())};
   const size_t decided = reasoning.decisions.observations.size();

@@ -241,8 +241,9 @@ void add_habits(Store& store, const Catalogue& catalogue) {
 
 CatalogueResult import_catalogue(Store& store, const Catalogue& catalogue) {
   if (catalogue.home == home_of(store) && !catalogue.home.empty())
-    throw Error("the catalogue is of this memory's own home", {store.path().string(), 0, {}},
+    throw Error("the catalogue is of this memory's own home", {store.name(), 0, {}},
                 "import it into the memory of another home");
+  ChangeTransaction all(store);
   const std::string bytes = to_json(catalogue).dump(), name = kCheckpoint + catalogue.home;
   const std::optional<Store::Checkpoint> stored = store.checkpoint(name);
   if (!stored || stored->bytes != bytes) {
@@ -252,7 +253,9 @@ CatalogueResult import_catalogue(Store& store, const Catalogue& catalogue) {
     transaction.commit();
     store.finish_run(run);
   }
-  return apply_catalogues(store);
+  CatalogueResult result = apply_catalogues(store);
+  all.commit();
+  return result;
 }
 
 CatalogueResult apply_catalogues(Store& store) {
@@ -267,8 +270,7 @@ CatalogueResult apply_catalogues(Store& store) {
   const belief::Corrections corrections = load_belief(store).calibration.corrections();
   Facts facts;
   for (const auto& [name, checkpoint] : stored) {
-    const Catalogue catalogue =
-        catalogue_from(parse_json(checkpoint.bytes, store.path().string()), store.path().string());
+    const Catalogue catalogue = catalogue_from(parse_json(checkpoint.bytes, store.name()), store.name());
     result.entries += catalogue.entries.size();
     match(catalogue, objects, corrections, facts);
     add_habits(store, catalogue);

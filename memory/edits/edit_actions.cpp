@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {
@@ -111,6 +112,20 @@ Json to_json(const Edit& edit) {
   Json json = {{"run", edit.run}, {"known", format_time(edit.known)}, {"edit", edit.text}};
   if (!edit.note.empty()) json["note"] = edit.note;
   return json;
+}
+
+Json result_json(const Edit& edit) {
+  Json json = to_json(edit);
+  json["reply"] = {{"text", trimmed(summary(edit))}};
+  return json;
+}
+
+std::string to_text(const EditList& list) {
+  std::string text = list.done.empty() && list.undone.empty() ? "Nothing was edited.\n" : "";
+  for (const Edit& edit : list.done) text += edit.text + "\n";
+  for (auto edit = list.undone.rbegin(); edit != list.undone.rend(); ++edit)
+    text += edit->text + " (undone)\n";
+  return text;
 }
 
 Json to_json(const EditList& list) {

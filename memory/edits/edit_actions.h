@@ -25,6 +25,9 @@ const EditAction* find_edit_action(const std::string& name);
 Edit make_edit(Store& store, const Query& query, Progress& progress = no_progress());
 
 Json to_json(const Edit& edit);
+/// Of an edit that was made just now: with its summary as "reply".
+Json result_json(const Edit& edit);
+std::string to_text(const EditList& list);
 Json to_json(const EditList& list);
 
 }  // namespace loci::memory

@@ -12,7 +12,14 @@
 namespace loci::memory {
 
 EditRun::EditRun(Store& store, const Json& configuration)
-    : store_(store), id_(store.begin_run(kEditProgram, configuration.dump())) {}
+    : store_(store), change_(store), id_(store.begin_run(kEditProgram, configuration.dump())) {}
+
+Edit EditRun::finish() {
+  store_.finish_run(id_);
+  Edit made = edit_of(store_, id_);
+  change_.commit();
+  return made;
+}
 
 Edit edit_of(const Store& store, Id run) {
   for (const RunRow& row : store.runs())

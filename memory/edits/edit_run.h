@@ -8,18 +8,19 @@
 
 namespace loci::memory {
 
-/// A run of an edit. Its configuration has the "text" of the edit, and what is needed to reverse it. One that
-/// is not finished is not an edit: it is finished in the transaction that changes the rows.
+/// A run of an edit. Its configuration has the "text" of the edit, and what is needed to reverse it. All that
+/// is done until it is finished is one transaction: an edit that fails leaves the memory as it was.
 class EditRun {
  public:
   EditRun(Store& store, const Json& configuration);
   EditRun(const EditRun&) = delete;
   EditRun& operator=(const EditRun&) = delete;
   Id id() const { return id_; }
-  void finish() { store_.finish_run(id_); }
+  Edit finish();
 
  private:
   Store& store_;
+  ChangeTransaction change_;
   Id id_;
 };
 

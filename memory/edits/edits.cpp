@@ -75,8 +75,8 @@ void return_to_belief_before(Store& store, SceneTransaction& rows, const RunRow&
 
 /// Reverses what a run did, as a new run: rows that superseded others are superseded by them, others are
 /// retracted. `known`: what is known of identities without it.
-Id reverse_run(Store& store, const RunRow& row, const std::string& text, const Json& more,
-               const KnownIdentities& known, Progress& progress) {
+Edit reverse_run(Store& store, const RunRow& row, const std::string& text, const Json& more,
+                 const KnownIdentities& known, Progress& progress) {
   Json configuration = configuration_of(row, store.path());
   for (const char* key : {"undoes", "redoes"}) configuration.erase(key);
   configuration.update(more);
@@ -112,9 +112,9 @@ Id reverse_run(Store& store, const RunRow& row, const std::string& text, const J
         break;
       }
   }
-  run.finish();
   added.commit();
-  return run.id();
+  apply_catalogues(store);
+  return run.finish();
 }
 
 bool is_edit(const RunRow& run) {
@@ -145,10 +145,7 @@ Edit toggle(Store& store, const Edit& edit, const char* what, const std::vector<
   RunRow row;
   for (const RunRow& run : store.runs())
     if (run.id == edit.run) row = run;
-  const Id run =
-      reverse_run(store, row, edit.text, {{what, edit.run}}, known_identities(store, others), progress);
-  apply_catalogues(store);
-  return edit_of(store, run);
+  return reverse_run(store, row, edit.text, {{what, edit.run}}, known_identities(store, others), progress);
 }
 
 /// Something that has a name: what the map (or who found it) calls it, and what it is called now.
@@ -181,6 +178,11 @@ std::vector<Named> all_named(const Store& store) {
 Progress& no_progress() {
   static NoProgress silent;
   return silent;
+}
+
+std::string summary(const Edit& edit) {
+  return (edit.undone ? "Undone: " : "Done: ") + edit.text + (edit.note.empty() ? "" : "; " + edit.note) +
+         "\n";
 }
 
 KnownIdentities known_identities(const Store& store) {
@@ -232,14 +234,14 @@ Edit label_observation(Store& store, Id scene, int64_t number, const std::string
          {"label", {{"scene", scene}, {"observation", row.id}, {"before", before}, {"after", class_name}}}});
     SceneTransaction rows(store, run.id());
     add_label(rows, scene, row.id, class_name);
-    run.finish();
     rows.commit();
-    return edit_of(store, run.id());
+    return run.finish();
   }
   refuse(store, fmt::format("scene {} has no observation {}", scene, number), "they are counted from 0");
 }
 
 Edit say(Store& store, const std::string& about, const std::string& key, const std::string& value) {
+  ChangeTransaction all(store);
   if (value.empty())
     remove_fact(store, about, key, "");
   else
@@ -247,7 +249,16 @@ Edit say(Store& store, const std::string& about, const std::string& key, const s
   const EditList list = edits(store);
   if (list.done.empty()) refuse(store, "nothing was changed", "the memory has this fact already");
   apply_catalogues(store);
+  all.commit();
   return list.done.back();
+}
+
+CatalogueResult teach(Store& store, const std::string& object, const std::string& class_name) {
+  ChangeTransaction all(store);
+  set_facts(store, object, {{"class", class_name}, {kTaughtKey, class_name}});
+  CatalogueResult result = apply_catalogues(store);
+  all.commit();
+  return result;
 }
 
 Edit name_place(Store& store, const std::string& place, const std::string& name) {
@@ -289,17 +300,19 @@ Edit set_joint_type(Store& store, const std::string& joint, const std::string& t
   if (found == nullptr)
     throw Error(fmt::format("the map has no joint '{}'", joint), {newest->name, 0, {}},
                 did_you_mean(joint, joints));
+  if (found->type == *wanted)
+    refuse(store, fmt::format("{} is {} already", joint, type), "give another type");
   const std::string text = fmt::format("{} is {}, not {}", joint, type, joint_type_name(found->type));
   found->type = *wanted;
   const bool needs_limits =
       *wanted == mapping::JointType::revolute || *wanted == mapping::JointType::prismatic;
   if (needs_limits && !found->limits) found->limits = mapping::JointLimits{};
-  SceneTransaction all(store, 0);
+  ChangeTransaction all(store);
   const Id corrected = store.add_correction(*newest, urdf_text(world));
   EditRun run(store, {{"text", text}, {"map", {{"before", newest->id}, {"after", corrected}}}});
-  run.finish();
+  Edit made = run.finish();
   all.commit();
-  return edit_of(store, run.id());
+  return made;
 }
 
 Edit name_part(Store& store, const std::string& part, const std::string& name) {
@@ -326,8 +339,7 @@ Edit name_part(Store& store, const std::string& part, const std::string& name) {
   EditRun run(store,
               {{"text", text},
                {"part", {{"of", meant->of}, {"name", meant->in_map}, {"before", before}, {"after", after}}}});
-  run.finish();
-  return edit_of(store, run.id());
+  return run.finish();
 }
 
 Edit undo(Store& store, Progress& progress) {
@@ -336,7 +348,9 @@ Edit undo(Store& store, Progress& progress) {
     refuse(store, "there is nothing to undo", "loci-memory edit list shows what was done");
   const Edit last = list.done.back();
   list.done.pop_back();
-  return toggle(store, last, "undoes", list.done, progress);
+  Edit undone = toggle(store, last, "undoes", list.done, progress);
+  undone.undone = true;
+  return undone;
 }
 
 Edit redo(Store& store, Progress& progress) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "memory/catalogue/catalogue.h"
 #include "memory/reasoning/revise.h"
 
 namespace loci::memory {
@@ -24,7 +25,10 @@ struct Edit {
   TimeNs known = 0;       ///< of that run
   std::string text = {};  ///< for people: "object_7 is object_3"
   std::string note = {};  ///< what came of it beyond that: "object_9 (alias mug) has no observation left"
+  bool undone = false;    ///< the run reversed it
 };
+/// "Undone: object_7 is object_3".
+std::string summary(const Edit& edit);
 
 /// Edits in the order in which they were made or redone.
 struct EditList {
@@ -52,6 +56,9 @@ Edit set_joint_type(Store& store, const std::string& joint, const std::string& t
 /// A fact about an object or place: alias, class, owner or any other key (see set_fact). An empty value
 /// retracts it.
 Edit say(Store& store, const std::string& about, const std::string& key, const std::string& value);
+
+/// Teaches a class by example: what looks like the object is called so, too.
+CatalogueResult teach(Store& store, const std::string& object, const std::string& class_name);
 
 /// The name of a place from now on; questions and the browser use it, and also find the place by its old
 /// name. An empty name retracts it. Error when another place has this name.

@@ -250,10 +250,9 @@ Edit correct_identity(Store& store, const IdentityEdit& edit,
   } else {
     relabel(rows);
   }
-  run.finish();
   rows.commit();
   apply_catalogues(store);
-  Edit made = edit_of(store, run.id());
+  Edit made = run.finish();
   std::vector<std::string> notes = unplaced_facts(store);
   if (!with_evidence)
     notes.emplace_back("without the evidence of all scenes nothing else was reasoned about anew");

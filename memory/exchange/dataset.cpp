@@ -36,7 +36,7 @@ mapping::PinholeCamera scaled(const SceneCamera& camera, int width, int height) 
 
 cv::Mat image(const Store& store, Id blob) {
   const std::string bytes = store.blob(blob).bytes;
-  return mapping::decode_image({bytes.begin(), bytes.end()}, store.path().string());
+  return mapping::decode_image({bytes.begin(), bytes.end()}, store.name());
 }
 
 /// The frame from the thumbnail and the image of a scene.
@@ -102,7 +102,7 @@ class Dataset {
 
   DatasetResult finish() {
     if (!writer_)
-      throw Error("the memory has nothing for a dataset", {store_.path().string(), 0, {}},
+      throw Error("the memory has nothing for a dataset", {store_.name(), 0, {}},
                   "scenes need depth, and observations that are objects need masks");
     writer_->add_file("objects.csv",
                       "scene,label_group,class,said_by,object,observation,place,color,size_x,"

@@ -139,8 +139,7 @@ ObjectModel model_of(const Store& store, Id object, const ObjectModelOptions& op
   ObjectModel model;
   model.object = object;
   const std::vector<ObjectObservation> observations = store.observations_of(object, as_of);
-  if (observations.empty())
-    throw Error(object_name(object) + " was never seen", {store.path().string(), 0, {}});
+  if (observations.empty()) throw Error(object_name(object) + " was never seen", {store.name(), 0, {}});
   model.observations = observations.size();
   model.evidence = annotation_support(store, observations);
   const std::vector<Candidate> candidates = candidates_of(observations);
@@ -163,7 +162,7 @@ ObjectModel model_of(const Store& store, Id object, const ObjectModelOptions& op
   }
   if (model.views.empty())
     throw Error(
-        "nothing of the surface of " + object_name(object) + " is stored", {store.path().string(), 0, {}},
+        "nothing of the surface of " + object_name(object) + " is stored", {store.name(), 0, {}},
         "depth, masks and poses are needed (loci-perceive run keeps them; loci-memory retain lets them go)");
   register_views(model, options, progress);
   const auto from_centre = [&](size_t i) {

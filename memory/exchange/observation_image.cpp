@@ -12,7 +12,7 @@ namespace {
 
 cv::Mat image_in(const Store& store, Id blob) {
   const std::string bytes = store.blob(blob).bytes;
-  return mapping::decode_image({bytes.begin(), bytes.end()}, store.path().string());
+  return mapping::decode_image({bytes.begin(), bytes.end()}, store.name());
 }
 
 }  // namespace
@@ -38,8 +38,8 @@ cv::Mat label_image(const Store& store, const SceneRow& scene, const AsOf& as_of
         association.probability <= 0)
       continue;
     if (*association.object > 65535)
-      throw Error(object_name(*association.object) + " has no number in a label image",
-                  {store.path().string(), 0, {}}, "16 bits are enough for 65535 objects");
+      throw Error(object_name(*association.object) + " has no number in a label image", {store.name(), 0, {}},
+                  "16 bits are enough for 65535 objects");
     const cv::Mat mask = mask_of(store, scene, store.observation(*association.observation));
     if (mask.empty()) continue;
     if (labels.empty()) labels = cv::Mat::zeros(mask.size(), CV_16U);

@@ -161,8 +161,8 @@ CREATE VIEW loci.v_objects WITH (security_invoker = true) AS
       ELSE coalesce((SELECT v.status FROM loci.visibility v WHERE v.home = t.home AND v.robot = t.robot
         AND v.scene = latest.id AND v.object = t.object ORDER BY v.id LIMIT 1), 'out_of_view') END AS status,
     CASE WHEN t.seen_later THEN 1.0 ELSE t.probability END *
-      CASE WHEN t.fade_s IS NULL THEN 1.0 ELSE t.fade_to + (1 - t.fade_to) *
-        exp(greatest(-700, -greatest(0, latest.time - t.base) / 1e9::double precision / t.fade_s)) END AS probability,
+      CASE WHEN t.fade_s IS NULL OR latest.time <= t.base THEN 1.0 ELSE t.fade_to + (1 - t.fade_to) *
+        exp(greatest(-700, -(latest.time - t.base) / 1e9::double precision / greatest(t.fade_s, 1e-9))) END AS probability,
     p.name AS place, t.x, t.y, t.z, t.color, t.size_x, t.size_y, t.size_z, loci.time_text(s.time) AS last_seen
   FROM current t JOIN latest USING (home, robot)
     LEFT JOIN loci.place p ON p.home = t.home AND p.robot = t.robot AND p.id = t.place

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "mapping/base/load_symbol.h"
+#include "mapping/base/text/percent.h"
 #include "mapping/base/text/text.h"
 #include "memory/store/format.h"
 #include "memory/store/store.h"
@@ -16,29 +17,6 @@ namespace {
 
 constexpr int kFleetVersion = 1;  ///< of fleet.sql
 constexpr size_t kMaxNameBytes = 200;
-
-int hex_digit(char c) {
-  return is_digit(c)            ? c - '0'
-         : c >= 'a' && c <= 'f' ? c - 'a' + 10
-         : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                : -1;
-}
-
-std::string percent_decoded(std::string_view text, const Error& malformed) {
-  std::string decoded;
-  for (size_t i = 0; i < text.size(); ++i) {
-    if (text[i] != '%') {
-      decoded += text[i];
-      continue;
-    }
-    const int high = i + 2 < text.size() ? hex_digit(text[i + 1]) : -1;
-    const int low = i + 2 < text.size() ? hex_digit(text[i + 2]) : -1;
-    if (high < 0 || low < 0) throw malformed;
-    decoded += static_cast<char>(16 * high + low);
-    i += 2;
-  }
-  return decoded;
-}
 
 /// Without the password in "//user:password@host".
 std::string without_password(const std::string& url) {
@@ -114,8 +92,9 @@ FleetUrl parse_fleet_url(const std::string& url) {
       separator = '&';
       continue;
     }
-    (name == "home" ? parsed.home : parsed.robot) =
-        percent_decoded(std::string_view(part).substr(std::min(equals + 1, part.size())), malformed);
+    const auto value = percent_decoded(std::string_view(part).substr(std::min(equals + 1, part.size())));
+    if (!value) throw malformed;
+    (name == "home" ? parsed.home : parsed.robot) = *value;
   }
   return parsed;
 }

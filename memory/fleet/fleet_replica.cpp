@@ -13,6 +13,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/text/hash.h"
 #include "mapping/base/text/json.h"
+#include "mapping/base/text/percent.h"
 #include "mapping/base/text/text.h"
 #include "memory/store/memory_file.h"
 
@@ -246,6 +247,9 @@ bool FleetReplica::pull(FleetDatabase& database, const Source& source, const fs:
                                             "reading " + table.name);
                          });
   }
+  write_file_atomically(file.string() + kReplicaOf,
+                        fmt::format("{}?home={}&robot={}\n", url_.shown, percent_encoded(source.name.home),
+                                    percent_encoded(source.name.robot)));
   return writer.commit();
 }
 

@@ -310,6 +310,29 @@ Json IngestResult::report() const {
           {"lifted", lifted.report()}, {"noise_m", noise_m},       {"noise_estimated", noise_estimated}};
 }
 
+namespace {
+
+/// A memory that is made here is not kept when nothing was added. Goes out of scope after its Store.
+class NewMemory {
+ public:
+  explicit NewMemory(fs::path file) : file_(std::move(file)), is_new_(!fs::exists(file_)) {}
+  ~NewMemory() {
+    std::error_code ignored;
+    if (is_new_ && is_own_ && is_empty_)
+      for (const char* part : {"", "-wal", "-shm"}) fs::remove(file_.string() + part, ignored);
+  }
+  NewMemory(const NewMemory&) = delete;
+  NewMemory& operator=(const NewMemory&) = delete;
+  void opened() { is_own_ = true; }  ///< no other program writes to it
+  void added() { is_empty_ = false; }
+
+ private:
+  fs::path file_;
+  bool is_new_, is_own_ = false, is_empty_ = true;
+};
+
+}  // namespace
+
 IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOptions& options,
                     const WriteOptions& write, Progress& progress, Warnings& warnings) {
   const Input input = open_input(file, options, warnings);
@@ -324,7 +347,9 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
   WriteOptions zoned = write;
   if (zoned.time_zone.empty() && input.recording) zoned.time_zone = input.recording->info().time_zone;
   if (zoned.time_zone.empty()) zoned.time_zone = options.default_time_zone;
+  NewMemory made(memory);
   Store store = Store::open_write(memory, zoned);
+  made.opened();
   if (!store.kept_before_migration().empty())
     warnings.add("was migrated; as it was it is kept in " + store.kept_before_migration().string(),
                  {memory.string(), 0, {}});
@@ -374,6 +399,7 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
     if (after)
       record.seconds_to_next = static_cast<double>(after->scene.time - current->scene.time) / double(kSecond);
     recorder.record(record);
+    made.added();
     ++result.scenes;
     result.detections += current->scene.detections.size();
     current = std::move(after);

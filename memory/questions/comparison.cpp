@@ -163,7 +163,7 @@ ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   ComparisonAnswer answer{.by = question.by};
   if (question.by == "nearer" && question.than.empty())
-    throw Error("'nearer' compares two distances", {}, "name the other object with --than");
+    throw Error("'nearer' compares two distances", {}, "name the other object, too (than)");
   std::vector<std::string> subjects = {question.subject, question.with};
   if (question.by == "nearer") subjects.push_back(question.than);
   for (const std::string& subject : subjects) {

@@ -19,12 +19,11 @@ using namespace format;
 
 namespace {
 
-Verdict verdict_of(const std::vector<PlaceContents>& places) {
-  const auto believed = [](const ObjectBelief& object) { return object.probability >= 0.5; };
-  if (std::ranges::any_of(places, [&](const PlaceContents& contents) {
-        return std::ranges::any_of(contents.there, believed);
-      }))
-    return Verdict::yes;
+Verdict verdict_of(const std::vector<PlaceContents>& places, size_t wanted) {
+  size_t there = 0;
+  for (const PlaceContents& contents : places)
+    for (const ObjectBelief& object : contents.there) there += object.probability >= 0.5 ? 1 : 0;
+  if (there > 0) return there >= wanted ? Verdict::yes : Verdict::no;
   const bool seen_empty = std::ranges::all_of(places, [](const PlaceContents& contents) {
     return contents.there.empty() && contents.fraction.value_or(0) >= kMinSeenFraction;
   });
@@ -211,7 +210,7 @@ ContentsAnswer ask(const Store& store, const ContentsQuestion& question) {
   }
   for (const PlaceRow& place : places)
     answer.places.push_back(contents_of(snapshot, place, meant, question.max_gone));
-  answer.verdict = verdict_of(answer.places);
+  answer.verdict = verdict_of(answer.places, question.count);
   return answer;
 }
 
@@ -462,12 +461,14 @@ Question contents_question(const char* name, const char* description, const std:
       .description = description,
       .parameters = {place_parameter(),
                      only_object_parameter(),
-                     {.name = "count", .type = ParameterType::number, .help = "Whether there are as many"},
+                     count_parameter(),
                      {.name = "except", .type = ParameterType::object, .help = "What the reply leaves out"}},
       .examples = {example, example + " --at 08:30"},
       .answer = format::schema_by<contents_record>,
       .run = [](const Arguments& given) -> Answer {
-        return ask(given.store(), ContentsQuestion{given.text("place"), given.as_of(), given.text("object")});
+        ContentsQuestion question{given.text("place"), given.as_of(), given.text("object")};
+        question.count = static_cast<size_t>(given.number("count").value_or(1));
+        return ask(given.store(), question);
       },
       .time = SentenceTime::moment_or_period,
       .over_period = "contents-history",
@@ -499,7 +500,8 @@ std::vector<Question> contents_questions() {
             {.name = "count",
              .type = ParameterType::number,
              .help = "Only so many, the nearest",
-             .default_text = "all"},
+             .default_text = "all",
+             .min = 1},
             only_object_parameter()},
        .examples = {"red --radius 0.4", "2.0,1.0,0.8 --radius 1 --json"},
        .answer = format::schema_by<near_record>,
@@ -510,7 +512,7 @@ std::vector<Question> contents_questions() {
          // Whether this is left of that does not end at half a metre.
          const bool anywhere = depends_on_view(question.relation) && !question.only.empty();
          question.radius_m = given.length("radius").value_or(anywhere ? 10 : question.radius_m);
-         question.count = static_cast<size_t>(std::max<Id>(0, given.number("count").value_or(0)));
+         question.count = static_cast<size_t>(given.number("count").value_or(0));
          return ask(given.store(), question);
        },
        .sentences = near_sentences()},

@@ -20,6 +20,7 @@ struct ContentsQuestion {
   AsOf as_of = {};
   std::string subject = {};  ///< only these; empty = all objects
   size_t max_gone = 20;      ///< of the objects that are gone from it
+  size_t count = 1;          ///< whether there are so many
 };
 struct PlaceContents {
   PlaceRef place = {};
@@ -32,8 +33,8 @@ struct PlaceContents {
 struct ContentsAnswer {
   std::string asked = {};
   std::string subject = {};  ///< empty = all objects
-  /// Whether there is any: yes when one is believed to be there, no when none is and at least half of each
-  /// place was seen, else not observed.
+  /// Whether there is any, or as many as asked for: yes when so many are believed to be there, no when fewer
+  /// are, or when none is and at least half of each place was seen, else not observed.
   Verdict verdict = Verdict::not_observed;
   std::vector<PlaceContents> places = {};
 };

@@ -264,7 +264,7 @@ std::vector<EnvironmentPart> asked_parts(const Snapshot& snapshot, std::vector<E
   for (const EnvironmentPart& part : parts) names.push_back(part.name);
   const std::string hint = did_you_mean(asked, names);
   throw UnknownName(UnknownName::Kind::place, fmt::format("no part of the room is called '{}'", asked),
-                    {snapshot.store().path().string(), 0, {}},
+                    {snapshot.store().name(), 0, {}},
                     !hint.empty() ? hint : fmt::format("known: {}", fmt::join(names, ", ")));
 }
 

@@ -464,7 +464,10 @@ std::vector<Question> event_questions() {
             {.name = "other",
              .type = ParameterType::place,
              .help = "Only moves between --place and this place; with --kind came from there"},
-            {.name = "times", .type = ParameterType::number, .help = "Only of what changed so often"}},
+            {.name = "times",
+             .type = ParameterType::number,
+             .help = "Only of what changed so often",
+             .min = 1}},
        .period = true,
        .examples = {"", "--between 08:00 10:00"},
        .answer = format::schema_by<changes_record>,
@@ -472,7 +475,7 @@ std::vector<Question> event_questions() {
          return ask(given.store(),
                     ChangesQuestion{given.from(), given.to(), given.text("object"), given.text("place"),
                                     given.as_of(), given.text("kind"), given.text("other"),
-                                    static_cast<size_t>(std::max<Id>(1, given.number("times").value_or(1)))});
+                                    static_cast<size_t>(given.number("times").value_or(1))});
        },
        .time = SentenceTime::period,
        .sentences = changes_sentences()},

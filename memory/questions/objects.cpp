@@ -266,7 +266,7 @@ std::vector<Question> object_questions() {
                                "not moved",
                        .default_text = "any",
                        .choices = {"gone", "unmoved"}},
-                      {.name = "count", .type = ParameterType::number, .help = "Whether there are as many"},
+                      count_parameter(),
                       {.name = "unseen-since",
                        .type = ParameterType::time,
                        .help = "Only those that were not seen since this time"}},

@@ -471,7 +471,7 @@ class Judge {
 
 WasAnswer ask(const Store& store, const WasQuestion& question) {
   if (question.from > question.to)
-    throw Error("the first time is after the second", {}, "write --between EARLIER LATER");
+    throw Error("the first time is after the second", {}, "give the earlier one first");
   const Snapshot snapshot(store, question.as_of);
   std::vector<PlaceRow> places;
   if (!question.place.empty()) places = snapshot.find_places(question.place);

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <set>
@@ -21,6 +22,7 @@
 #include "memory/questions/objects.h"
 #include "memory/questions/presence.h"
 #include "memory/questions/replies/answer_fields.h"
+#include "memory/questions/replies/reply.h"
 #include "memory/questions/routines/co_occurrence.h"
 #include "memory/questions/routines/digest.h"
 #include "memory/questions/routines/routines.h"
@@ -218,13 +220,16 @@ std::optional<double> Arguments::length(const std::string& name) const {
 }
 
 std::optional<Id> Arguments::number(const std::string& name) const {
-  const std::string value = text(name);
-  if (value.empty()) return std::nullopt;
-  Id number = 0;
-  const auto [end, failure] = std::from_chars(value.data(), value.data() + value.size(), number);
-  if (failure != std::errc() || end != value.data() + value.size())
-    throw Error(fmt::format("'{}' is not a number", value), {}, "--" + name + " takes a number");
-  return number;
+  return read_number(text(name));
+}
+
+std::optional<int64_t> read_number(const std::string& text) {
+  int64_t number = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (failure == std::errc() && end == text.data() + text.size()) return number;
+  const bool word =
+      !text.empty() && std::ranges::all_of(text, [](unsigned char c) { return std::isalpha(c) != 0; });
+  return word ? count_of(lower_case(text)) : std::nullopt;
 }
 
 std::optional<Vector2d> Arguments::point(const std::string& name) const {
@@ -283,6 +288,17 @@ const Question* find_question(const std::string& name) {
   return found == questions().end() ? nullptr : &*found;
 }
 
+namespace {
+
+/// Whether it has words for what a memory has; without any, they mean nothing.
+bool is_name(const Parameter& parameter) {
+  using enum ParameterType;
+  return parameter.type == object || parameter.type == place || parameter.type == part ||
+         parameter.type == spot;
+}
+
+}  // namespace
+
 void check_arguments(const std::string& asked, const std::vector<Parameter>& parameters, const Query& query) {
   std::vector<std::string> names;
   for (const Parameter& parameter : parameters) names.push_back(parameter.name);
@@ -300,6 +316,12 @@ void check_arguments(const std::string& asked, const std::vector<Parameter>& par
                                 parameter.help.empty() ? "" : " (" + parameter.help + ")"));
       continue;
     }
+    if (is_name(parameter) && trimmed(given->second).empty())
+      throw Error(fmt::format("'{}' of '{}' is empty", parameter.name, asked), {}, parameter.help);
+    if (parameter.type == ParameterType::number)
+      if (const auto number = read_number(given->second); !number || *number < parameter.min)
+        throw Error(fmt::format("'{}' is no {}", given->second, parameter.name), {},
+                    fmt::format("a whole number from {} on", parameter.min));
     if (!parameter.choices.empty() && std::ranges::count(parameter.choices, given->second) == 0)
       throw Error(fmt::format("'{}' is no {}", given->second, parameter.name), {},
                   fmt::format("one of: {}", fmt::join(parameter.choices, ", ")));
@@ -312,6 +334,25 @@ void check_arguments(const std::string& asked, const std::vector<Parameter>& par
 Answer Question::ask(const Store& store, const Query& query, const AsOf& as_of) const {
   check_arguments(name, all_parameters(), query);
   return run(Arguments(store, query, as_of));
+}
+
+Reply Question::reply(const Store& store, Query query, const Answer& found) const {
+  if (query.asks == Asks::summary) query.asks = asks;
+  for (const Parameter& parameter : parameters)
+    if (query.asks == Asks::summary && query.arguments.contains(parameter.name)) query.asks = parameter.asks;
+  const AsOf as_of = read_as_of(store, query.argument("at"), query.argument("known-at"));
+  return found.reply({store, query, as_of, TimeWriter(store)});
+}
+
+std::string full_text(const Reply& reply, const Answer& answer, const TimeWriter& times) {
+  const std::string all = answer.to_text(times);
+  return (all.starts_with(reply.text) ? "" : reply.text + "\n") + all;
+}
+
+Json full_json(const Reply& reply, const Answer& answer) {
+  Json json = answer.to_json();
+  json["reply"] = to_json(reply);
+  return json;
 }
 
 Answer ask(const Store& store, const Query& query, const AsOf& as_of) {
@@ -434,6 +475,12 @@ Json questions_json() {
     schemas.update(question.answer().definitions());
     json.push_back(std::move(one));
   }
+  schemas.update(format::reply_record().definitions());
+  for (const Question& question : questions()) {  // see full_json()
+    Json& schema = schemas[question.answer().name()];
+    if (!schema["properties"].contains("reply")) schema["required"].push_back("reply");
+    schema["properties"]["reply"] = format::reply_record().reference();
+  }
   return {{"questions", json}, {"$defs", schemas}};
 }
 
@@ -463,6 +510,14 @@ Parameter only_place_parameter() {
           .type = ParameterType::place,
           .help = "Only at this place",
           .default_text = "everywhere"};
+}
+
+Parameter count_parameter() {
+  return {.name = "count",
+          .type = ParameterType::number,
+          .help = "Whether there are as many",
+          .min = 1,
+          .asks = Asks::verdict};
 }
 
 }  // namespace loci::memory

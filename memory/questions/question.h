@@ -36,17 +36,6 @@ enum class ParameterType {
 };
 std::string to_text(ParameterType type);
 
-struct Parameter {
-  std::string name;  ///< kebab-case: the option --NAME, or a positional argument
-  ParameterType type = ParameterType::text;
-  std::string help = {};  ///< one line
-  bool positional = false;
-  bool required = false;
-  std::string default_text = {};           ///< what holds when it is not given, for people
-  std::vector<std::string> choices = {};   ///< empty = any
-  std::vector<std::string> excludes = {};  ///< parameters that may not be given together with it
-};
-
 /// What people want to know of an answer: the type of the reply.
 enum class Asks {
   summary,      ///< what the question is about
@@ -80,6 +69,19 @@ enum class Asks {
   closed_for,   ///< how long it was closed
 };
 
+struct Parameter {
+  std::string name;  ///< kebab-case: the option --NAME, or a positional argument
+  ParameterType type = ParameterType::text;
+  std::string help = {};  ///< one line
+  bool positional = false;
+  bool required = false;
+  std::string default_text = {};           ///< what holds when it is not given, for people
+  std::vector<std::string> choices = {};   ///< empty = any
+  std::vector<std::string> excludes = {};  ///< parameters that may not be given together with it
+  int64_t min = 0;                         ///< of a number
+  Asks asks = Asks::summary;               ///< of a query in which it is given
+};
+
 /// A question with its arguments as text.
 struct Query {
   std::string question = {};                          ///< "where"
@@ -91,8 +93,11 @@ struct Query {
   std::string text() const;
 };
 
-/// Error for arguments that `parameters` do not have, and for required ones that are missing; `asked` is for
-/// the message.
+/// A whole number in digits or in words ("two"); unset for anything else.
+std::optional<int64_t> read_number(const std::string& text);
+
+/// Error for arguments that `parameters` do not have, for required ones that are missing, for names that are
+/// empty, and for what is not the number that a parameter takes; `asked` is for the message.
 void check_arguments(const std::string& asked, const std::vector<Parameter>& parameters, const Query& query);
 
 /// `as_of` with the times of --at and --known-at, where they are not empty.
@@ -254,7 +259,14 @@ struct Question {
   std::vector<Parameter> all_parameters() const;
   /// Error for unknown or missing arguments, and for names that mean nothing in this memory.
   Answer ask(const Store& store, const Query& query, const AsOf& as_of = {}) const;
+  /// The answer to a query in one sentence with its evidence.
+  Reply reply(const Store& store, Query query, const Answer& found) const;
 };
+
+/// What programs get of an answer: its sentence, and then all of it.
+std::string full_text(const Reply& reply, const Answer& answer, const TimeWriter& times);
+/// The same as data: the fields of the answer, and its sentence as "reply".
+Json full_json(const Reply& reply, const Answer& answer);
 
 /// All questions, in the order in which they are listed.
 const std::vector<Question>& questions();
@@ -287,5 +299,6 @@ Parameter object_parameter();       ///< positional, required
 Parameter place_parameter();        ///< positional, required
 Parameter only_object_parameter();  ///< --object
 Parameter only_place_parameter();   ///< --place
+Parameter count_parameter();        ///< --count
 
 }  // namespace loci::memory

@@ -275,14 +275,13 @@ void compare_crops(const Snapshot& snapshot, const std::vector<Crop>& wanted, st
 
 SimilarAnswer ask(const Store& store, const SimilarQuestion& question) {
   if (question.subject.empty() && question.image.empty() && question.text.empty())
-    throw Error("there is no object to compare with", {},
-                "name an object, or give --image FILE or --text WORDS");
+    throw Error("there is no object to compare with", {}, "give an object, an image or a text");
   const Snapshot snapshot(store, question.as_of);
   SimilarAnswer answer;
   if (!question.text.empty()) {
     if (question.vectors.empty())
       throw Error("there are no vectors of words", {},
-                  "give --vectors FILE, exported from the encoder of texts");
+                  "give the vectors that were exported from the encoder of texts");
     answer.asked = question.text;
     compare_embeddings(snapshot, {{.values = WordVectors::read(question.vectors).of(question.text)}},
                        std::nullopt, answer);
@@ -298,7 +297,7 @@ SimilarAnswer ask(const Store& store, const SimilarQuestion& question) {
     if (answer.objects.empty()) {
       const std::vector<Crop> wanted = crops_of(snapshot, self);
       if (wanted.empty())
-        throw Error(fmt::format("no crop of {} is stored", answer.asked), {}, "give an image with --image");
+        throw Error(fmt::format("no crop of {} is stored", answer.asked), {}, "give an image");
       compare_crops(snapshot, wanted, self, answer);
     }
   }

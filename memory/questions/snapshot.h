@@ -100,7 +100,7 @@ class Snapshot {
   std::vector<std::string> names_related_to(const std::string& word) const;
 
  private:
-  FileLocation file() const { return {store_.path().string(), 0, {}}; }
+  FileLocation file() const { return {store_.name(), 0, {}}; }
   /// The product that most of the latest observations of an object are annotated with, else its
   /// class_verdict().
   std::optional<std::string> annotated_name(Id object) const;

@@ -253,7 +253,7 @@ ReasonResult reason(const Store& from, const std::filesystem::path& other,
   for (const SceneRow& scene : scenes) result.let_go += from.reasoning_discarded(scene.id) ? 1 : 0;
   if (result.let_go > 0 && result.let_go == scenes.size())
     throw Error("the evidence of all scenes was let go: nothing can be reasoned about anew",
-                {from.path().string(), 0, {}}, "loci-memory retain --keep-reasoning erased it");
+                {from.name(), 0, {}}, "loci-memory retain --keep-reasoning erased it");
   create_atomically(other, {from.path()}, [&](const std::filesystem::path& made) {
     reason_into(from, scenes, made, options, write, progress, known, result);
   });

@@ -160,9 +160,9 @@ std::string heading(const SceneRow& scene) {
 
 [[noreturn]] void nothing_kept(const Store& store, Id scene) {
   if (store.reasoning_discarded(scene))
-    throw Error(fmt::format("what was thought of scene {} was let go", scene), {store.path().string(), 0, {}},
+    throw Error(fmt::format("what was thought of scene {} was let go", scene), {store.name(), 0, {}},
                 "loci-memory retain --keep-reasoning erased it; the conclusions are stored");
-  throw Error(fmt::format("scene {} has no reasoning", scene), {store.path().string(), 0, {}},
+  throw Error(fmt::format("scene {} has no reasoning", scene), {store.name(), 0, {}},
               "it was written by an earlier version or forgotten; loci-memory reason makes it anew");
 }
 
@@ -188,7 +188,7 @@ Why why_object(const Store& store, Id object, const AsOf& as_of) {
   const std::vector<ObjectObservation> sightings = store.observations_of(object, as_of);
   if (sightings.empty())
     throw Error(fmt::format("{} was not seen{}", object_name(object), as_of.at ? " by then" : ""),
-                {store.path().string(), 0, {}}, "loci-memory objects lists what is known");
+                {store.name(), 0, {}}, "loci-memory objects lists what is known");
   const ObjectObservation& last = sightings.back();
   const SceneRow scene = store.scene(last.association.scene);
   const std::optional<SceneReasoning> reasoning = load_reasoning(store, scene.id);

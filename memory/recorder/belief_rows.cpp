@@ -56,7 +56,8 @@ struct Fading {
 /// The interaction model as a curve of that form, exact after the first loss and after six times move_time_s.
 Fading fading_of(const belief::ProtoObject& object, const belief::BeliefState& state,
                  const belief::BeliefOptions& options) {
-  const belief::InteractionKey key = belief::interaction_key(object);
+  belief::InteractionKey key = belief::interaction_key(object);
+  key.uses = 0;  // what its place was used for is in its present probability
   const double age = state.exposure_s - object.last_seen_exposure_s;
   const double leaves = 1 - state.interaction.moved_to(object.place, object.place);
   const auto left = [&](double seconds) {

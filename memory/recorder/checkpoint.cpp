@@ -104,11 +104,22 @@ belief::BeliefState read_belief(const Store& store, const std::string& prefix, c
       }
     return state;
   } catch (const Error& error) {
-    throw Error(error.message(), {store.path().string(), 0, {}});
+    throw Error(error.message(), {store.name(), 0, {}},
+                fmt::format("loci-memory reason -m {} -o NEW.loci computes it again from the stored evidence",
+                            store.name()));
   }
 }
 
 }  // namespace
+
+std::optional<Error> unreadable_belief(const Store& store) {
+  try {
+    load_belief(store);
+    return std::nullopt;
+  } catch (const Error& error) {
+    return error;
+  }
+}
 
 belief::BeliefState load_belief(const Store& store, Id scene) {
   const auto checkpoint = store.checkpoint(kCheckpoint);
@@ -119,7 +130,7 @@ belief::BeliefState load_belief(const Store& store, Id scene) {
 belief::BeliefOptions load_options(const Store& store) {
   const auto checkpoint = store.checkpoint(kOptions);
   if (!checkpoint) return {};
-  return read_options<belief::BeliefOptions>(Config::parse(checkpoint->bytes, store.path().string()));
+  return read_options<belief::BeliefOptions>(Config::parse(checkpoint->bytes, store.name()));
 }
 
 void keep_belief(SceneTransaction& transaction, const Store& store, Id run) {

@@ -12,6 +12,9 @@ namespace loci::memory {
 /// scene.
 belief::BeliefState load_belief(const Store& store);
 
+/// Why a memory can be read, but not continued; unset when it can be.
+std::optional<Error> unreadable_belief(const Store& store);
+
 /// The options with which the belief of a memory was computed last; the defaults where they were not stored.
 belief::BeliefOptions load_options(const Store& store);
 

@@ -17,7 +17,6 @@ using mapping::HttpRequest;
 constexpr const char* kMessageType = "application/json";
 constexpr const char* kSession = "Mcp-Session-Id";
 constexpr const char* kVersion = "MCP-Protocol-Version";
-constexpr const char* kVersionWithBatches = "2025-03-26";
 constexpr int kNameWords = 4;  ///< 128 bits
 
 HttpReply refusal(int status, const std::string& why) {
@@ -44,10 +43,6 @@ std::optional<HttpReply> header_refusal(const HttpRequest& request) {
   if (!accepted.empty() && !accepts(kMessageType) && !accepts("application/*") && !accepts("*/*"))
     return refusal(406, "replies are of type application/json");
   return std::nullopt;
-}
-
-bool is_initialize(const Json& message) {
-  return message.is_object() && message.value("method", Json()) == "initialize";
 }
 
 }  // namespace
@@ -77,7 +72,7 @@ HttpReply HttpTransport::post(const HttpRequest& request) {
                        fmt::format("{} is missing; 'initialize' begins a session", kSession));
   const std::string version = use_session(session);
   if (version.empty()) return refusal(404, "there is no such session; 'initialize' begins a new one");
-  if (message.is_array() && version != kVersionWithBatches)
+  if (message.is_array() && !takes_batches(version))
     return bad_message(MessageError::not_a_message, "one message at a time");
   return message_reply(server_.answer(message));
 }

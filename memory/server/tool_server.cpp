@@ -8,11 +8,13 @@
 
 #include "mapping/base/text/base64.h"
 #include "mapping/base/text/json.h"
+#include "mapping/base/text/percent.h"
 #include "mapping/base/text/text.h"
 #include "mapping/base/time.h"
 #include "memory/edits/edit_actions.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/question.h"
+#include "memory/questions/replies/reply.h"
 #include "memory/sentences/natural_language.h"
 #include "memory/store/store.h"
 
@@ -27,6 +29,8 @@ constexpr std::string_view kObjectUri = "loci://object/", kPlaceUri = "loci://pl
                            kSceneUri = "loci://scene/", kImage = "/image";
 constexpr const char* kJsonType = "application/json";
 constexpr std::string_view kEditPrefix = "edit-";
+constexpr const char* kEditList = "edit-list";
+constexpr const char* kFirstWithoutBatches = "2025-06-18";
 
 /// Codes of JSON-RPC 2.0, and the protocol's own for a resource that is not there.
 enum Code {
@@ -93,10 +97,11 @@ Json tools(bool allow_edits) {
                       true));
   for (const Question& question : questions())
     list.push_back(tool(question.name, question.description, question.all_parameters(), true));
-  if (allow_edits)
-    for (const EditAction& action : edit_actions())
-      list.push_back(
-          tool(std::string(kEditPrefix) + action.name, action.description, action.parameters, false));
+  if (!allow_edits) return list;
+  for (const EditAction& action : edit_actions())
+    list.push_back(
+        tool(std::string(kEditPrefix) + action.name, action.description, action.parameters, false));
+  list.push_back(tool(kEditList, "Lists the edits that hold, and those that were undone", {}, true));
   return list;
 }
 
@@ -164,8 +169,10 @@ Json call_question(const Store& store, const Json& params) {
     throw ProtocolError{invalid_params, fmt::format("unknown tool '{}'", name)};
   return result_of([&] {
     if (question == nullptr) return ask_in_words(store, arguments);
-    const Answer answer = question->ask(store, query_of(name, question->all_parameters(), arguments));
-    return tool_result(answer.to_text(TimeWriter(store)), answer.to_json());
+    const Query query = query_of(name, question->all_parameters(), arguments);
+    const Answer answer = question->ask(store, query);
+    const Reply reply = question->reply(store, query, answer);
+    return tool_result(full_text(reply, answer, TimeWriter(store)), full_json(reply, answer));
   });
 }
 
@@ -180,7 +187,7 @@ const EditAction* called_edit(const Json& message, const Json& params) {
 // ---- Resources
 
 Json resource(std::string_view prefix, const std::string& name, const std::string& description) {
-  return {{"uri", std::string(prefix) + name},
+  return {{"uri", std::string(prefix) + percent_encoded(name)},
           {"name", name},
           {"description", description},
           {"mimeType", kJsonType}};
@@ -243,7 +250,7 @@ Json read_resource(const Store& store, const Json& params) {
   };
   Json content;
   try {
-    const std::string_view rest = uri;
+    const std::string rest = percent_decoded(uri).value_or(uri);
     if (rest.starts_with(kObjectUri)) {
       const std::string name(rest.substr(kObjectUri.size()));
       const Json known = {{"about", answer("about", "object", name)},
@@ -253,8 +260,9 @@ Json read_resource(const Store& store, const Json& params) {
       const std::string name(rest.substr(kPlaceUri.size()));
       content = {{"uri", uri}, {"mimeType", kJsonType}, {"text", answer("on", "place", name).dump()}};
     } else if (rest.starts_with(kSceneUri) && rest.ends_with(kImage)) {
-      content = scene_image(store, uri,
-                            rest.substr(kSceneUri.size(), rest.size() - kSceneUri.size() - kImage.size()));
+      content = scene_image(
+          store, uri,
+          std::string_view(rest).substr(kSceneUri.size(), rest.size() - kSceneUri.size() - kImage.size()));
     }
   } catch (const Error& error) {
     throw ProtocolError{no_resource, error.what()};
@@ -314,6 +322,14 @@ bool is_protocol_version(std::string_view version) {
   return std::ranges::count(kVersions, version) > 0;
 }
 
+bool takes_batches(std::string_view version) {
+  return version < kFirstWithoutBatches;
+}
+
+bool is_initialize(const Json& message) {
+  return message.is_object() && message.value("method", Json()) == "initialize";
+}
+
 std::string message_text(const Json& message) {
   return message.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -330,14 +346,28 @@ Json ToolServer::call_edit(const EditAction& action, const Json& params) const {
     const std::lock_guard lock(editing_);
     Store store = Store::open_write(memory());
     const Edit edit = make_edit(store, query);
-    return tool_result(edit.text + (edit.note.empty() ? "" : "; " + edit.note), to_json(edit));
+    return tool_result(summary(edit), result_json(edit));
   });
 }
 
-std::optional<std::string> ToolServer::reply(std::string_view message) const {
+Json ToolServer::list_edits(const Json& params) const {
+  const Json arguments = arguments_of(params);
+  return result_of([&] {
+    check_arguments(kEditList, {}, query_of(kEditList, {}, arguments));
+    const EditList list = edits(Store::open_read(memory()));
+    return tool_result(to_text(list), to_json(list));
+  });
+}
+
+std::optional<std::string> LineTransport::reply(std::string_view line) {
   std::optional<Json> json;
   try {
-    json = answer(parse_json(message, ""));
+    const Json message = parse_json(line, "");
+    json = message.is_array() && !takes_batches(version_)
+               ? error_reply(MessageError::not_a_message, "one message at a time")
+               : server_.answer(message);
+    if (is_initialize(message) && json && json->contains("result"))
+      version_ = json->at("result").at("protocolVersion").get<std::string>();
   } catch (const Error& error) {
     json = error_reply(MessageError::not_json, error.what());
   }
@@ -359,7 +389,10 @@ std::optional<Json> ToolServer::answer(const Json& message) const {
 std::optional<Json> ToolServer::answer_one(const Json& message) const {
   if (!message.is_object() || message.value("jsonrpc", Json()) != "2.0")
     return error_reply(MessageError::not_a_message, "this is not a message of JSON-RPC 2.0");
-  if (!message.contains("method")) return std::nullopt;  // A reply; this server asks for nothing.
+  const bool is_reply = message.contains("result") || message.contains("error");
+  if (is_reply && !message.contains("method")) return std::nullopt;  // This server asks for nothing.
+  if (!message.value("method", Json()).is_string())
+    return error_reply(MessageError::not_a_message, "'method' is missing or is not a string");
   if (!message.contains("id")) return std::nullopt;
   const Json& id = message["id"];
   if (!id.is_string() && !id.is_number_integer())
@@ -373,8 +406,9 @@ std::optional<Json> ToolServer::answer_one(const Json& message) const {
     if (message["method"] == "tools/list") return reply({{"tools", tools(allow_edits_)}});
     if (const EditAction* edit = called_edit(message, params); edit != nullptr && allow_edits_)
       return reply(call_edit(*edit, params));
-    const auto method = message["method"].is_string() ? methods().find(message["method"].get<std::string>())
-                                                      : methods().end();
+    if (allow_edits_ && message["method"] == "tools/call" && params.value("name", Json()) == kEditList)
+      return reply(list_edits(params));
+    const auto method = methods().find(message["method"].get<std::string>());
     if (method == methods().end()) return error_reply(id, unknown_method, "this server has no such method");
     const Store store = Store::open_read(memory());
     Json result = method->second(store, params);

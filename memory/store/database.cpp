@@ -221,6 +221,26 @@ Id Store::Connection::insert(const char* table, const SqlColumns& columns) {
   return id;
 }
 
+void Store::Connection::begin() {
+  database->exec(open_transactions == 0 ? "BEGIN IMMEDIATE" : "SAVEPOINT inner");
+  ++open_transactions;
+  added.clear();
+  digests.clear();
+}
+
+void Store::Connection::commit() {
+  save_counts();
+  database->exec(open_transactions == 1 ? "COMMIT" : "RELEASE inner");
+  --open_transactions;
+}
+
+void Store::Connection::roll_back() noexcept {
+  for (auto& [text, statement] : statements) statement->tryReset();
+  clear_caches();
+  database->tryExec(open_transactions == 1 ? "ROLLBACK" : "ROLLBACK TO inner; RELEASE inner");
+  --open_transactions;
+}
+
 bool Store::Connection::needs_known(const AsOf& as_of) {
   if (as_of.known_at) return true;
   if (superseded) return *superseded;

@@ -168,6 +168,8 @@ struct Store::Connection {
   std::unique_ptr<SQLite::Database> database;
   std::unordered_map<std::string, std::unique_ptr<SQLite::Statement>> statements;
   bool in_scene = false;
+  std::string replica_of = {};          ///< URL of the memory whose copy the file is; empty = of none
+  int open_transactions = 0;            ///< for writing, each inside of the one before
   int read_transactions = 0;            ///< that are open
   std::optional<bool> superseded = {};  ///< whether an association is; while read transactions are open
 
@@ -210,6 +212,10 @@ struct Store::Connection {
   /// the name of the file.
   template <class Body>
   auto guarded(Body body) -> decltype(body());
+  /// A transaction for writing; inside of another one it is a savepoint of that.
+  void begin();
+  void commit();
+  void roll_back() noexcept;
   /// guarded() as one transaction; inside a scene it is part of the scene's.
   template <class Body>
   auto transaction(Body body) -> decltype(body());
@@ -217,6 +223,8 @@ struct Store::Connection {
   /// Whether observations must be read through association_known: some may not be known any more, or not yet.
   bool needs_known(const AsOf& as_of);
   void require_writable() const;
+  /// For messages.
+  std::string name() const { return replica_of.empty() ? path.string() : replica_of; }
   /// Transaction time. Never before that of a row there is: a clock that jumped back must not make what is
   /// new known before what it replaces.
   TimeNs known_time() {
@@ -224,7 +232,7 @@ struct Store::Connection {
     return last_known = std::max(last_known, loci::now());
   }
   Error error(const std::string& what, const std::string& hint = {}) const {
-    return Error(what, {path.string(), 0, {}}, hint);
+    return Error(what, {name(), 0, {}}, hint);
   }
 
   /// Of the next new object: higher than that of any object ever, forgotten ones included.
@@ -302,10 +310,10 @@ auto Store::Connection::guarded(Body body) -> decltype(body()) {
   try {
     return body();
   } catch (const SQLite::Exception& error) {
-    throw_database_error(error, path);
+    throw_database_error(error, name());
   } catch (const Error& error) {
     if (!error.location().file.empty()) throw;
-    throw Error(error.message(), {path.string(), 0, error.location().key}, error.hint());
+    throw Error(error.message(), {name(), 0, error.location().key}, error.hint());
   }
 }
 
@@ -314,18 +322,19 @@ auto Store::Connection::transaction(Body body) -> decltype(body()) {
   require_writable();
   return guarded([&] {
     if (in_scene) return body();
-    SQLite::Transaction all(*database, SQLite::TransactionBehavior::IMMEDIATE);
-    added.clear();
-    digests.clear();
-    if constexpr (std::is_void_v<decltype(body())>) {
-      body();
-      save_counts();
-      all.commit();
-    } else {
-      auto result = body();
-      save_counts();
-      all.commit();
-      return result;
+    begin();
+    try {
+      if constexpr (std::is_void_v<decltype(body())>) {
+        body();
+        commit();
+      } else {
+        auto result = body();
+        commit();
+        return result;
+      }
+    } catch (...) {
+      roll_back();
+      throw;
     }
   });
 }

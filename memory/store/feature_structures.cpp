@@ -117,14 +117,14 @@ Id FeatureStructureWriter::add(const perception::cas::FeatureStructure& root, st
 
 std::shared_ptr<const perception::cas::TypeSystem> read_type_system(const Store& store, Id id) {
   return perception::cas::TypeSystem::load(
-      {{store.path().string() + ": type system " + std::to_string(id), store.type_system(id)}}, {}, {});
+      {{store.name() + ": type system " + std::to_string(id), store.type_system(id)}}, {}, {});
 }
 
 perception::cas::FeatureStructure read_feature_structure(const Store& store, Id id,
                                                          perception::cas::Cas& cas) {
   const FeatureStructureRow row = store.feature_structure(id);
   StoreSource source(store);
-  return perception::cas::from_json(cas, parse_json(row.json, store.path().string()), &source);
+  return perception::cas::from_json(cas, parse_json(row.json, store.name()), &source);
 }
 
 }  // namespace loci::memory

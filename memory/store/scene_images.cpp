@@ -136,7 +136,7 @@ std::optional<ClusterPoints> cluster_points(const Store& store, const SceneRow& 
                                             const ObservationRow& observation) {
   if (!observation.cloud || !observation.mask || !observation.roi || !scene.camera) return std::nullopt;
   const std::string packed = store.blob(*observation.mask).bytes;
-  const cv::Mat mask = mapping::decode_image({packed.begin(), packed.end()}, store.path().string());
+  const cv::Mat mask = mapping::decode_image({packed.begin(), packed.end()}, store.name());
   const std::vector<float> depth = decode_cluster_depth(store.blob(*observation.cloud).bytes);
   const SceneCamera& camera = *scene.camera;
   const auto& [left, top, width, height] = *observation.roi;

@@ -8,19 +8,15 @@ namespace loci::memory {
 SceneTransaction::SceneTransaction(Store& store, Id run)
     : db_(*store.connection_), run_(run), known_(db_.known_time()) {
   db_.require_writable();
-  db_.guarded([&] { db_.database->exec("BEGIN IMMEDIATE"); });
+  db_.guarded([&] { db_.begin(); });
   db_.in_scene = true;
-  db_.added.clear();
-  db_.digests.clear();
   db_.new_observations.clear();
 }
 
 SceneTransaction::~SceneTransaction() {
   if (!open_) return;
   db_.in_scene = false;
-  for (auto& [text, statement] : db_.statements) statement->tryReset();
-  db_.clear_caches();
-  db_.database->tryExec("ROLLBACK");
+  db_.roll_back();
 }
 
 void SceneTransaction::commit() {
@@ -29,10 +25,23 @@ void SceneTransaction::commit() {
       db_.clear_caches();
       derive_tables(*db_.database);
     }
-    db_.save_counts();
-    db_.database->exec("COMMIT");
+    db_.commit();
   });
   db_.in_scene = false;
+  open_ = false;
+}
+
+ChangeTransaction::ChangeTransaction(Store& store) : db_(*store.connection_) {
+  db_.require_writable();
+  db_.guarded([&] { db_.begin(); });
+}
+
+ChangeTransaction::~ChangeTransaction() {
+  if (open_) db_.roll_back();
+}
+
+void ChangeTransaction::commit() {
+  db_.guarded([&] { db_.commit(); });
   open_ = false;
 }
 

@@ -4,6 +4,22 @@
 
 namespace loci::memory {
 
+/// Several changes as one: runs, scenes and rows that are added while it is open are in the memory after
+/// commit(), and none of them without it.
+class ChangeTransaction {
+ public:
+  explicit ChangeTransaction(Store& store);
+  ~ChangeTransaction();  ///< rolls back unless committed
+  ChangeTransaction(const ChangeTransaction&) = delete;
+  ChangeTransaction& operator=(const ChangeTransaction&) = delete;
+
+  void commit();
+
+ private:
+  Store::Connection& db_;
+  bool open_ = true;
+};
+
 /// Adds one scene with everything that it changes: after commit() all of it is in the memory, without it
 /// nothing. Ids ascend in the order of adding. Of a row's bitemporal fields only valid_from is taken, 0 = the
 /// time of the scene; known_from and run are filled in.

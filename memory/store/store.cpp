@@ -11,7 +11,9 @@
 #include <charconv>
 #include <cstring>
 
+#include "mapping/base/files.h"
 #include "mapping/base/text/hash.h"
+#include "mapping/base/text/text.h"
 #include "memory/store/format.h"
 #include "memory/store/memory_file.h"
 #include "memory/store/rows/derived_rows.h"
@@ -211,6 +213,8 @@ Store Store::open_read(const fs::path& path, const MemoryFormat& format) {
   if (fs::is_directory(path, code)) throw file_error(path, "is a folder, a memory file was expected");
   auto connection = std::make_unique<Connection>();
   connection->path = path;
+  if (const fs::path origin = path.string() + kReplicaOf; fs::exists(origin, code))
+    connection->replica_of = trimmed(read_file(origin));
   connection->format = format;
   connection->guarded([&] {
     connection->database = open_database_to_read(path);
@@ -296,6 +300,9 @@ Store::ReadTransaction::~ReadTransaction() {
 
 const fs::path& Store::path() const {
   return connection_->path;
+}
+std::string Store::name() const {
+  return connection_->name();
 }
 const fs::path& Store::kept_before_migration() const {
   return connection_->kept_before_migration;

@@ -21,6 +21,8 @@ namespace loci::memory {
 struct RetentionRules;
 struct RetentionResult;
 struct MemoryFormat;
+/// Ending of the file beside the local copy of a memory in a database that has the URL of that.
+inline constexpr const char* kReplicaOf = ".replica_of";
 extern const MemoryFormat kMemoryFormat;  ///< of this program: memory/store/schema.sql
 
 /// Valid time and transaction time that a read refers to. Unset = up to the end.
@@ -128,6 +130,8 @@ class Store {
   };
 
   const std::filesystem::path& path() const;
+  /// For messages: the file, or of a copy of a memory in a database the URL of that.
+  std::string name() const;
   bool writable() const;
   /// The copy that was kept of the file before open_write() migrated it; empty when nothing was migrated.
   const std::filesystem::path& kept_before_migration() const;
@@ -348,11 +352,13 @@ class Store {
   };
   std::vector<TableSize> statistics(bool with_bytes = true) const;
   /// Passes the rows of a public view ("v_objects") as objects {column: value}.
-  void read_view(const std::string& view, const std::function<void(const Json&)>& visitor) const;
+  std::vector<std::string> read_view(const std::string& view,
+                                     const std::function<void(const Json&)>& visitor) const;
   /// Checks integrity, references, hashes of blobs, and agreement between tables.
   VerifyReport verify(Progress& progress) const;
 
  private:
+  friend class ChangeTransaction;
   friend class SceneTransaction;
   friend void rewrite_memory(const std::filesystem::path&, const std::filesystem::path&,
                              const std::function<void(Store&)>&);

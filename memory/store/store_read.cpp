@@ -362,11 +362,14 @@ std::vector<Store::TableSize> Store::statistics(bool with_bytes) const {
   });
 }
 
-void Store::read_view(const std::string& view, const std::function<void(const Json&)>& visitor) const {
+std::vector<std::string> Store::read_view(const std::string& view,
+                                          const std::function<void(const Json&)>& visitor) const {
   auto& db = *connection_;
-  db.guarded([&] {
+  return db.guarded([&] {
     if (!has_object(db.format, "view", view)) throw db.error("there is no view " + view);
     SQLite::Statement rows(*db.database, "SELECT * FROM " + sql_name(view));
+    std::vector<std::string> columns;
+    for (int i = 0; i < rows.getColumnCount(); ++i) columns.emplace_back(rows.getColumnName(i));
     while (rows.executeStep()) {
       Json row = Json::object();
       for (int i = 0; i < rows.getColumnCount(); ++i) {
@@ -381,6 +384,7 @@ void Store::read_view(const std::string& view, const std::function<void(const Js
       }
       visitor(row);
     }
+    return columns;
   });
 }
 

@@ -1,5 +1,7 @@
 #include "perception/detection/lift.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -40,6 +42,13 @@ struct ScaledRegion {
     if (given.image.empty()) return;
     scale_x = static_cast<double>(given.image.width) / color.width;
     scale_y = static_cast<double>(given.image.height) / color.height;
+    constexpr double kMaxUneven = 0.02;                                 // sizes are whole numbers of pixels
+    const bool of_fractions = given.image.width == given.image.height;  // of an image of any shape
+    if (!of_fractions && std::abs(scale_x - scale_y) > kMaxUneven * std::max(scale_x, scale_y))
+      throw Error(
+          fmt::format("the detections are in an image of {} x {} pixels, that of the recording has {} x {}",
+                      given.image.width, given.image.height, color.width, color.height),
+          {}, "give detections in the images of the recording; they may be scaled evenly");
   }
   bool contains(double x, double y) const { return region.contains(x * scale_x, y * scale_y); }
   /// In the inner half of the box, where a box shows the object rather than what lies around.

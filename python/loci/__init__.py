@@ -27,6 +27,7 @@ from ._loci import (
     Scene,
     Visual,
 )
+from ._loci import __version__
 from ._mapping import open_recording
 from ._memory import Edits, NotUnderstood, ingest, open
 from ._perception import Annotator, default_pipeline, describe_annotators, run

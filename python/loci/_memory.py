@@ -4,6 +4,7 @@ import datetime
 import inspect
 import io
 import json
+import numbers
 import os
 import tempfile
 from typing import Any, Callable, Iterable, Iterator, List, Optional, Sequence, Union
@@ -33,9 +34,14 @@ def _argument(value):
         return os.fspath(value)
     if isinstance(value, str):
         return value
-    if hasattr(value, "__iter__"):
-        return ",".join(repr(float(each)) for each in value)
-    return str(value)
+    if isinstance(value, numbers.Number):
+        return str(value)
+    try:
+        if not isinstance(value, (bytes, bytearray)):
+            return ",".join(repr(float(each)) for each in value)
+    except (TypeError, ValueError):
+        pass
+    raise Error(f"{value!r} is neither a text, a number, a time nor a list of numbers")
 
 
 _Time = Union[datetime.datetime, str]
@@ -147,6 +153,10 @@ def _ask(
 
     NotUnderstood when the sentence is no known question.
     """
+    if not isinstance(sentence, str):
+        raise Error(f"a question is a text, not {sentence!r}")
+    if isinstance(before, str) or not all(isinstance(each, str) for each in before):
+        raise Error("before is a list of sentences")
     text, data = self._answer_sentences([*before, sentence], _argument(at), _argument(known_at))[-1]
     answer = answers.answer(answers.declared.sentence, text, data)
     if not answer.understood:

@@ -6,7 +6,7 @@ import os
 from typing import Any, Callable, Dict, List, Optional, Sequence, Type, Union
 
 from . import _loci
-from ._loci import Cluster, PerceivedScene
+from ._loci import Cluster, Error, PerceivedScene
 from ._memory import _Time
 from .answers import Record, read
 
@@ -85,6 +85,11 @@ def run(
 
     Returns how many frames were processed, skipped and left out, and the seconds of each annotator.
     """
+    for each in annotators:
+        if not (isinstance(each, type) and issubclass(each, Annotator) and each.process is not Annotator.process):
+            raise Error(f"{each!r} is no class of annotators: derive it from loci.Annotator, with process(scene)")
+    if every < 0:
+        raise Error(f"every is {every}: 0 = as the pipeline says, n = every n-th frame")
     text = pipeline if isinstance(pipeline, str) else json.dumps(pipeline) if pipeline else ""
     return read(
         _loci._run(

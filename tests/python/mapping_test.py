@@ -116,8 +116,18 @@ class Recordings(TabletopTest):
                 lambda: writer.add("noon", self.depth),
             ):
                 self.assertRaises(loci.Error, wrong)
+            for wrong in (self.depth * 1000, numpy.full_like(self.depth, 100), self.depth == 1, self.depth.astype(str)):
+                self.assertRaises(loci.Error, writer.add, time, wrong)
             writer.add(time, self.depth.astype(float))
-        self.assertEqual(len(loci.open_recording(self.folder / "other")), 1)
+            writer.add("2026-05-01T08:00:01Z", (numpy.nan_to_num(self.depth) * 1000).round().astype(numpy.uint16))
+            writer.add("2026-05-01T08:00:02Z", numpy.zeros(self.depth.shape, numpy.uint16))
+        metres, millimetres, nothing = loci.open_recording(self.folder / "other")
+        numpy.testing.assert_allclose(millimetres.depth, metres.depth, atol=0.001)
+        self.assertTrue(numpy.isnan(nothing.depth).all())
+        with self.assertRaisesRegex(loci.Error, "no frame"), loci.RecordingWriter(self.folder / "none", self.camera):
+            pass
+        self.assertFalse((self.folder / "none").exists())
+        self.assertEqual(len(loci.open_recording(self.folder / "other")), 3)
         with self.assertRaisesRegex(loci.Error, "upp.*did you mean 'up'"):
             loci.open_recording(self.recording, upp="z")
 

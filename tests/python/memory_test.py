@@ -33,8 +33,9 @@ class Questions(SampleMemoryTest):
     def test_answers_are_those_of_the_command(self):
         with loci.open(self.file) as memory:
             answer = memory.where("mug", at="08:00")
-        headline, details = command("where", "mug", "--at", "08:00", "--details", "-m", self.file).split("\n", 1)
-        self.assertEqual(headline, "The mug was on table_1.")
+        details = command("where", "mug", "--at", "08:00", "--details", "-m", self.file)
+        self.assertEqual(details.split("\n", 1)[0], "The mug was on table_1.")
+        self.assertEqual(answer.reply.text, "The mug was on table_1.")
         self.assertEqual(str(answer), details)
         data = json.loads(command("where", "mug", "--at", "08:00", "-m", self.file, "--json"))
         self.assertEqual(dict(answer), data)
@@ -57,10 +58,25 @@ class Questions(SampleMemoryTest):
                 memory.where("zebra")
             for wrong in (lambda: memory.where(), lambda: memory.where("mug", colour="red")):
                 self.assertRaisesRegex(TypeError, r"where\(\): .*; it takes \(self, object", wrong)
+            for wrong in (
+                lambda: memory.where(["a"]),
+                lambda: memory.where(b"red"),
+                lambda: memory.where(""),
+                lambda: memory.where([]),
+                lambda: memory.ask(3),
+                lambda: memory.ask("Where is the mug?", before="Where is the bowl?"),
+                lambda: memory.on("table_1", count="abc"),
+                lambda: memory.on("table_1", count=-1),
+            ):
+                self.assertRaises(loci.Error, wrong)
+            self.assertEqual(memory.on("table_1", count=99).verdict, "no")
 
     def test_what_the_command_takes_without_a_name_goes_by_position(self):
         with loci.open(self.file) as memory:
             self.assertEqual(memory.was("mug", "table_1"), memory.was("mug", place="table_1"))
+            self.assertEqual(memory.task("set", "table_1"), memory.task("set", place="table_1"))
+            data = json.loads(command("task", "set", "table_1", "-m", self.file, "--json"))
+            self.assertEqual(dict(memory.task("set", "table_1")), data)
 
     def test_errors_name_keywords_not_options_of_the_command(self):
         with self.assertRaisesRegex(loci.Error, "or give force=True$"):
@@ -102,8 +118,11 @@ class Contents(SampleMemoryTest):
             self.assertEqual({len(column) for column in objects.values()}, {4})
             self.assertIsInstance(objects["probability"][0], float)
             self.assertEqual(len(memory.table("scenes")["scene"]), 12)
-            with self.assertRaisesRegex(loci.Error, "no view v_zebra"):
-                memory.table("zebra")
+            facts = memory.table("facts")
+            self.assertEqual([facts["key"], facts["value"]], [[], []])
+            for unknown in ("zebra", "v_objects"):
+                with self.assertRaisesRegex(loci.Error, f"no table '{unknown}' .there are: objects"):
+                    memory.table(unknown)
 
     def test_what_was_closed_answers_no_more(self):
         memory = loci.open(self.file)
@@ -175,6 +194,8 @@ class Writing(FolderTest):
             loci.ingest(SAMPLES / "detections.jsonl", self.folder / "m.loci", strictt=True)
         with self.assertRaisesRegex(loci.Error, "no such file|cannot"):
             loci.ingest("nothing.jsonl", self.folder / "m.loci")
+        with self.assertRaisesRegex(loci.Error, "zebra.*known are .*strict"):
+            loci.ingest(SAMPLES / "detections.jsonl", self.folder / "m.loci", zebra=True)
 
     def test_progress_stops_with_its_exception(self):
         def fail(fraction, text):
@@ -182,7 +203,7 @@ class Writing(FolderTest):
 
         with self.assertRaisesRegex(ValueError, "enough"):
             loci.ingest(SAMPLES / "detections.jsonl", self.folder / "m.loci", progress=fail)
-        with self.assertRaises(KeyboardInterrupt):
+        with self.assertRaisesRegex(loci.Error, "progress returned False"):
             loci.ingest(SAMPLES / "detections.jsonl", self.folder / "n.loci", progress=lambda fraction, text: False)
 
     def test_no_file_is_made_by_reading(self):
@@ -226,6 +247,21 @@ class Watch(FolderTest):
         self.assertEqual(watching.returncode, 0)
 
 
+    def test_a_memory_that_is_made_later_is_waited_for(self):
+        file = self.folder / "later.loci"
+        program = os.path.join(os.environ["LOCI_BIN_DIR"], "loci-memory")
+        command = [program, "watch", "anything appears", "unicorn moves", "drawer_99 opens", "-m", str(file)]
+        command += ["--count", "1", "--for", "60"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as watching:
+            self.assertIn("waiting for it", watching.stderr.readline())
+            loci.ingest(SAMPLES / "detections.jsonl", file)
+            out, err = watching.communicate(timeout=90)
+        self.assertIn("appeared", out)
+        self.assertIn("unicorn", err)
+        self.assertIn("drawer_99", err)
+        self.assertEqual(watching.returncode, 0)
+
+
 class Edits(SampleMemoryTest):
     def test_edits_can_be_undone(self):
         with loci.open(self.file, write=True) as memory:
@@ -233,7 +269,7 @@ class Edits(SampleMemoryTest):
             self.assertIn("bench 7", done.edit)
             self.assertIn("object_1", str(memory.on("bench 7", at="08:00")))
             memory.edit.label(scene=1, observation=0, class_="mug")
-            memory.edit.undo()
+            self.assertTrue(memory.edit.undo().reply.text.startswith("Undone: observation 0 of scene 1"))
             memory.edit.undo()
             self.assertEqual([len(memory.edit.list().done), len(memory.edit.list().undone)], [0, 2])
             with self.assertRaisesRegex(loci.Error, "bench 7"):

@@ -3,7 +3,9 @@
 import ast
 import builtins
 import inspect
+import os
 import pathlib
+import subprocess
 import unittest
 
 import loci
@@ -22,6 +24,11 @@ class Package(unittest.TestCase):
                 members |= {each.target.id for each in node.body if isinstance(each, ast.AnnAssign)}
                 public = {each for each in vars(getattr(loci, name)) if not each.startswith("_")}
                 self.assertLessEqual(public, members, name)
+
+    def test_the_version_is_that_of_the_programs(self):
+        program = pathlib.Path(os.environ["LOCI_BIN_DIR"]) / "loci-memory"
+        said = subprocess.run([program, "--version"], check=True, capture_output=True, text=True).stdout
+        self.assertIn(loci.__version__, said)
 
     def test_types_in_stubs_are_known(self):
         known = set(loci.__all__) | set(dir(builtins))

@@ -130,6 +130,26 @@ class Pipelines(TabletopTest):
         with self.assertRaisesRegex(loci.Error, "has no feature 'colour'"):
             loci.run(self.recording, annotators=[Wrong])
 
+        class Raises(Fails):
+            def __init__(self):
+                raise ValueError("no licence")
+
+        with self.assertRaisesRegex(loci.Error, "no licence"):
+            loci.run(self.recording, annotators=[Raises])
+
+        class Undeclared(Fails):
+            outputs = ["Nonsense"]
+
+        class Empty(loci.Annotator):
+            pass
+
+        for wrong in (Undeclared, Empty, Fails(), str, "Fails"):
+            self.assertRaises(loci.Error, loci.run, self.recording, annotators=[wrong])
+        with self.assertRaisesRegex(loci.Error, "every"):
+            loci.run(self.recording, every=-1)
+        with self.assertRaisesRegex(loci.Error, "progress returned False"):
+            loci.run(self.recording, progress=lambda fraction, text: False)
+
     def test_scenes_end(self):
         kept = []
         loci.run(self.recording, done=kept.append)

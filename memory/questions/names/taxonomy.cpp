@@ -69,7 +69,7 @@ Taxonomy Taxonomy::of(const Store& store, const AsOf& as_of) {
   for (const RunRow& run : store.runs()) {
     if (run.program != kProgram || (as_of.known_at && run.started > *as_of.known_at)) continue;
     taxonomy.concepts_.clear();
-    const Json concepts = parse_json(run.configuration, store.path().string());
+    const Json concepts = parse_json(run.configuration, store.name());
     for (const auto& [name, one] : concepts.items()) {
       const auto texts = [&, &name = name, &one = one](const char* key) {
         if (!one.is_object() || !is_text_list(one.value(key, Json())))

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/environment.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {
@@ -80,32 +81,41 @@ StandingQuestion parse_standing_question(const std::string& text) {
   throw Error("'" + text + "' is no event to wait for", {}, "write " + standing_question_forms());
 }
 
-EventWatcher::EventWatcher(std::vector<StandingQuestion> questions, const Store& store,
-                           std::vector<std::string>& unknown)
-    : questions_(std::move(questions)), from_(store.last_scene_time()) {
+void EventWatcher::begin_now(const Store& store) {
+  from_ = store.last_scene_time();
   for (const StandingQuestion& question : questions_)
-    for (const Change& change : changes_of(question, store, &unknown))
-      reported_.insert(key_of(question, change));
+    for (const Change& change : changes_of(question, store)) reported_.insert(key_of(question, change));
+}
+
+std::vector<std::string> EventWatcher::unknown(const Store& store) const {
+  std::vector<std::string> unknown;
+  for (const StandingQuestion& question : questions_) try {
+      if (question.joint.empty())
+        ask(store, ChangesQuestion{from_, {}, question.object, question.place, {}, question.kind});
+      else if (ask(store, OpensQuestion{.part = question.joint}).parts.empty())
+        unknown.push_back(fmt::format("nothing that opens is known as '{}'", question.joint));
+    } catch (const UnknownName& error) {
+      unknown.push_back(error.message());
+    }
+  return unknown;
 }
 
 std::vector<EventWatcher::News> EventWatcher::poll(const Store& store) {
   std::vector<News> news;
   for (const StandingQuestion& question : questions_)
-    for (const Change& change : changes_of(question, store, nullptr))
+    for (const Change& change : changes_of(question, store))
       if (reported_.insert(key_of(question, change)).second) news.push_back({question.text, change});
   std::ranges::stable_sort(news, {}, [](const News& each) { return each.change.time; });
   return news;
 }
 
-std::vector<Change> EventWatcher::changes_of(const StandingQuestion& question, const Store& store,
-                                             std::vector<std::string>* unknown) const {
+std::vector<Change> EventWatcher::changes_of(const StandingQuestion& question, const Store& store) const {
   try {
     std::vector<Change> changes =
         ask(store, ChangesQuestion{from_, {}, question.object, question.place, {}, question.kind}).changes;
     std::erase_if(changes, [&](const Change& change) { return !fits(question, change); });
     return changes;
-  } catch (const UnknownName& error) {  // It may be seen, or get this name, later.
-    if (unknown != nullptr) unknown->push_back(error.message());
+  } catch (const UnknownName&) {  // It may be seen, or get this name, later.
     return {};
   }
 }

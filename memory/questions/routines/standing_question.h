@@ -26,9 +26,11 @@ std::string standing_question_forms();
 /// Compares a memory with itself while it is written.
 class EventWatcher {
  public:
-  /// What happened before now is not told. `unknown` gets names that mean nothing in this memory yet.
-  EventWatcher(std::vector<StandingQuestion> questions, const Store& store,
-               std::vector<std::string>& unknown);
+  explicit EventWatcher(std::vector<StandingQuestion> questions) : questions_(std::move(questions)) {}
+  /// What happened before now is not told.
+  void begin_now(const Store& store);
+  /// What the questions name that means nothing in this memory yet, one sentence for each.
+  std::vector<std::string> unknown(const Store& store) const;
 
   struct News {
     std::string question;
@@ -38,8 +40,7 @@ class EventWatcher {
   std::vector<News> poll(const Store& store);
 
  private:
-  std::vector<Change> changes_of(const StandingQuestion& question, const Store& store,
-                                 std::vector<std::string>* unknown) const;
+  std::vector<Change> changes_of(const StandingQuestion& question, const Store& store) const;
 
   std::vector<StandingQuestion> questions_;
   std::optional<TimeNs> from_;

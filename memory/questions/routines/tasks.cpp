@@ -282,9 +282,16 @@ Answer ask_task(const Arguments& given) {
   const auto kind =
       static_cast<TaskQuestion::Kind>(std::ranges::find(kTasks, given.text("task")) - kTasks.begin());
   const bool stow = kind == TaskQuestion::Kind::stow;
+  const bool of_objects = stow || kind == TaskQuestion::Kind::bring;
+  // What follows the task without a name is what it is about.
+  const std::string about = given.text(of_objects || given.text("place").empty() ? "object" : "place");
+  if (about.empty() && kind != TaskQuestion::Kind::clean)
+    throw Error(fmt::format("'{}' needs {}", given.text("task"), of_objects ? "an object" : "a place"));
   return ask(given.store(), TaskQuestion{.kind = kind,
-                                         .subject = given.text("object"),
-                                         .place = given.text(stow ? "destination" : "place"),
+                                         .subject = of_objects ? about : "",
+                                         .place = stow         ? given.text("destination")
+                                                  : of_objects ? ""
+                                                               : about,
                                          .occasion = given.text("occasion"),
                                          .as_of = given.as_of()});
 }

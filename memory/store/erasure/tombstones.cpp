@@ -136,7 +136,7 @@ ForgetResult Store::forget(const ForgetRequest& request, Id run, const Reasoning
       int(request.object.has_value()) + int(request.place.has_value()) + int(targets.interval.has_value());
   if (named != 1) throw error("nothing to forget is named", "name an object, a place, or two times");
   if (targets.interval && targets.interval->first > targets.interval->second)
-    throw error("the first time is after the second", "write --between EARLIER LATER");
+    throw error("the first time is after the second", "give the earlier one first");
   return erasing(db, [&] {
     Eraser eraser(*this, db, targets, run);
     ForgetResult result = eraser.erase(filter);

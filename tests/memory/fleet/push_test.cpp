@@ -41,6 +41,25 @@ class Push : public testing_support::FleetTest {
   }
 };
 
+TEST_F(Push, ABeliefThatFadesAtOnceIsNoDivisionByZero) {
+  {
+    Store store = Store::open_write(file_);
+    const Id run = store.begin_run("test", "{}");
+    SceneTransaction rows(store, run);
+    BeliefRow row = store.beliefs().front();
+    row.clock.supersedes = row.id;
+    row.clock.known_to.reset();
+    row.fade_s = 0;
+    row.fade_to = 0.5;
+    rows.add_belief(row);
+    store.finish_run(run);
+    rows.commit();
+  }
+  push();
+  EXPECT_EQ(number("SELECT count(*) FROM loci.v_objects WHERE probability IS NULL"), 0);
+  EXPECT_GT(number("SELECT count(*) FROM loci.v_objects"), 0);
+}
+
 TEST_F(Push, ReplicatesEveryRowOnce) {
   const PushResult first = push();
   EXPECT_GT(first.added_rows(), 150);

@@ -51,6 +51,15 @@ TEST_F(Replica, AnswersAsTheFile) {
   EXPECT_EQ(fs::status(replica.parent_path()).permissions(), fs::perms::owner_all);
 }
 
+TEST_F(Replica, ErrorsNameTheUrlNotTheCopy) {
+  push();
+  const fs::path replica = pull();
+  const std::string said = Store::open_read(replica).error("a mistake").what();
+  EXPECT_THAT(said, testing::StartsWith("postgresql://"));
+  EXPECT_THAT(said, testing::Not(HasSubstr(replica.string())));
+  EXPECT_THAT(said, HasSubstr("robot="));
+}
+
 TEST_F(Replica, FollowsTheRobot) {
   push();
   const fs::path first = pull();

@@ -140,6 +140,40 @@ TEST_F(Lifted, CocoFile) {
   EXPECT_NEAR(first_observation().position->x(), 0, 0.01);
 }
 
+TEST_F(Lifted, AnImageOfAnotherShapeIsRefused) {
+  const auto taken = [&](int width, int height) {
+    fs::remove(folder_ / "memory.loci");
+    return take(
+        "coco.json",
+        fmt::format(R"({{"images": [{{"id": 1, "file_name": "000000_color.png", "width": {}, "height": {}}}],
+                      "categories": [{{"id": 3, "name": "mug"}}],
+                      "annotations": [{{"image_id": 1, "category_id": 3, "bbox": [10, 10, 20, 20]}}]}})",
+                    width, height));
+  };
+  EXPECT_EQ(taken(320, 240).scenes, 1U) << "evenly scaled";
+  try {
+    taken(80, 120);
+    FAIL() << "not refused";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("80 x 120"));
+    EXPECT_THAT(error.what(), HasSubstr("160 x 120"));
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "memory.loci")) << "nothing was added";
+}
+
+TEST_F(Lifted, NoMemoryIsLeftWhereNothingWasAdded) {
+  const std::string none =
+      R"({"images": [{"id": 1, "file_name": "000077_color.png", "width": 160, "height": 120}],
+          "categories": [{"id": 3, "name": "mug"}],
+          "annotations": [{"image_id": 1, "category_id": 3, "bbox": [10, 10, 20, 20]}]})";
+  EXPECT_EQ(take("coco.json", none).scenes, 0U);
+  for (const auto& entry : fs::directory_iterator(folder_))
+    EXPECT_FALSE(entry.path().filename().string().starts_with("memory.loci")) << entry.path();
+  take("d.jsonl", line(0, bbox()));
+  take("coco.json", none);
+  EXPECT_EQ(Store::open_read(folder_ / "memory.loci").scenes().size(), 1U) << "what was there stays";
+}
+
 TEST_F(Lifted, YoloFolderTwiceNeedsResume) {
   const cv::Rect2d box = box_in_image();
   fs::create_directories(folder_ / "yolo");

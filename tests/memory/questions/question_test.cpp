@@ -5,6 +5,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/text/json.h"
 #include "memory/questions/contents.h"
+#include "memory/questions/replies/reply.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {
@@ -73,6 +74,48 @@ TEST_F(Declarations, ArgumentsAreReadAgainstTheMemory) {
   EXPECT_EQ(ask(*store_, *parse_query("where red"), at("08:00")).to_json()["objects"][0]["place"], "table_1");
   EXPECT_THROW(ask(*store_, *parse_query("scene-type --scene x")), Error);
   EXPECT_THROW(ask(*store_, *parse_query("search-next red --start 1")), Error);
+}
+
+TEST_F(Declarations, NumbersAreWholeAndInRange) {
+  for (const char* query : {"on table_1", "objects red", "near red", "changes"})
+    for (const char* number : {"abc", "''", "-1", "1.5", "0", "99999999999999999999"}) {
+      const std::string option = std::string(query) == "changes" ? " --times " : " --count ";
+      EXPECT_THROW(parse_query(query + option + number), Error) << query << option << number;
+    }
+  EXPECT_EQ(read_number("two"), 2);
+  EXPECT_EQ(read_number("12"), 12);
+}
+
+TEST_F(Declarations, ACountAsksWhetherThereAreAsMany) {
+  const auto asked = [&](const std::string& text) {
+    const Query query = *parse_query(text);
+    const Question& question = *find_question(query.question);
+    const Answer answer = question.ask(*store_, query);
+    return full_json(question.reply(*store_, query, answer), answer);
+  };
+  const Json many = asked("on table_1 --at 08:00 --count 99"), one = asked("on table_1 --at 08:00 --count 1");
+  EXPECT_EQ(many["verdict"], "no");
+  EXPECT_EQ(many["reply"]["verdict"], "no");
+  EXPECT_EQ(one["verdict"], "yes");
+  EXPECT_EQ(one["reply"]["verdict"], "yes");
+  EXPECT_EQ(asked("objects red --count 99")["reply"]["verdict"], "no");
+  EXPECT_FALSE(asked("near red --count 1")["reply"].contains("verdict")) << "only so many";
+}
+
+TEST_F(Declarations, EmptyNamesAreRefused) {
+  for (const auto& [question, name] : {std::pair("where", "object"), std::pair("on", "place"),
+                                       std::pair("near", "around"), std::pair("objects", "object")})
+    for (const char* text : {"", "  "})
+      EXPECT_THROW(ask(*store_, {.question = question, .arguments = {{name, text}}}), Error) << question;
+}
+
+TEST_F(Declarations, WhatATaskIsAboutMayBeGivenByPosition) {
+  const auto asked = [&](const char* name) {
+    return ask(*store_, {.question = "task", .arguments = {{"task", "set"}, {name, "table_1"}}}).to_json();
+  };
+  EXPECT_EQ(asked("object"), asked("place"));
+  EXPECT_EQ(asked("object"), ask(*store_, *parse_query("task set table_1")).to_json());
+  EXPECT_THROW(ask(*store_, {.question = "task", .arguments = {{"task", "set"}}}), Error);
 }
 
 TEST(Length, IsReadWithItsUnit) {

@@ -47,11 +47,24 @@ TEST_F(StandingQuestions, FindTheEventsOfTheDay) {
 }
 
 TEST_F(StandingQuestions, OnlyWhatIsNewIsNews) {
-  std::vector<std::string> unknown;
-  EventWatcher watcher({parse_standing_question("anything moves"), parse_standing_question("zebra appears")},
-                       *store_, unknown);
-  EXPECT_THAT(unknown, ElementsAre(HasSubstr("zebra")));
+  EventWatcher watcher({parse_standing_question("anything moves"), parse_standing_question("zebra appears")});
+  watcher.begin_now(*store_);
   EXPECT_THAT(watcher.poll(*store_), IsEmpty());
+}
+
+TEST_F(StandingQuestions, WhatHappenedSinceTheMemoryWasMadeIsNewsToWhoWaitedForIt) {
+  EventWatcher watcher({parse_standing_question("anything appears")});
+  EXPECT_THAT(watcher.poll(*store_), testing::SizeIs(events_of("anything appears").size()));
+}
+
+TEST_F(StandingQuestions, WhatIsNotKnownYetIsNamed) {
+  const auto unknown = [&](const std::string& event) {
+    return EventWatcher({parse_standing_question(event)}).unknown(*store_);
+  };
+  EXPECT_THAT(unknown("zebra appears"), ElementsAre(HasSubstr("zebra")));
+  EXPECT_THAT(unknown("object_1 leaves zebra"), ElementsAre(HasSubstr("zebra")));
+  EXPECT_THAT(unknown("drawer_99 opens"), ElementsAre(HasSubstr("drawer_99")));
+  EXPECT_THAT(unknown("anything moves"), IsEmpty());
 }
 
 }  // namespace

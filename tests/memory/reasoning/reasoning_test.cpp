@@ -1,3 +1,4 @@
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 #include "memory/reasoning/pair_matrices.h"
 #include "memory/reasoning/reason.h"
 #include "memory/reasoning/why.h"
+#include "memory/recorder/checkpoint.h"
 #include "memory/recorder/scene_reasoning.h"
 
 namespace loci::memory {
@@ -63,6 +65,37 @@ TEST_F(Reasoning, EvidenceComesBackAsItWasTold) {
   ASSERT_EQ(reasoning->evidence.observations.size(), 2U);
   EXPECT_EQ(reasoning->evidence.observations[1].box.size, Vector3d(0.2, 0.1, 0.3));
   EXPECT_EQ(reasoning->evidence.observations[0].place, "table_1");
+}
+
+/// As version 1 of the belief wrote it: its number is the last field.
+std::string of_version_one(std::string bytes) {
+  EXPECT_EQ(bytes.substr(bytes.size() - 3), "\xA0\x06\x02");
+  bytes.back() = 1;
+  return bytes;
+}
+
+TEST_F(Reasoning, WhatAnotherVersionBelievedIsComputedAgain) {
+  {
+    Store store = Store::open_write(folder / "memory.loci");
+    SceneTransaction rows(store, store.begin_run("test", "{}"));
+    for (const auto& [name, checkpoint] : store.checkpoints("belief"))
+      rows.set_checkpoint(name, of_version_one(checkpoint.bytes), checkpoint.scene);
+    rows.commit();
+    SQLite::Database database((folder / "memory.loci").string(), SQLite::OPEN_READWRITE);
+    for (const SceneRow& scene : store.scenes()) {
+      SQLite::Statement change(database, "UPDATE reasoning SET encoding = 0, content = ? WHERE scene = ?");
+      const std::string bytes = of_version_one(*store.reasoning(scene.id));
+      change.bind(1, bytes.data(), static_cast<int>(bytes.size()));
+      change.bind(2, scene.id);
+      change.exec();
+    }
+  }
+  const std::optional<Error> unreadable = unreadable_belief(memory());
+  ASSERT_TRUE(unreadable);
+  EXPECT_THAT(unreadable->message(), HasSubstr("another version of loci wrote it"));
+  EXPECT_THAT(unreadable->hint(), HasSubstr("loci-memory reason -m "));
+  EXPECT_TRUE(anew({}).observations.empty());
+  EXPECT_FALSE(unreadable_belief(Store::open_read(folder / "other.loci")));
 }
 
 TEST_F(Reasoning, ProbabilitiesOfADecisionSumToOne) {

@@ -8,6 +8,7 @@
 #include "mapping/base/text/json.h"
 #include "memory/edits/edit_actions.h"
 #include "memory/questions/question.h"
+#include "memory/questions/replies/reply.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {
@@ -18,7 +19,8 @@ using ::testing::HasSubstr;
 class ToolServerTest : public testing_support::DayFixture {
  protected:
   std::string raw(const std::string& message) const {
-    return ToolServer(file_, "1.2.3").reply(message).value_or("");
+    const ToolServer server(file_, "1.2.3");
+    return LineTransport(server).reply(message).value_or("");
   }
   Json reply(const std::string& method, const Json& params = Json::object()) const {
     const std::string text =
@@ -59,8 +61,12 @@ TEST_F(ToolServerTest, ToolsAnswerAsTheQuestionsDo) {
   EXPECT_EQ(result["isError"], false);
   const Query query{.question = "where", .arguments = {{"object", "object_1"}, {"at", "09:00"}}};
   const Answer answer = ask(*store_, query);
-  EXPECT_EQ(result["structuredContent"], answer.to_json());
-  EXPECT_EQ(result["content"][0]["text"], answer.to_text(TimeWriter(*store_)));
+  const Reply reply = find_question("where")->reply(*store_, query, answer);
+  EXPECT_FALSE(reply.text.empty());
+  EXPECT_EQ(result["structuredContent"], full_json(reply, answer));
+  EXPECT_EQ(result["structuredContent"]["reply"]["text"], reply.text);
+  EXPECT_EQ(result["content"][0]["text"], full_text(reply, answer, TimeWriter(*store_)));
+  EXPECT_THAT(result["content"][0]["text"].get<std::string>(), testing::StartsWith(reply.text));
 }
 
 TEST_F(ToolServerTest, AMistakeOfTheModelIsAResultItCanLearnFrom) {
@@ -119,7 +125,11 @@ TEST_F(ToolServerTest, MalformedMessagesGetErrors) {
   EXPECT_EQ(code("[]"), -32600);
   EXPECT_EQ(code(R"({"jsonrpc": "1.0", "id": 1, "method": "ping"})"), -32600);
   EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": {}, "method": "ping"})"), -32600);
-  EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1, "method": 5})"), -32601);
+  EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1, "method": 5})"), -32600);
+  EXPECT_EQ(code(R"({"jsonrpc": "2.0", "method": 5})"), -32600);
+  EXPECT_EQ(code(R"({"jsonrpc": "2.0"})"), -32600);
+  EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1})"), -32600);
+  EXPECT_EQ(raw(R"({"jsonrpc": "2.0", "id": 1, "result": {}})"), "") << "a reply";
   EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1, "method": "tools/delete"})"), -32601);
   EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": []})"), -32602);
   EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": {"name": "erase"}})"),
@@ -128,24 +138,46 @@ TEST_F(ToolServerTest, MalformedMessagesGetErrors) {
             -32602);
 }
 
+TEST_F(ToolServerTest, BatchesEndWithTheRevisionThatHasNone) {
+  const ToolServer server(file_, "1.2.3");
+  const std::string ping = R"({"jsonrpc": "2.0", "id": 1, "method": "ping"})", batch = "[" + ping + "]";
+  for (const auto& [version, taken] : {std::pair("2025-03-26", true), {"2025-06-18", false}}) {
+    LineTransport transport(server);
+    const Json begin = {
+        {"jsonrpc", "2.0"}, {"id", 1}, {"method", "initialize"}, {"params", {{"protocolVersion", version}}}};
+    transport.reply(begin.dump());
+    EXPECT_EQ(parse_json(transport.reply(batch).value_or(""), "reply").is_array(), taken) << version;
+    EXPECT_TRUE(parse_json(transport.reply(ping).value_or(""), "reply").contains("result")) << version;
+  }
+}
+
 TEST_F(ToolServerTest, EditsAreToolsWhenTheyAreAllowed) {
   store_.reset();
   const ToolServer server(file_, "1.2.3", true);
   const auto call = [&](const std::string& method, const Json& params) {
     const Json message = {{"jsonrpc", "2.0"}, {"id", 7}, {"method", method}, {"params", params}};
-    return parse_json(server.reply(message.dump()).value_or(""), "reply")["result"];
+    return server.answer(message).value_or(Json())["result"];
   };
   const Json tools = call("tools/list", Json::object())["tools"];
-  EXPECT_EQ(tools.size(), questions().size() + 1 + edit_actions().size());
-  EXPECT_EQ(tools.back()["name"], "edit-redo");
-  EXPECT_EQ(tools.back()["annotations"]["readOnlyHint"], false);
+  EXPECT_EQ(tools.size(), questions().size() + 1 + edit_actions().size() + 1);
+  EXPECT_EQ(tools.back()["name"], "edit-list");
+  EXPECT_EQ(tools.back()["annotations"]["readOnlyHint"], true);
+  EXPECT_EQ(tools[tools.size() - 2]["name"], "edit-redo");
+  EXPECT_EQ(tools[tools.size() - 2]["annotations"]["readOnlyHint"], false);
   const Json said = call(
       "tools/call",
       {{"name", "edit-say"}, {"arguments", {{"about", "table_1"}, {"key", "alias"}, {"value", "bench 7"}}}});
   EXPECT_EQ(said["isError"], false);
   EXPECT_THAT(said["structuredContent"]["edit"].get<std::string>(), HasSubstr("bench 7"));
   EXPECT_EQ(call("tools/call", {{"name", "on"}, {"arguments", {{"place", "bench 7"}}}})["isError"], false);
-  EXPECT_EQ(call("tools/call", {{"name", "edit-undo"}})["isError"], false);
+  const Json place = call("resources/read", {{"uri", "loci://place/bench%207"}});
+  EXPECT_EQ(place["contents"][0]["uri"], "loci://place/bench%207");
+  EXPECT_THAT(call("tools/call", {{"name", "edit-list"}})["content"][0]["text"].get<std::string>(),
+              HasSubstr("bench 7"));
+  const Json undone = call("tools/call", {{"name", "edit-undo"}});
+  EXPECT_EQ(undone["isError"], false);
+  EXPECT_THAT(undone["content"][0]["text"].get<std::string>(), testing::StartsWith("Undone: "));
+  EXPECT_THAT(undone["structuredContent"]["reply"]["text"].get<std::string>(), HasSubstr("Undone: "));
   EXPECT_EQ(call("tools/call", {{"name", "on"}, {"arguments", {{"place", "bench 7"}}}})["isError"], true);
   EXPECT_EQ(call("tools/call", {{"name", "edit-merge"}, {"arguments", {{"one", "object_1"}}}})["isError"],
             true);
