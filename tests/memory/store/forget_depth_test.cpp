@@ -123,10 +123,10 @@ class ForgetImages : public testing_support::TemporaryFolder {
     return scene.add_scene({.time = time,
                             .camera = SceneCamera{640, 480, 585, 585, 319.5, 239.5, 0.5, 5.0},
                             .map_from_camera = Isometry3d::Identity(),
-                            .image = color,
                             .depth = depth,
                             .depth_width = kWidth,
-                            .depth_height = kHeight});
+                            .depth_height = kHeight,
+                            .image = color});
   }
 
   ForgottenTokens forget_object() {
