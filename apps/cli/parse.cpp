@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cctype>
 #include <stdexcept>
 
@@ -67,6 +68,10 @@ void ArgumentTable::parse(const std::vector<std::string>& words) const {
     const Argument& argument = arguments_[i];
     const std::vector<std::string>& texts = parsed[i]->results();
     if (argument.given != nullptr) *argument.given = !texts.empty();
+    // As of a variable of the shell that is not set: what the argument names would be left out in silence.
+    if (!argument.flag() && !(argument.positional() && argument.list()) &&
+        std::ranges::any_of(texts, [](const std::string& text) { return text.empty(); }))
+      throw UsageError(argument.name + " is empty");
     if (texts.empty()) {
       if (argument.required) throw UsageError(argument.name + " is required");
       continue;

@@ -1,20 +1,26 @@
 #include "apps/cli/program.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <malloc.h>
+#include <stdio_ext.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
+#include "apps/cli/aside.h"
 #include "apps/cli/help.h"
 #include "mapping/base/files.h"
+#include "mapping/base/recording_folder.h"
 #include "mapping/base/terminal.h"
 #include "mapping/base/text/json.h"
 
@@ -96,12 +102,20 @@ OutputOptions output_options(const ArgumentTable& arguments, bool force) {
   return options;
 }
 
+constexpr const char* kAnyOutput = "OUT";  ///< a folder or a file, by its format
+
+/// Whether an output is a folder.
+bool is_folder(const Argument& output) {
+  return output.value_name == "FOLDER" || output.value_name == "POSED";
+}
+
 /// Before the work begins: an output must replace no input, no memory (unless it is one, which has rules of
 /// its own), and no file that loci did not write.
 void check_output(const Argument& output, const std::filesystem::path& path, const OutputOptions& options) {
   std::error_code none;
   const bool is_file = std::filesystem::is_regular_file(path, none);
   if (!is_file && output.name != kOutput) return;  // label images may go beside those that they belong to
+  if (!is_file && !is_folder(output) && output.value_name != kAnyOutput) loci::check_output(path, options);
   for (const std::filesystem::path& input : options.inputs)
     if (std::filesystem::equivalent(path, input, none)) refuse_inputs(path, {input});
   if (!is_file) return;
@@ -126,14 +140,25 @@ void require_writable(const std::filesystem::path& output) {
                 {output.string(), 0, {}}, "write to another path");
 }
 
+/// Folders of recordings that a command reads.
+std::vector<std::filesystem::path> recordings_of(const ArgumentTable& arguments) {
+  std::vector<std::filesystem::path> recordings;
+  for (const Argument& argument : arguments.all())
+    if (argument.value_name == "RECORDING")
+      std::ranges::copy(paths_of(argument), std::back_inserter(recordings));
+  return recordings;
+}
+
 void check_outputs(const ArgumentTable& arguments, const OutputOptions& options) {
+  const std::vector<std::filesystem::path> recordings = recordings_of(arguments);
   std::error_code none;
   for (const Argument& argument : arguments.all()) {
     if (!is_output(argument)) continue;
     for (const std::filesystem::path& path : paths_of(argument)) {
       if (path.empty()) continue;
       if (std::filesystem::exists(path, none)) check_output(argument, path, options);
-      if (argument.value_name == "FOLDER" || argument.value_name == "POSED") check_folder_name(path);
+      if (argument.name == kOutput) refuse_within(path, recordings);
+      if (is_folder(argument)) check_folder_name(path);
       require_writable(path);
     }
   }
@@ -158,7 +183,7 @@ void use_memory(const Argument& argument, bool quiet) {
   if (!file.empty()) return;
   const auto [found, source] = find_memory();
   file = found;
-  if (!quiet) fmt::print(stderr, "memory: {} ({})\n", terminal_text(found), source);
+  if (!quiet) print_aside(fmt::format("memory: {} ({})\n", terminal_text(found), source));
 }
 
 void install_interrupt_handler() {
@@ -258,32 +283,67 @@ int Program::describe() const {
 int Program::run(int argc, char** argv) const {
   const std::vector<std::string> words(argv + 1, argv + argc);
   const std::string first = words.empty() ? "" : words[0];
-  if (first == "--describe-cli") return describe();
-  if (!has_commands()) return run_command(commands_.front(), words);
-  if (first == "--version") return print_version();
-  const bool help = first == "help" || first == "--help" || first == "-h";
-  if (help && words.size() == 1) {
-    fmt::print("{}", program_help(name_, description_, commands_));
-    return 0;
-  }
   return run_guarded(name_, [&] {
+    if (first == "--describe-cli") return describe();
+    if (!has_commands()) return run_command(commands_.front(), words);
+    if (first == "--version") return print_version();
+    const bool help = first == "help" || first == "--help" || first == "-h";
+    if (help && words.size() == 1) {
+      fmt::print("{}", program_help(name_, description_, commands_));
+      return 0;
+    }
     if (help) return run_command(find(words[1]), {"--help"});
     return run_command(find(first), words.empty() ? words : std::vector(words.begin() + 1, words.end()));
   });
 }
 
+namespace {
+
+/// The numbers of standard files that are closed would go to files that are opened next, and what is printed
+/// into those.
+void occupy_standard_files() {
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(standard, F_GETFD) < 0 && errno == EBADF) {
+      // stdout so that writing fails, and what is lost is reported.
+      const int opened = ::open("/dev/null", standard == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+      if (opened >= 0 && opened != standard) ::close(opened);
+    }
+}
+
+/// Whether all that was printed is out; what is not is dropped, so that it is reported once.
+bool flush_answer() {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return true;
+  __fpurge(stdout);
+  std::clearerr(stdout);
+  return false;
+}
+
+int report(const std::string& line, int exit_code) {
+  flush_answer();  // what was printed before
+  print_aside(line + "\n");
+  return exit_code;
+}
+
+}  // namespace
+
+void print_aside(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+}
+
 int run_guarded(const std::string& name, const std::function<int()>& main) {
+  occupy_standard_files();
   try {
-    return main();
+    const int exit_code = main();
+    if (flush_answer()) return exit_code;
+    throw Error(fmt::format("the answer cannot be written to standard output: {}",
+                            errno != 0 ? std::strerror(errno) : "writing failed"));
   } catch (const Interrupted&) {
-    fmt::print(stderr, "{}: interrupted\n", name);
-    return 130;
+    return report(name + ": interrupted", 130);
   } catch (const UsageError& error) {
-    fmt::print(stderr, "{}: {}; see {} --help\n", name, terminal_text(error.what()), name);
-    return 2;
+    return report(fmt::format("{}: {}; see {} --help", name, terminal_text(error.what()), name), 2);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", name, terminal_text(error.what()));
-    return 1;
+    return report(fmt::format("{}: {}", name, terminal_text(error.what())), 1);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/cli/aside.h"
 #include "apps/cli/program.h"
 #include "mapping/base/terminal.h"
 #include "mapping/base/text/json.h"
@@ -29,7 +30,7 @@ class TerminalProgress : public Progress {
  public:
   explicit TerminalProgress(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
   ~TerminalProgress() override {
-    if (drawn_ && terminal_) fmt::print(stderr, "\r\033[K");
+    if (drawn_ && terminal_) print_aside("\r\033[K");
   }
 
   bool update(double fraction, std::string_view text) override {
@@ -51,10 +52,10 @@ class TerminalProgress : public Progress {
         fraction > 0.02 ? ", " + duration_text(elapsed * (1 - fraction) / fraction) + " left" : "";
     if (terminal_) {
       const auto filled = static_cast<size_t>(fraction * 30);
-      fmt::print(stderr, "\r\033[K[{}{}] {:3.0f} %  {}{}", std::string(filled, '='),
-                 std::string(30 - filled, ' '), 100 * fraction, terminal_text(text), left);
+      print_aside(fmt::format("\r\033[K[{}{}] {:3.0f} %  {}{}", std::string(filled, '='),
+                              std::string(30 - filled, ' '), 100 * fraction, terminal_text(text), left));
     } else {
-      fmt::print(stderr, "{:3.0f} %  {}{}\n", 100 * fraction, terminal_text(text), left);
+      print_aside(fmt::format("{:3.0f} %  {}{}\n", 100 * fraction, terminal_text(text), left));
     }
   }
 
@@ -88,11 +89,11 @@ void Session::answer(const std::string& text, const Json& json) {
 }
 
 void Session::log(const std::string& line) {
-  if (!flags_.quiet) fmt::print(stderr, "{}\n", terminal_text(line));
+  if (!flags_.quiet) print_aside(terminal_text(line) + "\n");
 }
 
 void Session::timing(const std::string& stage, double seconds) {
-  if (flags_.timing) fmt::print(stderr, "{:>10.3f} s  {}\n", seconds, terminal_text(stage));
+  if (flags_.timing) print_aside(fmt::format("{:>10.3f} s  {}\n", seconds, terminal_text(stage)));
 }
 
 void Session::show_warnings() {
@@ -105,10 +106,10 @@ void Session::show_warnings() {
     if (++times[text] == 1) texts.push_back(text);
   const size_t shown = flags_.verbose ? texts.size() : std::min<size_t>(texts.size(), 5);
   for (size_t i = 0; i < shown; ++i)
-    fmt::print(stderr, "warning: {}{}\n", terminal_text(texts[i]),
-               times[texts[i]] > 1 ? fmt::format(" ({} times)", times[texts[i]]) : "");
+    print_aside(fmt::format("warning: {}{}\n", terminal_text(texts[i]),
+                            times[texts[i]] > 1 ? fmt::format(" ({} times)", times[texts[i]]) : ""));
   if (shown < texts.size())
-    fmt::print(stderr, "warning: {} more (--verbose shows all)\n", texts.size() - shown);
+    print_aside(fmt::format("warning: {} more (--verbose shows all)\n", texts.size() - shown));
 }
 
 std::string machine_time_zone() {

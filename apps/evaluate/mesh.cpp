@@ -32,7 +32,8 @@ Command mesh_command() {
   return {
       "mesh",
       "Meshes of rooms against true surfaces or frames left out, and another method",
-      {"loci-evaluate mesh demo-output/walk", "loci-evaluate mesh demo-output/walk --voxel-m 0.02 --json"},
+      {"loci-simulate record apps/samples/walk.yaml -o demo-output/walk",
+       "loci-evaluate mesh demo-output/walk", "loci-evaluate mesh demo-output/walk --voxel-m 0.02 --json"},
       [](ArgumentTable& table) {
         auto arguments = std::make_shared<Arguments>();
         mesh_claim::Settings& settings = arguments->settings;

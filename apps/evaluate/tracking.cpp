@@ -42,7 +42,8 @@ Command tracking_command() {
   return {
       "tracking",
       "Camera tracking against reference poses and other methods",
-      {"loci-evaluate tracking demo-output/walk", "loci-evaluate tracking demo-output/walk --every 4 --json"},
+      {"loci-simulate record apps/samples/walk.yaml -o demo-output/walk",
+       "loci-evaluate tracking demo-output/walk", "loci-evaluate tracking demo-output/walk --every 4 --json"},
       [](ArgumentTable& table) {
         auto arguments = std::make_shared<Arguments>();
         table.positional("RECORDING...", &arguments->recordings, "Recordings whose poses are the reference");

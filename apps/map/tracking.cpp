@@ -52,7 +52,8 @@ void run_track(TrackArguments& arguments, Session& session) {
 Command track_command() {
   return {"track",
           "Estimate the camera poses of a recording from its images",
-          {"loci-map track demo-output/walk -o demo-output/posed",
+          {"loci-simulate record apps/samples/walk.yaml -o demo-output/walk",
+           "loci-map track demo-output/walk -o demo-output/posed",
            "loci-map track demo-output/walk --every 2 -o demo-output/posed --json"},
           [](ArgumentTable& table) {
             auto arguments = std::make_shared<TrackArguments>();

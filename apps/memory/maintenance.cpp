@@ -148,7 +148,9 @@ void verify_forgotten(Session& session, const std::filesystem::path& memory, con
   for (const std::string& line : left) text += "\n  " + line;
   session.answer(text, {{"ok", left.empty()}, {"tokens", searched}, {"left", left}});
   if (!left.empty())
-    throw Error("not everything is forgotten", {memory, 0, {}}, "close other programs and forget it again");
+    throw Error("not everything is forgotten", {memory, 0, {}},
+                "close programs that have it open; forget --between erases scenes with their images, retain "
+                "writes the file anew");
 }
 
 }  // namespace
@@ -261,8 +263,9 @@ namespace {
 
 /// What a request names: an object, a place, or two times.
 memory::ForgetRequest forget_request(const memory::Store& store, const std::string& name,
-                                     const SpanArguments& span) {
-  memory::ForgetRequest request{.from = span.first(store), .to = span.last(store)};
+                                     const SpanArguments& arguments) {
+  const Span span = arguments.read(store);
+  memory::ForgetRequest request{.from = span.first, .to = span.last};
   const bool interval = request.from && request.to;
   if (name.empty() != interval || request.from.has_value() != request.to.has_value())
     throw UsageError("either NAME (object_12, counter_1) or --between is required");
@@ -291,6 +294,8 @@ std::string forgotten_text(const memory::ForgetResult& result) {
   text += "\nErased:";
   for (const auto& [kind, count] : result.erased) text += fmt::format(" {} {},", count, kind);
   text.back() = '.';
+  if (result.erased.contains(memory::kUnreadableBelief))
+    text += "\nWithout that belief, which cannot be rewritten, no run goes on with this memory.";
   return text;
 }
 
@@ -345,12 +350,14 @@ namespace {
 
 /// "x,y,z,yaw_deg".
 memory::FrameChange frame_from(const std::string& text) {
+  constexpr double kMaxValue = 1e5;  // metres: no home is farther from its map's origin
   std::vector<double> values;
   const char *at = text.data(), *const end = text.data() + text.size();
   while (at < end) {
     double value = 0;
     const auto read = std::from_chars(at, end, value);
-    if (read.ec != std::errc() || !std::isfinite(value) || (read.ptr < end && *read.ptr != ',')) break;
+    if (read.ec != std::errc() || !(std::abs(value) <= kMaxValue) || (read.ptr < end && *read.ptr != ','))
+      break;
     values.push_back(value);
     at = read.ptr + 1;
   }

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "memory/fleet/fleet_replica.h"
+#include "memory/questions/period.h"
 
 namespace loci::apps {
 
@@ -24,14 +25,15 @@ void SpanArguments::declare(ArgumentTable& table) {
   table.option("--to TIME", &to, "Until this time", {.excludes = {"--between"}});
 }
 
-std::optional<TimeNs> SpanArguments::first(const memory::Store& store) const {
-  const std::string text = between.empty() ? from : between[0];
-  return text.empty() ? std::nullopt : std::optional(memory::TimeReader(store).read(text).first);
-}
-
-std::optional<TimeNs> SpanArguments::last(const memory::Store& store) const {
-  const std::string text = between.empty() ? to : between[1];
-  return text.empty() ? std::nullopt : std::optional(memory::TimeReader(store).read(text).last);
+Span SpanArguments::read(const memory::Store& store) const {
+  const memory::TimeReader times(store);
+  const std::string& begin = between.empty() ? from : between[0];
+  const std::string& end = between.empty() ? to : between[1];
+  Span span;
+  if (!begin.empty()) span.first = times.read(begin).first;
+  if (!end.empty()) span.last = times.read(end).last;
+  memory::check_period(span.first, span.last);
+  return span;
 }
 
 std::filesystem::path memory_file(const std::string& memory, Session& session) {

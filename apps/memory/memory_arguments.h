@@ -24,6 +24,11 @@ struct MemoryArguments {
   memory::AsOf as_of(const memory::Store& store) const;
 };
 
+/// A period, open where a side is unset.
+struct Span {
+  std::optional<TimeNs> first = {}, last = {};
+};
+
 /// --between A B, --from A, --to B.
 struct SpanArguments {
   std::vector<std::string> between;
@@ -31,8 +36,8 @@ struct SpanArguments {
   std::string to;
 
   void declare(ArgumentTable& table);
-  std::optional<TimeNs> first(const memory::Store& store) const;
-  std::optional<TimeNs> last(const memory::Store& store) const;
+  /// Error when it ends before it begins.
+  Span read(const memory::Store& store) const;
 };
 
 /// The file of a memory: as named, or a local replica of what postgresql:// names, at most a second old.

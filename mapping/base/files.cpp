@@ -9,24 +9,41 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/output_file.h"
+#include "mapping/base/regular_file.h"
 
 namespace loci {
 
-std::string read_file(const std::filesystem::path& path) {
+void require_regular_file(const std::filesystem::path& path) {
   std::error_code code;
   const auto status = std::filesystem::status(path, code);
   if (!std::filesystem::exists(status)) throw Error("no such file", {path.string(), 0, {}});
   if (std::filesystem::is_directory(status))
     throw Error("is a folder, a file was expected", {path.string(), 0, {}});
+  if (!std::filesystem::is_regular_file(status))
+    throw Error("is not a regular file", {path.string(), 0, {}}, "write what it holds into a file first");
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  require_regular_file(path);
+  constexpr uint64_t kMaxBytes = uint64_t{1} << 35;  // more is not read into memory at once
+  const auto refuse_size = [&] {
+    throw Error(fmt::format("is larger than {} GiB", kMaxBytes >> 30), {path.string(), 0, {}});
+  };
+  std::error_code code;
+  if (const auto size = std::filesystem::file_size(path, code); !code && size > kMaxBytes) refuse_size();
   std::FILE* file = std::fopen(path.c_str(), "rb");
   if (file == nullptr)
     throw Error(std::string("cannot be read: ") + std::strerror(errno), {path.string(), 0, {}});
   std::string bytes;
   char buffer[1 << 16];
   size_t count = 0;
-  while ((count = std::fread(buffer, 1, sizeof buffer, file)) > 0) bytes.append(buffer, count);
+  while ((count = std::fread(buffer, 1, sizeof buffer, file)) > 0) {
+    bytes.append(buffer, count);
+    if (bytes.size() > kMaxBytes) break;  // it grows
+  }
   const bool failed = std::ferror(file) != 0;
   std::fclose(file);
+  if (bytes.size() > kMaxBytes) refuse_size();
   if (failed) throw Error("reading failed", {path.string(), 0, {}});
   return bytes;
 }

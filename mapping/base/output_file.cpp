@@ -7,6 +7,7 @@
 #include <sys/xattr.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -14,13 +15,14 @@
 #include <system_error>
 
 #include "mapping/base/error.h"
+#include "mapping/base/recording_folder.h"
+#include "mapping/base/temporary_folder.h"
 
 namespace loci {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kTemporary = ".tmp";  ///< NAME.tmpPID_N
 constexpr const char* kUnchanged = "the old file, if there was one, is unchanged";
 
 Error error_of(const fs::path& path, const std::string& what, const std::string& hint = {}) {
@@ -42,7 +44,8 @@ bool contains(const fs::path& folder, const fs::path& path) {
 std::FILE* create_beside(const fs::path& target, unsigned mode, fs::path& temporary) {
   constexpr int kMaxAttempts = 1000;
   for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
-    temporary = target.string() + kTemporary + std::to_string(::getpid()) + "_" + std::to_string(attempt);
+    temporary =
+        target.string() + kTemporaryEnding + std::to_string(::getpid()) + "_" + std::to_string(attempt);
     const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     if (descriptor >= 0) {
       ::flock(descriptor, LOCK_EX | LOCK_NB);  // for remove_abandoned
@@ -94,14 +97,14 @@ bool is_abandoned(const fs::path& file, std::string_view end) {
   if (descriptor < 0) return false;
   const bool unlocked = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;  // not by another machine either
   ::close(descriptor);
-  return unlocked;
+  return unlocked && (!fs::is_directory(file) || is_partial_folder(file));
 }
 
 }  // namespace
 
 std::vector<fs::path> remove_abandoned(const fs::path& path) {
   const fs::path target = resolved(path);
-  const std::string prefix = target.filename().string() + kTemporary;
+  const std::string prefix = target.filename().string() + kTemporaryEnding;
   std::vector<fs::path> removed;
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(target.parent_path(), none)) {
@@ -109,7 +112,7 @@ std::vector<fs::path> remove_abandoned(const fs::path& path) {
     if (name.starts_with(prefix) && is_abandoned(entry.path(), name.substr(prefix.size())))
       removed.push_back(entry.path());
   }
-  for (const fs::path& file : removed) fs::remove(file, none);
+  for (const fs::path& file : removed) fs::remove_all(file, none);
   return removed;
 }
 
@@ -140,6 +143,20 @@ void refuse_inputs(const fs::path& output, const std::vector<fs::path>& inputs) 
   }
 }
 
+void refuse_within(const fs::path& output, const std::vector<fs::path>& recordings) {
+  std::error_code none;
+  fs::path folder = resolved(fs::absolute(output, none));
+  while (folder.has_relative_path()) {
+    folder = folder.parent_path();
+    const auto is_input = [&](const fs::path& recording) {
+      return fs::is_directory(recording, none) && fs::equivalent(folder, recording, none);
+    };
+    if (fs::exists(folder / kRecordingManifest, none) || std::ranges::any_of(recordings, is_input))
+      throw error_of(output, "lies within a recording (" + folder.string() + "), which is not changed",
+                     "write to another path");
+  }
+}
+
 void check_output(const fs::path& path, const OutputOptions& options) {
   std::error_code none;
   const fs::file_status status = fs::status(path, none);
@@ -163,7 +180,7 @@ OutputFile::OutputFile(fs::path path, OutputOptions options)
     throw error_of(path_, std::string("cannot be written: ") +
                               (errno == ENOENT ? "the folder does not exist" : std::strerror(errno)));
   struct stat replaced {};
-  if (::stat(target_.c_str(), &replaced) == 0) ::fchmod(::fileno(file_), replaced.st_mode & 0777);
+  if (::stat(target_.c_str(), &replaced) == 0) ::fchmod(::fileno(file_), replaced.st_mode & options_.mode);
 }
 
 OutputFile::~OutputFile() {

@@ -8,6 +8,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
+#include "mapping/base/regular_file.h"
 #include "mapping/image/codecs.h"
 
 namespace loci::mapping {
@@ -103,7 +104,8 @@ cv::Mat read_uint16(const std::filesystem::path& path) {
 ImageHeader read_image_header(const std::filesystem::path& path) {
   std::error_code code;
   const auto size = std::filesystem::file_size(path, code);
-  if (code) throw Error("no such image", {path.string(), 0, {}});
+  if (code == std::errc::no_such_file_or_directory) throw Error("no such image", {path.string(), 0, {}});
+  require_regular_file(path);
   std::ifstream file(path, std::ios::binary);
   if (!file) throw Error(std::string("cannot be read: ") + std::strerror(errno), {path.string(), 0, {}});
   std::string head(std::min<size_t>(size, 1 << 16), '\0');

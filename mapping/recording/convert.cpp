@@ -1,10 +1,10 @@
 #include "mapping/recording/convert.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "mapping/base/files.h"
 #include "mapping/base/output_file.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/file_recording.h"
 #include "mapping/recording/ros/mcap_writer.h"
@@ -103,12 +103,8 @@ class TumSink : public RecordingSink {
   TumSink(const RecordingInfo& info, const fs::path& out, const ConvertOptions& options)
       : info_(info), out_(out) {
     refuse_inputs(out, options.inputs);
-    if (fs::exists(out) && !(fs::is_directory(out) && fs::is_empty(out)))
-      throw Error("exists already", {out.string(), 0, {}}, "choose a new or an empty folder");
-    partial_ = out.lexically_normal();
-    if (!partial_.has_filename()) partial_ = partial_.parent_path();
-    partial_ += fmt::format(".tmp{}", ::getpid());
-    if (!fs::create_directories(partial_)) throw Error("is in the way", {partial_.string(), 0, {}});
+    require_new_or_empty(out);
+    partial_ = make_partial_folder(out);
     for (const char* name : {"depth", "rgb"}) make_folder(partial_ / name);
   }
   ~TumSink() override {
@@ -136,14 +132,16 @@ class TumSink : public RecordingSink {
     write_file_atomically(partial_ / "rgb.txt", "# colour images\n" + colors_);
     write_file_atomically(partial_ / "groundtruth.txt", "# timestamp tx ty tz qx qy qz qw\n" + poses_);
     write_file_atomically(partial_ / "cameras.yaml", cameras_yaml());
-    std::error_code code;
-    if (fs::exists(out_)) fs::remove(out_, code);  // An empty folder; anything else stays.
-    fs::rename(partial_, out_, code);
-    if (code)
-      throw Error("the recording cannot be put in its place: " + code.message(), {out_.string(), 0, {}});
+    require_new_or_empty(out_);  // Again: writing took its time.
+    commit_partial_folder(partial_, out_);
   }
 
  private:
+  static void require_new_or_empty(const fs::path& out) {
+    if (fs::exists(out) && !(fs::is_directory(out) && fs::is_empty(out)))
+      throw Error("exists already", {out.string(), 0, {}}, "choose a new or an empty folder");
+  }
+
   std::string cameras_yaml() const {
     const auto camera = [](const PinholeCamera& c) {
       return fmt::format("width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}", c.width, c.height, c.fx,

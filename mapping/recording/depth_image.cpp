@@ -8,6 +8,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/load_symbol.h"
+#include "mapping/base/regular_file.h"
 #include "mapping/base/text/text.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/depth/codecs.h"
@@ -38,6 +39,7 @@ DepthHeader decode_png_depth(const fs::path& path, cv::Mat* pixels) {
 }
 
 DepthDecoder decoder_of(const fs::path& path) {
+  require_regular_file(path);
   std::ifstream file(path, std::ios::binary);
   std::string head(8, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));

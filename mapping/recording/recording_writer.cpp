@@ -1,12 +1,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <set>
 
 #include "mapping/base/files.h"
 #include "mapping/base/output_file.h"
+#include "mapping/base/recording_folder.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/base/text/text.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/file_recording.h"
@@ -15,8 +16,6 @@ namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kManifest = ".loci-recording";  ///< names the files of the recording, a line each
 
 std::string camera_text(const PinholeCamera& camera) {
   return fmt::format("width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}", camera.width, camera.height,
@@ -29,35 +28,17 @@ void require_own_or_empty(const fs::path& folder) {
   if (!fs::is_directory(folder))
     throw Error("a file is in the way of the recording's folder", {folder.string(), 0, {}});
   if (fs::is_empty(folder)) return;
-  if (!fs::exists(folder / kManifest))
+  if (!fs::exists(folder / kRecordingManifest))
     throw Error("the folder is not empty, and loci did not write it", {folder.string(), 0, {}},
                 "choose another folder, or empty this one");
-  std::set<std::string> own = {kManifest};
-  for (const std::string& name : split(read_file(folder / kManifest), '\n')) own.insert(name);
+  std::set<std::string> own = {kRecordingManifest};
+  for (const std::string& name : split(read_file(folder / kRecordingManifest), '\n')) own.insert(name);
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.is_directory() && !entry.is_symlink()) continue;
     if (!own.contains(entry.path().lexically_relative(folder).string()))
       throw Error("this file is not part of the recording that would be replaced",
                   {entry.path().string(), 0, {}}, "move it, or choose another folder");
   }
-}
-
-/// A new folder beside `folder` that nobody else uses.
-fs::path private_neighbour(const fs::path& folder) {
-  constexpr int kMaxAttempts = 1000;
-  if (folder.has_parent_path()) make_folder(folder.parent_path());
-  std::error_code code;
-  for (int attempt = 0; attempt < kMaxAttempts && !code; ++attempt) {
-    fs::path name = folder;
-    name += fmt::format(".tmp{}_{}", ::getpid(), attempt);
-    if (fs::create_directory(name, code)) return name;
-  }
-  throw Error("cannot create a folder here: " + code.message(), {folder.string(), 0, {}});
-}
-
-fs::path without_trailing_slash(const fs::path& folder) {
-  const fs::path normal = folder.lexically_normal();  // "REC/" and "REC" are the same folder.
-  return normal.has_filename() ? normal : normal.parent_path();
 }
 
 }  // namespace
@@ -75,13 +56,10 @@ cv::Mat raw_from_depth(const cv::Mat& depth, double unit_m) {
 
 RecordingWriter::RecordingWriter(const fs::path& folder, const RgbdCamera& camera, std::string map_frame,
                                  RecordingWriterOptions options)
-    : folder_(without_trailing_slash(folder)),
-      camera_(camera),
-      map_frame_(std::move(map_frame)),
-      options_(std::move(options)) {
+    : folder_(folder), camera_(camera), map_frame_(std::move(map_frame)), options_(std::move(options)) {
   refuse_inputs(folder_, options_.inputs);
   require_own_or_empty(folder_);
-  partial_ = private_neighbour(folder_);
+  partial_ = make_partial_folder(folder_);
   make_folder(partial_ / "frames");
 }
 
@@ -137,28 +115,14 @@ void RecordingWriter::finish() {
   add_file("recording.yaml", yaml);
   add_file("frames.csv", "index,time_ns,color,depth,x,y,z,qx,qy,qz,qw\n" + frames_csv_);
   if (!joints_csv_.empty()) add_file("joints.csv", "time_ns,joint,position\n" + joints_csv_);
-  add_file(kManifest, joined(files_, "\n") + "\n");
+  add_file(kRecordingManifest, joined(files_, "\n") + "\n");
   replace_folder();
 }
 
 void RecordingWriter::replace_folder() {
   require_own_or_empty(folder_);  // Again: writing took its time.
-  std::error_code code;
-  fs::path old;
-  if (fs::exists(folder_)) {
-    old = private_neighbour(folder_);
-    fs::rename(folder_, old, code);  // Onto an empty folder.
-  }
-  if (!code) {
-    fs::rename(partial_, folder_, code);
-    std::error_code ignored;
-    if (code && !old.empty()) fs::rename(old, folder_, ignored);
-  }
-  if (code)
-    throw Error("the recording cannot be put in its place: " + code.message(), {folder_.string(), 0, {}},
-                "what was there before is unchanged");
+  commit_partial_folder(partial_, folder_);
   partial_.clear();
-  if (!old.empty()) fs::remove_all(old, code);
 }
 
 }  // namespace loci::mapping

@@ -648,6 +648,12 @@ std::string to_bytes(const BeliefState& state) {
   return bytes_of(message);
 }
 
+std::string emptied_state_of_another_version() {
+  stored::BeliefState message;
+  message.set_version(kVersion - 1);
+  return message.SerializeAsString();
+}
+
 BeliefState state_from_bytes(std::string_view bytes) {
   const auto message = parsed<stored::BeliefState>(bytes);
   BeliefState state;

@@ -22,6 +22,8 @@ Texture texture_from_bytes(std::string_view bytes);
 /// All of the state but its objects.
 std::string to_bytes(const BeliefState& state);
 BeliefState state_from_bytes(std::string_view bytes);
+/// What stands for a state that another version of loci wrote when its content is removed.
+std::string emptied_state_of_another_version();
 
 std::string to_bytes(const SceneReasoning& reasoning);
 SceneReasoning reasoning_from_bytes(std::string_view bytes);

@@ -61,7 +61,7 @@ const std::vector<EditAction>& edit_actions() {
        .description = "The class of an observation, for training",
        .parameters = {number("scene", "Number of the scene"),
                       number("observation", "Its number within the scene, from 0"),
-                      words("class", "What it is; empty = retracted")},
+                      words("class", "What it is; none = retracted", false)},
        .run =
            [](Store& store, const Arguments& given, Progress&) {
              return label_observation(store, *given.number("scene"), *given.number("observation"),

@@ -10,6 +10,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/regular_file.h"
 #include "mapping/base/text/json.h"
 #include "perception/detection/detection_values.h"
 
@@ -212,13 +213,10 @@ DetectedScene parse_detections(std::string_view line, const std::filesystem::pat
 }
 
 LineReader::LineReader(const std::filesystem::path& path, size_t limit) : path_(path), limit_(limit) {
-  std::error_code code;
-  if (std::filesystem::is_directory(path, code))
-    throw Error("is a folder, a file was expected", {path.string(), 0, {}});
+  require_regular_file(path);
   file_.open(path, std::ios::binary);
   if (!file_) throw Error("cannot be read", {path.string(), 0, {}}, "give a file of detections, *.jsonl");
-  size_ = std::filesystem::file_size(path, code);
-  if (code) size_ = 0;  // a pipe
+  size_ = std::filesystem::file_size(path);
 }
 
 bool LineReader::fill() {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "mapping/base/files.h"
+#include "mapping/base/regular_file.h"
 #include "mapping/base/text/hash.h"
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
@@ -180,6 +181,7 @@ class FrameSource : public SceneSource {
 bool is_detection_set(const fs::path& file) {
   if (fs::is_directory(file)) return true;
   if (file.extension() != ".json") return false;
+  require_regular_file(file);
   constexpr std::streamsize kMaxLine = 1 << 20;
   std::string line(static_cast<size_t>(kMaxLine), '\0');
   std::ifstream stream(file, std::ios::binary);

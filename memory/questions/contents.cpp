@@ -109,6 +109,9 @@ std::vector<NearAnswer> located(const Snapshot& snapshot, const std::string& sub
     if (!snapshot.scenes().empty()) answer.seen = snapshot.scene_ref(snapshot.scenes().back());
     return {answer};
   }
+  if (subject.find(',') != std::string::npos &&
+      subject.find_first_not_of("0123456789+-.,eExX ") == std::string::npos)
+    throw Error(fmt::format("'{}' is no point", subject), {}, "write x,y or x,y,z in metres, e.g. 1.0,0.5");
   const std::vector<PlaceRow> places = snapshot.places_called(subject);
   if (answer.relation == Relation::on && !places.empty())
     throw UnknownName(UnknownName::Kind::object, fmt::format("'{}' is a place, not an object", subject), {},

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "mapping/base/math/polygon.h"
+#include "memory/questions/period.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
@@ -470,8 +471,7 @@ class Judge {
 }  // namespace
 
 WasAnswer ask(const Store& store, const WasQuestion& question) {
-  if (question.from > question.to)
-    throw Error("the first time is after the second", {}, "give the earlier one first");
+  check_period(question.from, question.to);
   const Snapshot snapshot(store, question.as_of);
   std::vector<PlaceRow> places;
   if (!question.place.empty()) places = snapshot.find_places(question.place);

@@ -8,7 +8,6 @@
 #include <charconv>
 #include <cmath>
 #include <set>
-#include <sstream>
 
 #include "mapping/base/error.h"
 #include "mapping/base/text/json.h"
@@ -20,6 +19,7 @@
 #include "memory/questions/location.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/objects.h"
+#include "memory/questions/period.h"
 #include "memory/questions/presence.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/reply.h"
@@ -310,7 +310,7 @@ void check_arguments(const std::string& asked, const std::vector<Parameter>& par
     }
   for (const Parameter& parameter : parameters) {
     const auto given = query.arguments.find(parameter.name);
-    if (given == query.arguments.end()) {
+    if (given == query.arguments.end() || given->second.empty()) {  // as Arguments reads it
       if (parameter.required)
         throw Error(fmt::format("'{}' needs '{}'{}", asked, parameter.name,
                                 parameter.help.empty() ? "" : " (" + parameter.help + ")"));
@@ -331,9 +331,16 @@ void check_arguments(const std::string& asked, const std::vector<Parameter>& par
   }
 }
 
+void check_period(const std::optional<TimeNs>& from, const std::optional<TimeNs>& to) {
+  if (from && to && *from > *to)
+    throw Error("the first time is after the second", {}, "write --between EARLIER LATER");
+}
+
 Answer Question::ask(const Store& store, const Query& query, const AsOf& as_of) const {
   check_arguments(name, all_parameters(), query);
-  return run(Arguments(store, query, as_of));
+  const Arguments arguments(store, query, as_of);
+  if (period) check_period(arguments.from(), arguments.to());
+  return run(arguments);
 }
 
 Reply Question::reply(const Store& store, Query query, const Answer& found) const {
@@ -412,15 +419,12 @@ double read_length(const std::string& text) {
 
 std::vector<double> read_point(const std::string& text) {
   std::vector<double> numbers;
-  std::istringstream parts(text);
-  for (std::string part; std::getline(parts, part, ',');) {
-    size_t used = 0;
-    try {
-      numbers.push_back(std::stod(part, &used));
-    } catch (const std::exception&) {
-      return {};
-    }
-    if (part.find_first_not_of(' ', used) != std::string::npos || !std::isfinite(numbers.back())) return {};
+  for (const std::string& part : split(text, ',')) {
+    const std::string number = trimmed(part);
+    const size_t sign = number.starts_with('+') ? 1 : 0;
+    const char* const end = number.data() + number.size();
+    const auto [rest, failure] = std::from_chars(number.data() + sign, end, numbers.emplace_back());
+    if (failure != std::errc() || rest != end || !std::isfinite(numbers.back())) return {};
   }
   return numbers.size() == 2 || numbers.size() == 3 ? numbers : std::vector<double>{};
 }

@@ -133,6 +133,16 @@ belief::BeliefOptions load_options(const Store& store) {
   return read_options<belief::BeliefOptions>(Config::parse(checkpoint->bytes, store.name()));
 }
 
+bool drop_unreadable_belief(SceneTransaction& transaction, const Store& store) {
+  const auto stored = store.checkpoints(kCheckpoint);
+  const std::string emptied = belief::emptied_state_of_another_version();
+  const auto common = stored.find(kCheckpoint);
+  if (common == stored.end() || (stored.size() == 1 && common->second.bytes == emptied)) return false;
+  transaction.drop_checkpoints(kCheckpoint);
+  transaction.set_checkpoint(kCheckpoint, emptied, common->second.scene);
+  return true;
+}
+
 void keep_belief(SceneTransaction& transaction, const Store& store, Id run) {
   for (const auto& [name, checkpoint] : store.checkpoints(kCheckpoint))
     transaction.set_checkpoint(kept_before(run) + name, checkpoint.bytes, checkpoint.scene);

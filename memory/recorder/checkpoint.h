@@ -36,6 +36,12 @@ void begin_review(SceneTransaction& transaction, const Store& store);
 void note_contradiction(SceneTransaction& transaction);
 std::optional<PendingReview> load_review(const Store& store);
 void end_review(SceneTransaction& transaction);
+/// What ForgetResult::erased calls it.
+inline constexpr const char* kUnreadableBelief = "belief that another version of loci wrote";
+/// Removes what a belief of another version of loci holds, which cannot be rewritten. That it was of another
+/// version remains, so that no program goes on as if nothing were known. Whether there was anything to
+/// remove.
+bool drop_unreadable_belief(SceneTransaction& transaction, const Store& store);
 /// The belief after a scene, where the checkpoint is of that.
 belief::BeliefState load_belief(const Store& store, Id scene);
 

@@ -81,11 +81,22 @@ std::optional<belief::SceneReasoning> without(belief::SceneReasoning reasoning, 
   return reasoning;
 }
 
+/// What the checkpoints hold: unset where it cannot be read, for another version of loci wrote it.
+template <class Value>
+std::optional<Value> if_readable(const Store& store, Value (*load)(const Store&)) {
+  try {
+    return load(store);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
 /// Keys of the proto objects that stand for gone objects, in the belief or in any scene.
 std::set<int64_t> keys_of(const Store& store, const std::set<Id>& objects) {
   std::set<int64_t> keys;
-  for (const belief::ProtoObject& object : load_belief(store).objects)
-    if (objects.contains(object.id)) keys.insert(object.key);
+  if (const auto state = if_readable<belief::BeliefState>(store, load_belief))
+    for (const belief::ProtoObject& object : state->objects)
+      if (objects.contains(object.id)) keys.insert(object.key);
   for (const SceneRow& row : store.scenes())
     if (const auto stored = store.reasoning(row.id))
       add_keys(belief::reasoning_from_bytes(*stored), objects, keys);
@@ -176,13 +187,17 @@ ForgetResult forget(const std::filesystem::path& memory, const ForgetRequest& re
     if (request.object && !store.belief(*request.object))
       throw Error("there is no " + object_name(*request.object), {memory.string(), 0, {}},
                   "loci-memory objects lists them");
-    belief::BeliefState state = load_belief(store);
+    std::optional<belief::BeliefState> state = if_readable<belief::BeliefState>(store, load_belief);
+    const auto options = if_readable<belief::BeliefOptions>(store, load_options);
     const Id run = store.begin_run("loci-memory forget", "{}");
     result = store.forget(request, run, reasoning_filter(store));
     if (const std::optional<SceneRow> last = store.last_scene()) {
-      forget_in(state, store, request, result);
+      if (state) forget_in(*state, store, request, result);
       SceneTransaction transaction(store, run);
-      BeliefCheckpoint(load_options(store)).save(transaction, last->id, state);
+      if (state)
+        BeliefCheckpoint(options.value_or(belief::BeliefOptions())).save(transaction, last->id, *state);
+      else if (drop_unreadable_belief(transaction, store))
+        result.erased[kUnreadableBelief] = 1;
       transaction.drop_checkpoints(kKeptBeliefs);
       transaction.commit();
     }

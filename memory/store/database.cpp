@@ -5,6 +5,7 @@
 #include <zstd.h>
 
 #include "mapping/base/text/hash.h"
+#include "memory/store/memory_file.h"
 #include "memory/store/rows/digest.h"
 #include "memory/store/rows/row_columns.h"
 #include "memory/store/rows/schema_check.h"
@@ -167,11 +168,11 @@ void throw_database_error(const SQLite::Exception& error, const std::filesystem:
       break;
     case SQLITE_FULL:
       what = "the disk is full";
-      hint = "committed scenes are kept; make room and resume";
+      hint = kMakeRoom;
       break;
     case SQLITE_IOERR:  // a limit of the file size, a quota, a broken disk
       what = fmt::format("the disk cannot be read or written ({})", error.what());
-      hint = "committed scenes are kept; make room and resume";
+      hint = kMakeRoom;
       break;
     case SQLITE_BUSY:
     case SQLITE_LOCKED:

@@ -4,10 +4,12 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <fstream>
 #include <regex>
 #include <system_error>
 
 #include "memory/store/database.h"
+#include "memory/store/format.h"
 
 namespace loci::memory {
 
@@ -28,6 +30,20 @@ BackupResult commit_verified(TemporaryMemory& made, const fs::path& source, Prog
   result.bytes = static_cast<int64_t>(fs::file_size(made.path()));
   made.commit();
   return result;
+}
+
+/// A file that is no memory is never replaced by one. Of a damaged one the beginning is left.
+void require_memory(const fs::path& file) {
+  std::error_code none;
+  if (!fs::exists(file, none)) return;
+  constexpr size_t kApplicationId = 68;  // in the header of SQLite, most significant byte first
+  std::string head(kApplicationId + 4, '\0');
+  std::ifstream(file, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
+  uint32_t id = 0;
+  for (const char byte : head.substr(kApplicationId)) id = id << 8 | static_cast<unsigned char>(byte);
+  if (!head.starts_with("SQLite format 3") || id != kMemoryApplicationId)
+    throw Error("is no memory, it is not replaced", {file.string(), 0, {}},
+                "move it away, or write to another path");
 }
 
 /// Keeps other programs out of a memory that is about to be replaced, and leaves it without a log.
@@ -53,6 +69,7 @@ TemporaryMemory::TemporaryMemory(const fs::path& memory, std::vector<fs::path> i
     : memory_(fs::weakly_canonical(memory)),
       options_{.replace = replace, .inputs = std::move(inputs), .mode = kPrivate},
       file_(memory, options_) {
+  refuse_foreign_side_files(memory_);
   // Private as they are, they must not lie about for ever.
   std::error_code ignored;
   for (const fs::path& abandoned : remove_abandoned(memory)) {
@@ -98,16 +115,46 @@ std::vector<fs::path> kept_copies(const fs::path& memory) {
   return copies;
 }
 
+namespace {
+
+constexpr const char* kSideFiles[] = {"-wal", "-shm", "-journal"};
+
+/// Whether SQLite wrote a log, its index or a journal, by how they begin: at most bytes of 0 while empty.
+bool is_side_file(const fs::path& file) {
+  std::error_code none;
+  if (!fs::is_regular_file(fs::symlink_status(file, none))) return false;
+  std::string head(4, '\0');
+  std::ifstream(file, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
+  for (const std::string_view log :
+       {std::string_view("\x37\x7f\x06\x82"), std::string_view("\x37\x7f\x06\x83"),
+        std::string_view("\xd9\xd5\x05\xf9"), std::string_view("\0\0\0\0", 4)})
+    if (head == log) return true;
+  constexpr uint32_t kIndexVersion = 3007000;  // in the byte order of the machine
+  return head == std::string_view(reinterpret_cast<const char*>(&kIndexVersion), sizeof kIndexVersion);
+}
+
+}  // namespace
+
+void refuse_foreign_side_files(const fs::path& memory) {
+  std::error_code none;
+  for (const char* end : kSideFiles)
+    if (const fs::path file = memory.string() + end; fs::exists(file, none) && !is_side_file(file))
+      throw Error("is in the way: a database keeps its log under this name", {file.string(), 0, {}},
+                  "move it away, or write to another path");
+}
+
 void remove_side_files(const fs::path& memory) {
   std::error_code ignored;
-  for (const char* end : {"-wal", "-shm", "-journal"}) fs::remove(memory.string() + end, ignored);
+  for (const char* end : kSideFiles)
+    if (const fs::path file = memory.string() + end; is_side_file(file)) fs::remove(file, ignored);
 }
 
 void require_no_log(const fs::path& memory) {
   std::error_code none;
   for (const char* end : {"-wal", "-journal"})
     if (const auto bytes = fs::file_size(memory.string() + end, none); !none && bytes > 0)
-      throw Error("cannot be written to its end: the disk is full or fails", {memory.string(), 0, {}});
+      throw Error("cannot be written to its end: the disk is full or fails", {memory.string(), 0, {}},
+                  kMakeRoom);
 }
 
 void copy_memory(const fs::path& from, const fs::path& to) {
@@ -148,6 +195,7 @@ BackupResult backup_memory(const fs::path& memory, const fs::path& backup, Progr
 
 BackupResult restore_memory(const fs::path& backup, const fs::path& memory, Replace replace,
                             Progress& progress) {
+  if (replace != Replace::nothing) require_memory(memory);
   TemporaryMemory made(memory, {backup}, replace);
   const std::unique_ptr<SQLite::Database> replaced = only_user_of(memory);
   return reported_of(memory, made.path(), [&] {

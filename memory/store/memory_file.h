@@ -9,6 +9,9 @@
 
 namespace loci::memory {
 
+/// The hint of errors that a full disk, a quota or a broken disk causes.
+inline constexpr const char* kMakeRoom = "committed scenes are kept; make room and resume";
+
 /// A memory under construction beside `memory`, private to its user. Removed with its log and lock when it
 /// goes out of scope, unless it was committed.
 class TemporaryMemory {
@@ -51,7 +54,12 @@ class PartialMemory {
 /// The copies beside a memory that migrations kept: FILE.1.0, FILE.1.0.2.
 std::vector<std::filesystem::path> kept_copies(const std::filesystem::path& memory);
 
-/// Removes the log, its index and the journal of a memory that is not there.
+/// Error when a file beside `memory` has the name of its log or journal and is none of SQLite's: SQLite would
+/// overwrite it.
+void refuse_foreign_side_files(const std::filesystem::path& memory);
+
+/// Removes the log, its index and the journal of a memory that is not there; a file of somebody else that is
+/// called so stays.
 void remove_side_files(const std::filesystem::path& memory);
 
 /// Error while some of what was written to a closed memory is only in its log: SQLite leaves it there when
@@ -74,8 +82,11 @@ auto reported_of(const std::filesystem::path& memory, const std::filesystem::pat
     return body();
   } catch (const Error& error) {
     if (error.location().file != temporary.string()) throw;
+    const bool is_full = error.hint() == kMakeRoom;
     throw Error(error.message(), {memory.string(), 0, {}},
-                "nothing was changed; make room, or write it elsewhere");
+                is_full                ? "nothing was changed; make room, or write it elsewhere"
+                : error.hint().empty() ? "nothing was changed"
+                                       : "nothing was changed; " + error.hint());
   }
 }
 

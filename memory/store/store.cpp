@@ -247,6 +247,7 @@ Store Store::open_write(const fs::path& path, const WriteOptions& options, const
   // What a program that was killed while it rewrote the memory left: it may hold what was to be forgotten.
   { const PartialMemory unfinished(path); }
   connection->guarded([&] {
+    refuse_foreign_side_files(path);
     if (!fs::exists(path, code)) create_memory(path, connection->known_time(), time_zone, format);
     check_only_name(path);
     connection->database = open_database(path.string(), SQLite::OPEN_READWRITE);

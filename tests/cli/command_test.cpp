@@ -72,9 +72,91 @@ TEST_P(EveryProgram, PrintsItsVersion) {
   EXPECT_THAT(run(std::string(GetParam()) + " --version").out, testing::StartsWith("loci "));
 }
 
+TEST_P(EveryProgram, SaysInOneLineThatItsAnswerIsLost) {
+  for (const char* stdout_is : {" > /dev/full", " >&-"})
+    for (const char* question : {" --help", " --version"}) {
+      const Outcome lost = run(std::string(GetParam()) + question + stdout_is);
+      EXPECT_EQ(lost.exit_code, 1) << question << stdout_is;
+      EXPECT_EQ(lines_of(lost.error), 1) << lost.error;
+    }
+}
+
+TEST_P(EveryProgram, EndsAsUsualWhereNobodyReadsItsErrors) {
+  for (const char* stderr_is : {" 2> /dev/full", " 2>&-"})
+    EXPECT_EQ(run(std::string(GetParam()) + " --no-such-flag" + stderr_is).exit_code, 2) << stderr_is;
+}
+
 INSTANTIATE_TEST_SUITE_P(Programs, EveryProgram,
                          testing::Values("loci-map", "loci-perceive", "loci-memory", "loci-simulate",
                                          "loci-evaluate", "loci"));
+
+TEST(Commands, SayThatTheirAnswerIsLost) {
+  for (const char* command :
+       {"loci-map check apps/samples/kitchen.urdf", "loci-perceive list", "loci-memory questions"}) {
+    const Outcome lost = run(std::string(command) + " > /dev/full");
+    EXPECT_EQ(lost.exit_code, 1) << command;
+    EXPECT_EQ(lines_of(lost.error), 1) << lost.error;
+  }
+}
+
+TEST(Commands, RefuseAnEmptyValueOfAnOption) {
+  // As of a variable of the shell that is not set. None of these may begin to work.
+  const std::string folder = fresh_folder(), memory = folder + "/m.loci";
+  ASSERT_EQ(run("loci-memory ingest apps/samples/detections.jsonl -m " + memory).exit_code, 0);
+  const std::string before = read_file(memory);
+  for (const std::string& command : std::vector<std::string>{
+           "loci-memory forget object_1 -o \"\" -m " + memory,
+           "loci-memory forget object_1 --tokens \"\" -m " + memory,
+           "loci-memory retain --keep-images 0s -o \"\" -m " + memory,
+           "loci-memory verify --forgotten \"\" -m " + memory, "loci-memory objects -m \"\"",
+           "loci-memory objects --at \"\" -m " + memory, "loci-memory near red --radius \"\" -m " + memory,
+           "loci-memory changes --between \"\" 10:00 -m " + memory,
+           "loci-memory merge " + memory + " " + memory + " --transform \"\" -o " + folder + "/both.loci",
+           "loci-memory digest -o \"\" -m " + memory, "loci-map register apps/samples -o \"\"",
+           "loci-perceive run apps/samples -m \"\"", "loci-perceive convert apps/samples -o \"\"",
+           "loci-map check \"\""}) {
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.exit_code, 2) << command << outcome.out;
+    EXPECT_THAT(outcome.error, testing::HasSubstr(" is empty")) << command;
+  }
+  EXPECT_EQ(read_file(memory), before);
+}
+
+TEST(Commands, DoNotReadWhatNeverEnds) {
+  const std::string memory = fresh_folder() + "/m.loci";
+  for (const std::string& command : std::vector<std::string>{
+           "loci-map check /dev/zero", "loci-map export /dev/zero -o " + memory + ".svg --format svg",
+           "loci-simulate record /dev/zero -o " + memory + ".day",
+           "loci-memory ingest /dev/zero -m " + memory}) {
+    const Outcome outcome = run("ulimit -v 4000000; timeout 60 " + command);
+    EXPECT_EQ(outcome.exit_code, 1) << command;
+    EXPECT_THAT(outcome.error, testing::HasSubstr("is not a regular file")) << command;
+  }
+}
+
+TEST(Commands, RefuseFoldersForFilesBeforeTheyBegin) {
+  const std::string folder = fresh_folder();
+  const Outcome outcome = run("loci-perceive index no_images -o " + folder);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.error, testing::HasSubstr("is a folder, a file was expected"));
+}
+
+TEST(Commands, AddNothingToARecording) {
+  const fs::path folder = fresh_folder();
+  fs::create_directories(folder / "day/frames");
+  write_file_atomically(folder / "day/.loci-recording", "frames.csv\n");
+  for (const std::string& command :
+       std::vector<std::string>{"loci-map fuse DAY -o DAY/frames", "loci-map fuse DAY -o DAY/new/scans",
+                                "loci-simulate scan apps/samples/kitchen.urdf -o DAY/frames",
+                                "loci-map export apps/samples/kitchen.urdf --format svg -o DAY/frames.csv"}) {
+    std::string here = command;
+    for (size_t at; (at = here.find("DAY")) != std::string::npos;)
+      here.replace(at, 3, (folder / "day").string());
+    const Outcome outcome = run(here);
+    EXPECT_EQ(outcome.exit_code, 1) << command;
+    EXPECT_THAT(outcome.error, testing::HasSubstr("lies within a recording")) << command;
+  }
+}
 
 TEST(Commands, SuggestTheNearestForAnUnknownOne) {
   const Outcome outcome = run("loci-map chek");

@@ -77,7 +77,6 @@ class Examples : public testing::Test {
     for (const char* command :
          {"loci-map explore apps/samples/kitchen.urdf --interact -o demo-output/explored",
           "loci-simulate record apps/samples/tour.yaml -o demo-output/tour",
-          "loci-simulate record apps/samples/walk.yaml -o demo-output/walk",
           "loci-map fuse demo-output/tour -o demo-output/scans",
           "loci-map interpret demo-output/scans --recording demo-output/tour -o demo-output",
           "loci-simulate record apps/samples/day.yaml -o demo-output/day",

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
+#include "mapping/base/regular_file.h"
 #include "mapping/base/text/text.h"
 #include "mapping/recording/formats/layouts.h"
 
@@ -102,6 +103,7 @@ const std::vector<ForeignFormat>& foreign_formats() {
 }  // namespace
 
 void refuse_foreign_format(const fs::path& file) {
+  require_regular_file(file);
   std::ifstream stream(file, std::ios::binary);
   std::string head(16, '\0');
   stream.read(head.data(), static_cast<std::streamsize>(head.size()));

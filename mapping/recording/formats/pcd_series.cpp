@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 
+#include "mapping/base/regular_file.h"
 #include "mapping/base/time_limits.h"
 #include "mapping/recording/depth_image.h"
 #include "mapping/sensor/pcd.h"
@@ -41,6 +42,7 @@ std::optional<TimeNs> time_in_name(const fs::path& path) {
 
 /// Columns and rows of a cloud from its header alone; zero where it does not say.
 std::pair<size_t, size_t> size_in_header(const fs::path& path) {
+  require_regular_file(path);
   std::ifstream file(path, std::ios::binary);
   std::pair<size_t, size_t> size;
   for (std::string key, rest; file >> key && key != "DATA"; std::getline(file, rest)) {

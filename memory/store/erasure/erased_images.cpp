@@ -14,6 +14,7 @@ namespace {
 struct Region {
   double left = 0, top = 0, right = 1, bottom = 1;
   double near_m = 0.3, far_m = 8;
+  bool observed = false;  ///< the object is visible there
 
   bool overlaps(const Region& other) const {
     return left < other.right && other.left < right && top < other.bottom && other.top < bottom;
@@ -185,6 +186,7 @@ void cut_observed(const ErasedObservation& observed, const SceneRow& scene, cons
       view.has_camera() && observed.has_box() ? view.region_of(observed) : std::optional<Region>();
   if (has_roi) {
     Region seen = roi_region(observed.row, *scene.camera);
+    seen.observed = true;
     if (region) seen.near_m = region->near_m, seen.far_m = region->far_m;
     cut.regions.push_back(seen);
   } else if (region) {
@@ -225,8 +227,8 @@ cv::Rect pixels_of(const Region& region, const cv::Size& size) {
 class SceneEraser {
  public:
   SceneEraser(const Store& store, Store::Connection& db, const SceneRow& scene, const Cut& cut,
-              ErasedImages& result)
-      : store_(store), db_(db), scene_(scene), cut_(cut), result_(result) {}
+              ErasedImages& result, std::vector<ImageSignature>& uncertain)
+      : store_(store), db_(db), scene_(scene), cut_(cut), result_(result), uncertain_(uncertain) {}
 
   void run(const std::vector<ObservationRow>& others) {
     if (scene_.image || scene_.depth) ++result_.scenes;
@@ -256,7 +258,8 @@ class SceneEraser {
       for (const Region& region : cut_.regions) {
         const cv::Rect pixels = pixels_of(in_color(region), image.size());
         if (pixels.empty()) continue;
-        if (image.depth() == CV_8U) result_.signatures.push_back(signature_of(image, pixels));
+        if (image.depth() == CV_8U)
+          (region.observed ? result_.signatures : uncertain_).push_back(signature_of(image, pixels));
         image(pixels).setTo(cv::Scalar::all(0));
       }
       const auto bytes = mapping::encode_image(image, blob.media == "image/png" ? ".png" : ".jpg");
@@ -321,6 +324,7 @@ class SceneEraser {
   const SceneRow& scene_;
   const Cut& cut_;
   ErasedImages& result_;
+  std::vector<ImageSignature>& uncertain_;  ///< of regions where the object was not observed
 };
 
 /// What each scene must lose, found by going through time from each observation.
@@ -374,6 +378,14 @@ std::map<Id, Cut> cuts_of(const Store& store, Store::Connection& db, const std::
   return cuts;
 }
 
+/// Drops the signatures that an image of the memory shows.
+void drop_shown(const Store& store, std::vector<ImageSignature>& signatures) {
+  if (signatures.empty()) return;
+  for (const SceneRow& scene : store.scenes())
+    if (const auto image = stored_image(store, scene))
+      std::erase_if(signatures, [&](const ImageSignature& signature) { return shows(*image, signature); });
+}
+
 }  // namespace
 
 ErasedImages erase_from_images(const Store& store, Store::Connection& db) {
@@ -382,11 +394,37 @@ ErasedImages erase_from_images(const Store& store, Store::Connection& db) {
   if (tracks.empty()) return result;
   const std::vector<SceneRow> scenes = store.scenes();
   const std::map<Id, Cut> cuts = cuts_of(store, db, tracks, scenes);
+  std::vector<ImageSignature> uncertain;
   for (const SceneRow& scene : scenes)
     if (const auto cut = cuts.find(scene.id); cut != cuts.end())
-      SceneEraser(store, db, scene, cut->second, result).run(SceneView(store, db, scene).others());
+      SceneEraser(store, db, scene, cut->second, result, uncertain).run(SceneView(store, db, scene).others());
+  drop_shown(store, uncertain);
+  result.signatures.insert(result.signatures.end(), uncertain.begin(), uncertain.end());
   db.statements.clear();
   return result;
+}
+
+std::optional<cv::Mat> stored_image(const Store& store, const SceneRow& scene) {
+  if (!scene.image) return std::nullopt;
+  const BlobRow blob = store.blob(*scene.image);
+  try {
+    cv::Mat image = mapping::decode_image({blob.bytes.begin(), blob.bytes.end()}, store.path().string());
+    return image.depth() == CV_8U ? std::optional(image) : std::nullopt;
+  } catch (const Error&) {
+    return std::nullopt;  // verify reports broken images
+  }
+}
+
+bool shows(const cv::Mat& image, const ImageSignature& signature) {
+  constexpr int kMaxDifference = 10, kMinContrast = 24;
+  const auto [darkest, brightest] = std::ranges::minmax(signature.means);
+  if (brightest - darkest < kMinContrast) return false;
+  if (image.cols != signature.width || image.rows != signature.height) return false;
+  const auto& [x, y, width, height] = signature.region;
+  const ImageSignature here = signature_of(image, {x, y, width, height});
+  for (size_t i = 0; i < here.means.size(); ++i)
+    if (std::abs(int(here.means[i]) - int(signature.means[i])) > kMaxDifference) return false;
+  return true;
 }
 
 ImageSignature signature_of(const cv::Mat& image, const cv::Rect& region) {

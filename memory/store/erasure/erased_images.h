@@ -10,7 +10,9 @@ namespace loci::memory {
 
 struct ErasedImages {
   int64_t scenes = 0, regions = 0, images = 0;  ///< images = removed as a whole
-  std::vector<ImageSignature> signatures = {};  ///< of the regions of colour images
+  /// Of the regions of colour images that show it. Where only the depth speaks for it, a region counts unless
+  /// an image that remains looks the same there: then it was a closed door, or whatever else hid it.
+  std::vector<ImageSignature> signatures = {};
 };
 
 /// Cuts the observations of table temp.gone_observation out of colour images, depth thumbnails, pixel kinds
@@ -22,5 +24,11 @@ ErasedImages erase_from_images(const Store& store, Store::Connection& db);
 
 /// Of a region of an image (CV_8UC1, CV_8UC3 or CV_8UC4).
 ImageSignature signature_of(const cv::Mat& image, const cv::Rect& region);
+
+/// Whether an image shows what a region looked like. Images compressed again differ by a few levels; a
+/// uniform region, as erased ones are, says nothing.
+bool shows(const cv::Mat& image, const ImageSignature& signature);
+/// The image of a scene; unset where there is none of 8 bits.
+std::optional<cv::Mat> stored_image(const Store& store, const SceneRow& scene);
 
 }  // namespace loci::memory

@@ -6,7 +6,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/text/hash.h"
 #include "mapping/base/text/json.h"
-#include "mapping/image/image_io.h"
+#include "mapping/base/time.h"
 #include "memory/store/database.h"
 #include "memory/store/erasure/erased_images.h"
 
@@ -60,18 +60,13 @@ class Finder {
 
   /// The image of a scene; what the scene observed there is another object.
   void search_image(const Store& store, const SceneRow& scene) {
-    if (!scene.image || tokens_.images.empty()) return;
-    const BlobRow blob = store.blob(*scene.image);
-    cv::Mat image;
-    try {
-      image = mapping::decode_image({blob.bytes.begin(), blob.bytes.end()}, store.path().string());
-    } catch (const Error&) {
-      return;  // verify reports broken images
-    }
-    if (image.depth() != CV_8U) return;
+    if (tokens_.images.empty()) return;
+    const std::optional<cv::Mat> image = stored_image(store, scene);
+    if (!image) return;
     for (const ImageSignature& signature : tokens_.images)
-      if (shows(image, signature) && !observes(store, scene, signature)) {
-        found_.insert(fmt::format("the image of scene {} shows a region that was erased", scene.id));
+      if (shows(*image, signature) && !observes(store, scene, signature)) {
+        found_.insert(fmt::format("the image of scene {}, of {}, shows a region that was erased", scene.id,
+                                  format_time(scene.time)));
         break;
       }
   }
@@ -80,19 +75,6 @@ class Finder {
   std::vector<std::string> take() { return {found_.begin(), found_.end()}; }
 
  private:
-  /// Images compressed again differ by a few levels; a uniform region, as erased ones are, says nothing.
-  static bool shows(const cv::Mat& image, const ImageSignature& signature) {
-    constexpr int kMaxDifference = 10, kMinContrast = 24;
-    const auto [darkest, brightest] = std::ranges::minmax(signature.means);
-    if (brightest - darkest < kMinContrast) return false;
-    if (image.cols != signature.width || image.rows != signature.height) return false;
-    const auto& [x, y, width, height] = signature.region;
-    const ImageSignature here = signature_of(image, {x, y, width, height});
-    for (size_t i = 0; i < here.means.size(); ++i)
-      if (std::abs(int(here.means[i]) - int(signature.means[i])) > kMaxDifference) return false;
-    return true;
-  }
-
   /// Whether a remaining observation covers the middle of the region.
   static bool observes(const Store& store, const SceneRow& scene, const ImageSignature& signature) {
     if (!scene.camera) return false;

@@ -130,7 +130,8 @@ void rewrite_memory(const std::filesystem::path& memory, const std::filesystem::
     }
     require_no_log(copy);
     if (!sync_to_disk(copy, O_RDONLY))
-      throw Error(std::string("cannot be written: ") + std::strerror(errno), {copy.string(), 0, {}});
+      throw Error(std::string("cannot be written: ") + std::strerror(errno), {copy.string(), 0, {}},
+                  kMakeRoom);
   };
   if (!output.empty()) {
     create_atomically(output, {memory}, [&](const std::filesystem::path& copy) {

@@ -1,6 +1,7 @@
 #include "mapping/base/files.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "mapping/base/error.h"
 
@@ -33,6 +34,17 @@ TEST_F(Files, SaysWhatIsMissing) {
   EXPECT_THROW(read_file(folder_ / "none"), Error);
   EXPECT_THROW(read_file(folder_), Error);
   EXPECT_THROW(write_file_atomically(folder_ / "none" / "x", "bytes"), Error);
+}
+
+TEST_F(Files, ReadsWhatEndsAlone) {
+  const auto pipe = folder_ / "pipe", link = folder_ / "link";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/zero", link);
+  for (const std::filesystem::path& endless : {pipe, link, std::filesystem::path("/dev/zero")})
+    EXPECT_THROW(read_file(endless), Error) << endless;
+  write_file_atomically(folder_ / "sparse", "x");
+  std::filesystem::resize_file(folder_ / "sparse", uint64_t{1} << 40);
+  EXPECT_THROW(read_file(folder_ / "sparse"), Error);
 }
 
 }  // namespace

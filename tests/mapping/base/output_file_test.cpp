@@ -7,10 +7,14 @@
 #include <sys/xattr.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include <csignal>
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
+#include "mapping/base/recording_folder.h"
+#include "mapping/base/temporary_folder.h"
 
 namespace loci {
 namespace {
@@ -162,6 +166,42 @@ TEST_F(OutputFileTest, WhatAKilledProgramLeftIsRemovedAndWhatOthersWriteStays) {
   EXPECT_EQ(remove_abandoned(folder_ / "x").size(), 1U);
   EXPECT_EQ(count(), 2U);
   EXPECT_TRUE(fs::exists(written.temporary()));
+}
+
+TEST_F(OutputFileTest, OfFoldersOnlyThoseThatLociMadeAreRemoved) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    make_partial_folder(folder_ / "x");
+    ::_exit(0);
+  }
+  ::waitpid(child, nullptr, 0);
+  const fs::path of_user = folder_ / fmt::format("x.tmp{}_5", child);
+  fs::create_directory(of_user);
+  EXPECT_EQ(count(), 2U);
+  const fs::path written = make_partial_folder(folder_ / "x/");
+  EXPECT_EQ(count(), 2U) << "what was killed is gone";
+  EXPECT_TRUE(remove_abandoned(folder_ / "x").empty()) << "this program is alive";
+  commit_partial_folder(written, folder_ / "x/");
+  EXPECT_TRUE(fs::is_empty(folder_ / "x"));
+  EXPECT_TRUE(fs::exists(of_user));
+}
+
+TEST_F(OutputFileTest, APrivateFileStaysPrivateWhereItReplacesAnother) {
+  write_output(folder_ / "x", "loci");
+  fs::permissions(folder_ / "x", fs::perms(0644));
+  write_output(folder_ / "x", "secret", {.replace = Replace::anything, .mode = 0600});
+  EXPECT_EQ(static_cast<unsigned>(fs::status(folder_ / "x").permissions()), 0600U);
+}
+
+TEST_F(OutputFileTest, NothingIsAddedToARecording) {
+  const fs::path written = folder_ / "day/frames", input = folder_ / "tum";
+  make_folder(written);
+  make_folder(input / "rgb");
+  write_output(folder_ / "day" / kRecordingManifest, "frames.csv\n");
+  for (const fs::path& output : {written, written / "map.json", input / "rgb/new/map.json", input / "x"})
+    EXPECT_THROW(refuse_within(output, {input}), Error) << output;
+  for (const fs::path& output : {folder_ / "day", input, folder_ / "x"})
+    EXPECT_NO_THROW(refuse_within(output, {input})) << output;
 }
 
 TEST_F(OutputFileTest, RefusesWhatIsNoFile) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <functional>
@@ -143,6 +144,21 @@ TEST_F(RecordingFiles, ARecordingThatLociDidNotWriteIsNotReplaced) {
   fs::remove(rec_ / ".loci-recording");
   EXPECT_THROW(write_small(), Error);
   EXPECT_EQ(open_recording(rec_)->size(), 3U);
+}
+
+TEST_F(RecordingFiles, WhatNeverEndsIsNotRead) {
+  write_small();
+  const fs::path depth = rec_ / "frames/000000_depth.png";
+  for (const bool pipe : {false, true}) {
+    fs::remove(depth);
+    if (pipe)
+      ASSERT_EQ(::mkfifo(depth.c_str(), 0600), 0);
+    else
+      fs::create_symlink("/dev/zero", depth);
+    const auto recording = open_recording(rec_);
+    EXPECT_FALSE(recording->frame(0).damage.empty());
+    EXPECT_TRUE(recording->frame(1).damage.empty());
+  }
 }
 
 TEST_F(RecordingFiles, JointsAreTheLatestAtTheTimeOfTheFrame) {

@@ -54,6 +54,28 @@ TEST_F(StoredBelief, GoesOn) {
   expect_sound();
 }
 
+TEST_F(StoredBelief, OfAnotherVersionDoesNotStandInTheWayOfForgetting) {
+  {
+    Store store = Store::open_write(file_);
+    SceneTransaction other(store, store.begin_run("test", "{}"));
+    other.set_checkpoint("belief", "\xa0\x06\x01", store.last_scene()->id);  // its version alone: 1
+    other.commit();
+    EXPECT_THAT([&] { load_belief(store); }, testing::ThrowsMessage<Error>(HasSubstr("another version")));
+    EXPECT_FALSE(store.checkpoints("belief/").empty());
+  }
+  EXPECT_TRUE(forget(file_, {.object = 1}).erased.contains(kUnreadableBelief));
+  {
+    const Store store = Store::open_read(file_);
+    EXPECT_FALSE(store.belief(1).has_value());
+    EXPECT_EQ(store.checkpoints("belief").size(), 1U) << "objects may be what was forgotten";
+    EXPECT_THAT([&] { load_belief(store); }, testing::ThrowsMessage<Error>(HasSubstr("another version")))
+        << "a run would go on as if nothing were known";
+  }
+  EXPECT_FALSE(forget(file_, {.object = 2}).erased.contains(kUnreadableBelief))
+      << "there was nothing more to drop";
+  expect_sound();
+}
+
 TEST_F(StoredBelief, IsForgottenForGood) {
   std::vector<Id> cereals;
   TimeNs last = 0;

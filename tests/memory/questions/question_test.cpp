@@ -59,6 +59,26 @@ TEST_F(Declarations, AllAnswerWithTextAndJson) {
   }
 }
 
+TEST_F(Declarations, NoQuestionTakesAPeriodThatEndsBeforeItBegins) {
+  for (const Question& question : questions()) {
+    if (!question.period) continue;
+    Query query{.question = question.name, .arguments = {{"from", "12:00"}, {"to", "08:00"}}};
+    for (const Parameter& parameter : question.parameters)
+      if (parameter.required)
+        query.arguments[parameter.name] = parameter.choices.empty() ? "red" : parameter.choices[0];
+    EXPECT_THAT([&] { ask(*store_, query); },
+                testing::ThrowsMessage<Error>(HasSubstr("the first time is after the second")))
+        << question.name;
+  }
+}
+
+TEST_F(Declarations, WhatIsAlmostAPointIsNone) {
+  for (const char* text : {",1,1", "1,,1", "1,1,", "0x10,1,1", "1,1,1,1", "1,nan", "1e400,1"})
+    EXPECT_THROW(ask(*store_, {.question = "near", .arguments = {{"around", text}}}), Error) << text;
+  for (const char* text : {"1,1", "+1.5, -2,0.5", " 1 ,1"})
+    EXPECT_NO_THROW(ask(*store_, {.question = "near", .arguments = {{"around", text}}})) << text;
+}
+
 TEST_F(Declarations, AnswersNameWhatTheyMention) {
   const Answer answer = ask(*store_, *parse_query("on table_1"));
   const Mentions mentions = answer.mentions(*store_);

@@ -3,6 +3,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 
+#include "mapping/base/files.h"
 #include "memory/store/rows/merge.h"
 #include "memory/store/scene_transaction.h"
 #include "tests/memory/store/temporary_folder.h"
@@ -127,6 +128,38 @@ TEST_F(MemoryFile, IsRestoredWhereNobodyUsesIt) {
   restore_memory(backup, folder_ / "new.loci", Replace::nothing, silent_);
   EXPECT_THAT(times(folder_ / "new.loci"), testing::ElementsAre(1));
   EXPECT_THAT(names(), testing::ElementsAre("backup.loci", "memory.loci", "new.loci"));
+}
+
+TEST_F(MemoryFile, IsRestoredOverAMemoryAlone) {
+  const fs::path backup = folder_ / "backup.loci", letter = folder_ / "letter",
+                 foreign = folder_ / "other.db";
+  make_memory(backup, 1);
+  make_memory(file_, 2);
+  write_file_atomically(letter, "dear loci");
+  SQLite::Database(foreign.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE).exec("CREATE TABLE t (x)");
+  for (const fs::path& other : {letter, foreign}) {
+    const std::string before = read_file(other);
+    EXPECT_THAT([&] { restore_memory(backup, other, Replace::anything, silent_); },
+                ThrowsMessage<Error>(HasSubstr("is no memory")));
+    EXPECT_EQ(read_file(other), before);
+  }
+  fs::permissions(file_, fs::perms(0644));
+  restore_memory(backup, file_, Replace::anything, silent_);
+  EXPECT_EQ(mode_of(file_), 0600U);
+}
+
+TEST_F(MemoryFile, AFileThatIsCalledLikeItsLogStays) {
+  make_memory(file_);
+  for (const char* end : {"-wal", "-shm", "-journal"}) {
+    const fs::path copy = folder_ / "copy.loci", neighbour = copy.string() + end;
+    write_file_atomically(neighbour, "dear loci");
+    EXPECT_THAT([&] { backup_memory(file_, copy, silent_); },
+                ThrowsMessage<Error>(HasSubstr("is in the way")));
+    EXPECT_THAT([&] { Store::open_write(copy); }, ThrowsMessage<Error>(HasSubstr("is in the way")));
+    remove_side_files(copy);
+    EXPECT_EQ(read_file(neighbour), "dear loci");
+    fs::remove(neighbour);
+  }
 }
 
 TEST_F(MemoryFile, ADamagedOneIsNeitherBackedUpNorRestored) {
