@@ -12,8 +12,8 @@ namespace {
 constexpr uint32_t kVersion = 2;
 constexpr size_t kMaxBytes = size_t{1} << 26;  // a message takes some tens of times its bytes
 
-[[noreturn]] void refuse(const std::string& what) {
-  throw Error("the stored belief cannot be read: " + what);
+[[noreturn]] void refuse(const std::string& what, const std::string& hint = {}) {
+  throw Error("the stored belief cannot be read: " + what, {}, hint);
 }
 
 void check(bool good, const char* what) {
@@ -38,7 +38,9 @@ Message parsed(std::string_view bytes) {
   if (bytes.size() > kMaxBytes || !message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
     refuse("the bytes are damaged");
   if (message.version() == 0) refuse("the bytes are damaged or end too early");
-  if (message.version() != kVersion) refuse("another version of loci wrote it");
+  if (message.version() != kVersion)
+    refuse("another version of loci wrote it",
+           "use that version, or perceive the recording again: loci-perceive run RECORDING -m NEW.loci");
   return message;
 }
 

@@ -104,7 +104,7 @@ belief::BeliefState read_belief(const Store& store, const std::string& prefix, c
       }
     return state;
   } catch (const Error& error) {
-    throw Error(error.message(), {store.path().string(), 0, {}});
+    throw Error(error.message(), {store.path().string(), 0, {}}, error.hint());
   }
 }
 

@@ -14,7 +14,7 @@ std::optional<SceneReasoning> load_reasoning(const Store& store, Id scene) {
   try {
     return belief::reasoning_from_bytes(*bytes);
   } catch (const Error& error) {
-    throw Error(error.message(), {store.path().string(), 0, {}});
+    throw Error(error.message(), {store.path().string(), 0, {}}, error.hint());
   }
 }
 
