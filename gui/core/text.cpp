@@ -33,12 +33,7 @@ QString duration_text(TimeNs from, TimeNs to) {
   if (span < kMinute) return QString("%1 s").arg(span / kSecond);
   if (span < kHour) return QString("%1 min").arg(span / kMinute);
   if (span < kDay) return QString("%1 h %2 min").arg(span / kHour).arg(span % kHour / kMinute);
-  return span < 2 * kDay ? QString("1 day") : QString("%1 days").arg(span / kDay);
-}
-
-QString size_text(const Vector3d& metres) {
-  const auto cm = [](double value) { return QString::number(value * 100, 'f', value < 0.1 ? 1 : 0); };
-  return QString("%1 × %2 × %3 cm").arg(cm(metres.x()), cm(metres.y()), cm(metres.z()));
+  return span < 2 * kDay ? QString("%1 h").arg(span / kHour) : QString("%1 days").arg(span / kDay);
 }
 
 QString percent_text(double probability) {

@@ -16,11 +16,9 @@ namespace loci::gui {
 QString time_text(TimeNs time, const TimeZone& zone);
 /// "Europe/Berlin, UTC+02:00" at a time.
 QString zone_text(TimeNs time, const TimeZone& zone);
-/// "just now", "3 min", "2 h 5 min", "4 days": how long `to` is after `from`.
+/// "just now", "3 min", "2 h 5 min", "28 h", "4 days": how long `to` is after `from`.
 QString duration_text(TimeNs from, TimeNs to);
 
-/// "12 × 8 × 10 cm".
-QString size_text(const Vector3d& metres);
 QString percent_text(double probability);
 /// A state, kind of event or explanation in words: "out of view".
 template <memory::StateEnum State>

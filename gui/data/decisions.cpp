@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gui/data/scene_content.h"
+#include "mapping/base/error.h"
 #include "memory/recorder/scene_reasoning.h"
 
 namespace loci::gui {
@@ -17,7 +18,7 @@ double squashed(double log_ratio) {
 
 std::string name_of(const Names& names, int64_t object, int64_t key) {
   if (object != 0) return names.object(object);
-  return key != 0 ? fmt::format("not yet sure (#{})", key) : std::string("a false cluster");
+  return key != 0 ? fmt::format("tentative (#{})", key) : std::string("a false cluster");
 }
 
 void add_reasoning(const memory::belief::Decisions& decisions, size_t k, const Names& names,
@@ -42,7 +43,12 @@ SceneDecisions read_decisions(const memory::Store& store, const Names& names, co
   std::map<memory::Id, memory::AssociationRow> chosen;
   for (const memory::AssociationRow& row : store.associations(scene.id))
     if (row.chosen && row.observation && row.probability > 0) chosen[*row.observation] = row;
-  const auto reasoning = load_reasoning(store, scene.id);
+  std::optional<memory::SceneReasoning> reasoning;
+  try {
+    reasoning = load_reasoning(store, scene.id);
+  } catch (const Error& error) {  // the associations can be shown nevertheless
+    result.unreadable = fmt::format("{} ({})", error.message(), error.hint());
+  }
   result.kept = reasoning.has_value();
   for (const memory::ObservationRow& row : store.observations(scene.id)) {
     DecidedObservation observation;

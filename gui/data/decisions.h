@@ -46,7 +46,8 @@ struct UnseenObject {
 /// Every decision of one scene.
 struct SceneDecisions {
   memory::SceneRow scene = {};
-  bool kept = false;  ///< whether the memory has its reasoning
+  bool kept = false;            ///< whether the memory has its reasoning
+  std::string unreadable = {};  ///< why it has it and it cannot be read, and what to do; empty = it can
   std::vector<DecidedObservation> observations = {};
   std::vector<UnseenObject> unseen = {};
 };

@@ -7,6 +7,10 @@
 #include <set>
 #include <tuple>
 
+#include "mapping/base/math/math.h"
+#include "mapping/world/kinematics.h"
+#include "mapping/world/world.h"
+
 namespace loci::gui {
 namespace {
 
@@ -20,6 +24,30 @@ std::string place_text(const Belief& belief, const BelievedObject* object) {
   if (!is_there(object)) return {};
   const std::string place = belief.place_of(*object);
   return place.empty() ? "somewhere" : place;
+}
+
+/// Pose of the link that a joint moves, in the map; unset where the map does not know it.
+std::optional<Isometry3d> pose_behind(const Belief& belief, const std::string& joint) {
+  const mapping::Joint* moved = belief.world == nullptr ? nullptr : belief.world->find_joint(joint);
+  if (moved == nullptr) return std::nullopt;
+  const auto poses = root_from_links(*belief.world, joints_of_world(*belief.world, belief.joints));
+  for (size_t i = 0; i < poses.size(); ++i)
+    if (belief.world->links[i].name == moved->child) return poses[i];
+  return std::nullopt;
+}
+
+/// How far an object was moved; what stays in a drawer is not moved with it.
+double distance_of(const Belief& belief_then, const BelievedObject& then, const Belief& belief_now,
+                   const BelievedObject& now) {
+  if (!then.position || !now.position) return 0;
+  Vector3d before = *then.position;
+  const auto& joints = belief_now.names->joint_of_place;
+  if (const auto joint = then.place == now.place && now.place ? joints.find(*now.place) : joints.end();
+      joint != joints.end()) {
+    const auto was = pose_behind(belief_then, joint->second), is = pose_behind(belief_now, joint->second);
+    if (was && is) before = *is * (was->inverse() * before);
+  }
+  return (*now.position - before).norm();
 }
 
 std::optional<Difference> difference_of(const Belief& belief_then, const BelievedObject* then,
@@ -38,15 +66,19 @@ std::optional<Difference> difference_of(const Belief& belief_then, const Believe
     difference.kind = memory::EventKind::gone;
     return difference;
   }
-  if (then->map_from_object && now->map_from_object)
-    difference.distance = (now->map_from_object->translation() - then->map_from_object->translation()).norm();
+  difference.distance = distance_of(belief_then, *then, belief_now, *now);
   if (difference.distance < min_move && difference.then == difference.now) return std::nullopt;
   return difference;
 }
 
-std::string joint_text(const JointState& joints, const std::string& name) {
-  const auto found = joints.find(name);
-  return found == joints.end() ? "" : fmt::format("{:.2f}", found->second);
+/// How far a joint is open, in the unit of its type: "38 cm", "90°".
+std::string joint_text(const Belief& belief, const std::string& name) {
+  const auto found = belief.joints.find(name);
+  if (found == belief.joints.end()) return {};
+  const mapping::Joint* joint = belief.world == nullptr ? nullptr : belief.world->find_joint(name);
+  if (joint == nullptr) return fmt::format("{:.2f}", found->second);
+  return joint->type == mapping::JointType::prismatic ? fmt::format("{:.0f} cm", 100 * found->second)
+                                                      : fmt::format("{:.0f}°", found->second * 180 / kPi);
 }
 
 void add_joints(const Belief& then, const Belief& now, std::vector<Difference>& all) {
@@ -54,13 +86,13 @@ void add_joints(const Belief& then, const Belief& now, std::vector<Difference>& 
     const auto before = then.joints.find(name);
     const double moved = std::abs(position - (before == then.joints.end() ? 0 : before->second));
     if (moved >= kMinJointMove)
-      all.push_back({memory::EventKind::joint_changed, 0, name, joint_text(then.joints, name),
-                     joint_text(now.joints, name), moved});
+      all.push_back(
+          {memory::EventKind::joint_changed, 0, name, joint_text(then, name), joint_text(now, name), moved});
   }
   for (const auto& [name, position] : then.joints)
     if (!now.joints.contains(name) && std::abs(position) >= kMinJointMove)
       all.push_back(
-          {memory::EventKind::joint_changed, 0, name, joint_text(then.joints, name), "", std::abs(position)});
+          {memory::EventKind::joint_changed, 0, name, joint_text(then, name), "", std::abs(position)});
 }
 
 }  // namespace
@@ -91,9 +123,8 @@ Belief renumbered(Belief other, const Belief& here, double within) {
   for (size_t i = 0; i < other.objects.size(); ++i)
     for (const BelievedObject& object : here.objects) {
       const BelievedObject& candidate = other.objects[i];
-      if (!candidate.map_from_object || !object.map_from_object || candidate.color != object.color) continue;
-      const double distance =
-          (candidate.map_from_object->translation() - object.map_from_object->translation()).norm();
+      if (!candidate.position || !object.position || candidate.color != object.color) continue;
+      const double distance = (*candidate.position - *object.position).norm();
       if (distance <= within) pairs.push_back({distance, i, object.object});
     }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {

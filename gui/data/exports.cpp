@@ -22,12 +22,10 @@ std::string cells_of(const std::optional<Vector3d>& v) {
 std::string believed_csv(const Belief& belief) {
   std::string csv = "object,name,class,color,place,state,probability,x,y,z,size_x,size_y,size_z,last_seen\n";
   for (const BelievedObject& object : belief.objects) {
-    std::optional<Vector3d> centre;
-    if (object.map_from_object) centre = object.map_from_object->translation();
     csv += fmt::format("object_{},{},{},{},{},{},{:.4f},{},{},{}\n", object.object,
                        csv_cell(belief.name_of(object)), csv_cell(belief.names->class_of(object.object)),
                        csv_cell(object.color.value_or("")), csv_cell(belief.place_of(object)),
-                       memory::to_text(object.status), object.probability, cells_of(centre),
+                       memory::to_text(object.status), object.probability, cells_of(object.position),
                        cells_of(object.size), object.last_seen ? format_time(*object.last_seen) : "");
   }
   return csv;
@@ -43,7 +41,7 @@ std::string believed_json(const Belief& belief) {
     if (const std::string name = belief.names->class_of(object.object); !name.empty()) row["class"] = name;
     if (object.color) row["color"] = *object.color;
     if (const std::string place = belief.place_of(object); !place.empty()) row["place"] = place;
-    if (object.map_from_object) row["position"] = vector_of(object.map_from_object->translation());
+    if (object.position) row["position"] = vector_of(*object.position);
     if (object.size) row["size"] = vector_of(*object.size);
     if (object.last_seen) row["last_seen"] = format_time(*object.last_seen);
     objects.push_back(std::move(row));

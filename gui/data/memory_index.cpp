@@ -24,7 +24,10 @@ std::shared_ptr<const Names> read_names(const memory::Store& store,
                                         const std::vector<memory::PlaceRow>& places) {
   auto names = std::make_shared<Names>();
   names->parts = part_names(store);
-  for (const memory::PlaceRow& place : places) names->places[place.id] = place.name;
+  for (const memory::PlaceRow& place : places) {
+    names->places[place.id] = place.name;
+    if (place.joint) names->joint_of_place[place.id] = names->parts.joint(*place.joint);
+  }
   std::map<memory::Id, std::string> aliases;  // the latest
   for (const memory::FactRow& fact : store.facts()) {
     if (!fact.object || !fact.value) continue;
@@ -34,6 +37,7 @@ std::shared_ptr<const Names> read_names(const memory::Store& store,
   }
   // What several objects look like gets their number behind it; what somebody named is called so.
   const memory::Snapshot now(store, {});
+  names->believed = now.beliefs().size();
   std::map<std::string, int> count;
   for (const memory::BeliefRow& belief : now.beliefs())
     if (const auto label = now.object_ref(belief.object).label)
@@ -132,7 +136,7 @@ MemoryInfo describe(const memory::Store& store, const MemoryIndex& index) {
     return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
   };
   info.summary = fmt::format("{} · {} · {}", plural(index.scenes.size(), "scene"),
-                             plural(store.objects().size(), "object"), plural(index.events.size(), "event"));
+                             plural(index.names->believed, "object"), plural(index.events.size(), "event"));
   if (index.worlds.empty()) info.summary += " · no map";
   return info;
 }

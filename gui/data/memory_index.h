@@ -19,7 +19,9 @@ namespace loci::gui {
 struct Names {
   std::map<memory::Id, std::string> labels = {}, classes = {}, owners = {};  ///< by object
   std::map<memory::Id, std::string> places = {};
+  std::map<memory::Id, std::string> joint_of_place = {};  ///< of those that a joint moves
   memory::PartNames parts = {};
+  size_t believed = 0;  ///< objects that there are, whether gone or not
 
   std::string object(memory::Id id) const;                       ///< the best name known, else "object_12"
   std::string class_of(memory::Id object) const;                 ///< empty = unknown

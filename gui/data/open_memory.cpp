@@ -55,10 +55,14 @@ std::shared_ptr<const OpenMemory> OpenMemory::renewed(Progress& progress) const 
 OpenMemory::OpenMemory(const std::filesystem::path& path, const MemoryIndex* before, Progress& progress)
     : path_(path), store_(memory::Store::open_read(path)), index_(read_index(store_, before, progress)) {}
 
-const mapping::World* OpenMemory::world(std::optional<TimeNs> time) const {
+std::shared_ptr<const mapping::World> OpenMemory::shared_world(std::optional<TimeNs> time) const {
   if (index_.worlds.empty()) return nullptr;
   const auto after = time ? index_.worlds.upper_bound(*time) : index_.worlds.end();
-  return after == index_.worlds.begin() ? after->second.get() : std::prev(after)->second.get();
+  return after == index_.worlds.begin() ? after->second : std::prev(after)->second;
+}
+
+const mapping::World* OpenMemory::world(std::optional<TimeNs> time) const {
+  return shared_world(time).get();
 }
 
 const memory::SceneRow* OpenMemory::scene_at(TimeNs time) const {
@@ -76,11 +80,11 @@ const memory::ObservationRow& OpenMemory::observation(memory::Id id) const {
 }
 
 BelievedObject OpenMemory::believed(const memory::BeliefRow& row) const {
-  BelievedObject object{row, {}, {}};
+  BelievedObject object{row, {}, {}, {}};
   if (const auto box =
           memory::believed_box(row, row.last_observation ? &observation(*row.last_observation) : nullptr)) {
     object.map_from_object = box->map_from_box;
-    object.size = box->size;
+    object.box_size = box->size;
   }
   if (const memory::SceneRow* scene = index_.scene(row.last_scene)) object.last_seen = scene->time;
   return object;
@@ -88,17 +92,12 @@ BelievedObject OpenMemory::believed(const memory::BeliefRow& row) const {
 
 Belief OpenMemory::belief_at(TimeNs time, std::optional<TimeNs> known_at) const {
   const std::lock_guard lock(mutex_);
-  Belief belief{.time = time, .names = index_.names};
+  Belief belief{.time = time, .world = shared_world(time), .names = index_.names};
   const memory::SceneRow* scene = scene_at(time);
   if (scene != nullptr && scene->time <= time)
     for (const auto& [joint, position] : scene->joints) belief.joints[names().parts.joint(joint)] = position;
-  for (const memory::BeliefRow& row : store_.beliefs({time, known_at})) {
+  for (const memory::BeliefRow& row : store_.beliefs({time, known_at}))
     belief.objects.push_back(believed(row));
-    // A belief holds until the next one: what an earlier scene saw is out of view now.
-    BelievedObject& object = belief.objects.back();
-    if (object.status == memory::ObjectStatus::seen && scene != nullptr && object.last_seen != scene->time)
-      object.status = memory::ObjectStatus::out_of_view;
-  }
   return belief;
 }
 
@@ -134,6 +133,20 @@ std::vector<memory::Change> OpenMemory::history(memory::Id object) const {
        ask(store_, memory::HistoryQuestion{memory::object_name(object), {}}).objects)
     std::move(history.changes.begin(), history.changes.end(), std::back_inserter(changes));
   return changes;
+}
+
+PlaceDetails OpenMemory::place_details(const std::string& place, TimeNs time) const {
+  const std::lock_guard lock(mutex_);
+  PlaceDetails details;
+  for (const memory::PlaceRow& row : memory::named_places(store_)) {
+    if (row.name != place) continue;
+    details.height = row.height;
+    const auto last = store_.last_visibility(row.id, {.at = time});
+    if (!last) continue;
+    details.seen = last->fraction.value_or(0);
+    if (const memory::SceneRow* scene = index_.scene(last->scene)) details.last_look = scene->time;
+  }
+  return details;
 }
 
 std::vector<TimeNs> OpenMemory::observations(memory::Id object) const {

@@ -24,7 +24,8 @@ struct SceneDecisions;
 
 /// A row of belief as of a time, with what its last observation adds.
 struct BelievedObject : memory::BeliefRow {
-  std::optional<Isometry3d> map_from_object;  ///< centre and axes of its box
+  std::optional<Isometry3d> map_from_object;  ///< centre and axes of its box, as it is drawn
+  std::optional<Vector3d> box_size;           ///< along these axes, metres
   std::optional<TimeNs> last_seen;
 };
 /// Red, green, blue; grey where the colour is unknown.
@@ -35,6 +36,7 @@ struct Belief {
   TimeNs time = 0;
   std::vector<BelievedObject> objects = {};  ///< by id
   JointState joints = {};
+  std::shared_ptr<const mapping::World> world = {};                ///< the map at that time; null = none
   std::shared_ptr<const Names> names = std::make_shared<Names>();  ///< of the memory that it is from
 
   const BelievedObject* find(memory::Id object) const;
@@ -46,6 +48,13 @@ struct Belief {
 struct TrajectoryPoint {
   TimeNs time = 0;
   Vector3d position = Vector3d::Zero();  ///< of its centre, map frame
+};
+
+/// What is known of a place beside what is on it.
+struct PlaceDetails {
+  std::optional<double> height = {};     ///< metres
+  std::optional<TimeNs> last_look = {};  ///< the last scene until the time asked about that saw any of it
+  double seen = 0;                       ///< the share that it saw
 };
 
 /// What a search text refers to.
@@ -93,6 +102,7 @@ class OpenMemory {
   /// What annotators found in parts of a scene's image.
   std::vector<ImageNote> notes(memory::Id scene) const;
   std::vector<memory::Change> history(memory::Id object) const;
+  PlaceDetails place_details(const std::string& place, TimeNs time) const;
   /// Times at which the object was observed.
   std::vector<TimeNs> observations(memory::Id object) const;
   /// In order of time; where the object stayed, once.
@@ -122,6 +132,7 @@ class OpenMemory {
   std::vector<std::string> known_words() const;
 
  private:
+  std::shared_ptr<const mapping::World> shared_world(std::optional<TimeNs> time) const;
   BelievedObject believed(const memory::BeliefRow& row) const;
   const memory::ObservationRow& observation(memory::Id id) const;
   /// Calls `mark` with the number of each scene that is at or after the first one, counted from there.

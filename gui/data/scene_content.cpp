@@ -75,15 +75,16 @@ void add_outlines(const cv::Mat& mask, const std::optional<Vector3d>& position, 
 }
 
 std::vector<ImageBox> read_boxes(const memory::Store& store, const SceneContent& content) {
-  std::unordered_map<memory::Id, memory::Id> object_of;
+  std::unordered_map<memory::Id, memory::Id> object_of;  // 0 = of a false cluster
   for (const memory::AssociationRow& association : store.associations(content.scene.id))
-    if (association.chosen && association.observation && association.object && association.probability > 0)
-      object_of[*association.observation] = *association.object;
+    if (association.chosen && association.observation && association.probability > 0)
+      object_of[*association.observation] = association.object.value_or(0);
   std::vector<ImageBox> boxes;
   for (const memory::ObservationRow& seen : store.observations(content.scene.id)) {
     if (!seen.roi) continue;
     const auto found = object_of.find(seen.id);
     ImageBox box{.object = found == object_of.end() ? 0 : found->second, .number = seen.number};
+    if (box.object == 0) box.unnamed = found == object_of.end() ? "tentative" : "false cluster";
     const auto& roi = *seen.roi;
     box.depth = cv::Rect2d(roi[0], roi[1], roi[2], roi[3]);
     box.color = in_color_image(box.depth, seen.position, content);

@@ -20,10 +20,11 @@ namespace loci::gui {
 
 /// An object as it was found in an image.
 struct ImageBox {
-  memory::Id object = 0;  ///< 0 = none
-  int64_t number = 0;     ///< of the observation within its scene
-  cv::Rect2d color = {};  ///< pixels of the colour image
-  cv::Rect2d depth = {};  ///< pixels of the depth image
+  memory::Id object = 0;     ///< 0 = none
+  std::string unnamed = {};  ///< in place of an object's name: "tentative", "false cluster"
+  int64_t number = 0;        ///< of the observation within its scene
+  cv::Rect2d color = {};     ///< pixels of the colour image
+  cv::Rect2d depth = {};     ///< pixels of the depth image
   /// Outlines of the mask in pixels of either image; empty = no mask is stored.
   std::vector<std::vector<cv::Point2f>> color_outline = {}, depth_outline = {};
 };

@@ -8,6 +8,8 @@
 
 #include "gui/core/text.h"
 #include "gui/core/theme.h"
+#include "mapping/base/text/natural_order.h"
+#include "memory/questions/replies/answer_format.h"
 
 namespace loci::gui {
 
@@ -64,7 +66,7 @@ ObjectsModel::ObjectsModel(Browser& browser, QObject* parent)
 }
 
 std::vector<ObjectsModel::Group> ObjectsModel::groups_of(const Belief& belief) {
-  std::map<std::string, Group> places;
+  std::map<std::string, Group, NaturalOrder> places;
   Group somewhere{"somewhere", "", {}};
   Group gone{"gone", "", {}};
   for (const BelievedObject& object : belief.objects) {
@@ -184,7 +186,8 @@ QVariant ObjectsModel::object_data(const BelievedObject& object, int column, int
       return QString("%1 %2\n%3")
           .arg(color, class_name())
           .trimmed()
-          .arg(object.size ? size_text(*object.size) : "size unknown");
+          .arg(object.size ? QString::fromStdString(memory::format::size_text(*object.size))
+                           : "size unknown");
     case object_role:
       return static_cast<qlonglong>(object.object);
     case class_role:

@@ -19,8 +19,9 @@ QString cell_of(const Difference& difference, int column) {
   if (column == DifferencesModel::then_column) return or_dash(difference.then);
   if (column == DifferencesModel::now_column) return or_dash(difference.now);
   QString what = state_text(difference.kind);
-  if (difference.kind == memory::EventKind::moved && difference.then == difference.now)
-    what += QString(" %1 cm").arg(difference.distance * 100, 0, 'f', 0);
+  if (difference.kind == memory::EventKind::moved && difference.distance > 0)
+    what += difference.distance < 0.995 ? QString(" %1 cm").arg(difference.distance * 100, 0, 'f', 0)
+                                        : QString(" %1 m").arg(difference.distance, 0, 'f', 1);
   return what;
 }
 
@@ -47,11 +48,11 @@ QVariant TableModel::headerData(int section, Qt::Orientation orientation, int ro
 // ---- History.
 
 HistoryModel::HistoryModel(Browser& browser, QObject* parent)
-    : TableModel({"Since", "What", "Where", "Sure"}, parent), browser_(browser) {
+    : TableModel({"Since", "Change", "Where", "Prob."}, parent), browser_(browser) {
   tips_ = QStringList{
       "When it was noticed first", "", "",
-      "Probability that the memory gave this: of the identity, of the object being there, or of it being "
-      "gone"};
+      "Probability of the change, as loci-memory changes gives it; that the object is still there stands "
+      "above"};
   connect(&browser_, &Browser::selected, this, &HistoryModel::refresh);
   connect(&browser_, &Browser::opened, this, &HistoryModel::refresh);
   connect(&browser_, &Browser::time_changed, this, [this] {

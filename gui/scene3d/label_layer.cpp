@@ -1,5 +1,6 @@
 #include "gui/scene3d/label_layer.h"
 
+#include <vtkActor2D.h>
 #include <vtkCamera.h>
 #include <vtkCellArray.h>
 #include <vtkFloatArray.h>
@@ -9,6 +10,7 @@
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper2D.h>
+#include <vtkProperty2D.h>
 #include <vtkRenderWindow.h>
 #include <vtkStdString.h>
 #include <vtkTextProperty.h>
@@ -162,7 +164,13 @@ class Projection {
 LabelLayer::LabelLayer(vtkRenderer* renderer)
     : renderer_(renderer),
       actor_(vtkSmartPointer<vtkTexturedActor2D>::New()),
+      leaders_(vtkSmartPointer<vtkActor2D>::New()),
       texture_(vtkSmartPointer<vtkTexture>::New()) {
+  vtkNew<vtkPolyDataMapper2D> lines;
+  lines->SetInputData(vtkNew<vtkPolyData>());
+  leaders_->SetMapper(lines);
+  leaders_->PickableOff();
+  renderer_->AddActor2D(leaders_);
   vtkNew<vtkPolyDataMapper2D> mapper;
   mapper->SetInputData(vtkNew<vtkPolyData>());
   actor_->SetMapper(mapper);
@@ -179,6 +187,8 @@ void LabelLayer::set(std::vector<Label> labels, const SceneColors& colors) {
   if (labels.size() > kMaxLabels) labels.resize(kMaxLabels);
   atlas_.set_colors(colors);
   atlas_.trim();
+  leaders_->GetProperty()->SetColor(colors.label_text[0], colors.label_text[1], colors.label_text[2]);
+  leaders_->GetProperty()->SetLineWidth(static_cast<float>(colors.pixels));
   items_.clear();
   for (Label& label : labels) {
     Item item;
@@ -217,6 +227,8 @@ void LabelLayer::lay_out() {
       item.shown = true;
       item.left = left;
       item.bottom = bottom;
+      item.x = x;
+      item.y = y;
       taken.push_back(place);
       break;
     }
@@ -251,6 +263,26 @@ void LabelLayer::draw() {
   data->GetPointData()->SetTCoords(in_atlas);
   static_cast<vtkPolyDataMapper2D*>(actor_->GetMapper())->SetInputData(data);
   texture_->SetInputData(atlas_.image());
+  draw_leaders();
+}
+
+/// From the nearest point of a label's border to its anchor.
+void LabelLayer::draw_leaders() {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> lines;
+  for (const Item& item : items_) {
+    if (!item.shown) continue;
+    const int x = std::clamp(item.x, item.left, item.left + item.area.width);
+    const int y = std::clamp(item.y, item.bottom, item.bottom + item.area.height);
+    const std::array<vtkIdType, 2> ends = {points->InsertNextPoint(x, y, 0),
+                                           points->InsertNextPoint(item.x, item.y, 0)};
+    lines->InsertNextCell(2, ends.data());
+  }
+  leaders_->SetVisibility(points->GetNumberOfPoints() > 0);
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetLines(lines);
+  static_cast<vtkPolyDataMapper2D*>(leaders_->GetMapper())->SetInputData(data);
 }
 
 std::vector<std::string> LabelLayer::shown() const {

@@ -48,8 +48,8 @@ class LabelAtlas {
   int row_left_ = 0, row_bottom_ = 0;  ///< where the next text goes
 };
 
-/// Names beside objects. Where labels would cover each other, the less important one is left out. All of them
-/// are one actor.
+/// Names beside objects, with a line to each. Where labels would cover each other, the less important one is
+/// left out. All of them are one actor.
 class LabelLayer {
  public:
   explicit LabelLayer(vtkRenderer* renderer);
@@ -75,11 +75,14 @@ class LabelLayer {
     LabelAtlas::Area area;
     bool shown = false;
     int left = 0, bottom = 0;  ///< pixels of the window
+    int x = 0, y = 0;          ///< where the anchor is
   };
   void draw();
+  void draw_leaders();
 
   vtkRenderer* renderer_;
   vtkSmartPointer<vtkTexturedActor2D> actor_;
+  vtkSmartPointer<vtkActor2D> leaders_;  ///< lines from the labels to their anchors
   vtkSmartPointer<vtkTexture> texture_;
   LabelAtlas atlas_;
   std::vector<Item> items_;  ///< the most important first

@@ -31,6 +31,8 @@ constexpr double kFieldOfViewDeg = 35;    // little perspective: sizes stay comp
 constexpr double kMargin = 1.06;
 constexpr int kPickReach = 4;             // pixels around a click
 constexpr double kMeasuredBehind = 0.03;  // metres
+constexpr double kNearPart = 0.03;        // of the farthest distance that is drawn …
+constexpr double kNearPartOfFocus = 0.1;  // … and of that to what is looked at
 constexpr double kAroundObjects = 0.5;    // metres of room shown around the objects
 
 Eigen::AlignedBox3d inflated(const Eigen::AlignedBox3d& box, double by) {
@@ -107,6 +109,11 @@ struct MapScene::Impl {
     const std::array<double, 6> bounds = {all.min().x(), all.max().x(), all.min().y(),
                                           all.max().y(), all.min().z(), all.max().z()};
     renderer->ResetCameraClippingRange(bounds.data());
+    // Within the room the nearest plane would come to the eye, and depths far from it would blur together.
+    vtkCamera* camera = renderer->GetActiveCamera();
+    const double* range = camera->GetClippingRange();
+    const double near = std::min(kNearPart * range[1], kNearPartOfFocus * camera->GetDistance());
+    if (near > range[0]) camera->SetClippingRange(near, range[1]);
   }
 
   Eigen::AlignedBox3d bounds() const {

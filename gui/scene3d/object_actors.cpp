@@ -40,8 +40,13 @@ Eigen::AlignedBox3d box_of(const MapObject& object) {
   return box;
 }
 
+/// What is out of view is as opaque as it is probable: one that is surely there is almost solid.
+double opacity_of(const MapObject& object) {
+  return object.ghost ? 0.12 + 0.75 * object.probability * object.probability : 1.0;
+}
+
 Color4 face_color(const MapObject& object) {
-  const double opacity = object.ghost ? 0.12 + 0.28 * object.probability : 1.0;
+  const double opacity = opacity_of(object);
   return {object.rgb[0], object.rgb[1], object.rgb[2],
           static_cast<unsigned char>(std::lround(255 * opacity))};
 }
@@ -50,7 +55,7 @@ Color4 face_color(const MapObject& object) {
 Color4 edge_color(const MapObject& object, bool selected, const SceneColors& colors) {
   if (object.mark && !selected) return {(*object.mark)[0], (*object.mark)[1], (*object.mark)[2], 255};
   const SceneColor& line = selected ? colors.accent : colors.edges;
-  const double fade = object.ghost && !selected ? 0.5 : 0;
+  const double fade = selected ? 0 : 0.7 * (1 - opacity_of(object));
   Color4 color = {0, 0, 0, 255};
   for (size_t i = 0; i < 3; ++i)
     color[i] = static_cast<unsigned char>(

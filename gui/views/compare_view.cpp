@@ -40,10 +40,10 @@ CompareView::CompareView(Browser& browser, QWidget* parent)
   pin->setToolTip("Compare with the selected time, then select another");
   style_table(*table_);
   table_->setSelectionMode(QAbstractItemView::SingleSelection);
-  table_->horizontalHeader()->setSectionResizeMode(QHeaderView::Stretch);
+  table_->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
   table_->horizontalHeader()->setResizeContentsPrecision(kRowsMeasured);
-  table_->horizontalHeader()->setSectionResizeMode(DifferencesModel::what_column,
-                                                   QHeaderView::ResizeToContents);
+  table_->horizontalHeader()->setStretchLastSection(true);
+  table_->setHorizontalScrollMode(QAbstractItemView::ScrollPerPixel);
   state_->setWordWrap(true);
   auto* head = new QHBoxLayout;
   head->addWidget(new QLabel("Compare with", this));
@@ -194,8 +194,13 @@ void CompareView::read_other() {
 
 void CompareView::show_differences(const Belief& then) {
   const TimeZone& zone = browser_.data()->info().zone;
-  const auto head = [zone](TimeNs time) { return "At " + time_text(time, zone).mid(11, 10); };
-  model_->set(differences(then, browser_.belief()), head(other_), head(browser_.selection().time()));
+  const TimeNs here = browser_.selection().time();
+  const bool same_day = time_text(other_, zone).left(10) == time_text(here, zone).left(10);
+  const auto head = [&](TimeNs time) {  // on two lines: the columns are narrow
+    const QString text = time_text(time, zone);
+    return same_day ? "At " + text.mid(11, 8) : text.mid(5, 5) + "\n" + text.mid(11, 8);
+  };
+  model_->set(differences(then, browser_.belief()), head(other_), head(here));
   if (other_ == browser_.selection().time() && !known_at_ && !another_)
     state_->setText("This is the selected time: select another one below.");
   else if (shown().empty())

@@ -375,6 +375,10 @@ IdentityView::IdentityView(Browser& browser, QWidget* parent)
   refresh();
 }
 
+QString IdentityView::state() const {
+  return state_->text();
+}
+
 void IdentityView::refresh() {
   if (!is_in_front()) return;
   const memory::SceneRow* scene = browser_.scene();
@@ -397,8 +401,21 @@ void IdentityView::show_decisions(std::vector<SceneDecisions>& scenes) {
                      .arg(time_text(last.scene.time, zone).mid(11, 10))
                      .arg(seen)
                      .arg(seen == 1 ? "" : "s");
+  const auto count = [&](bool known, bool clutter) {
+    return std::ranges::count_if(last.observations, [&](const DecidedObservation& observation) {
+      return (observation.object != 0) == known &&
+             (known || (observation.explanation == "clutter") == clutter);
+    });
+  };
+  if (const auto known = count(true, false); known < static_cast<int64_t>(seen))
+    text += QString(" (%1 of objects, %2 tentative, %3 taken for false clusters)")
+                .arg(known)
+                .arg(count(false, false))
+                .arg(count(false, true));
   if (seen == 0)
     text += "; a scene with observations shows how identities were decided.";
+  else if (!last.unreadable.empty())
+    text += "; " + QString::fromStdString(last.unreadable);
   else if (!last.kept)
     text += "; its reasoning is not stored (loci-memory reason rebuilds it).";
   state_->setText(text);

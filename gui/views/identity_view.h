@@ -110,6 +110,7 @@ class IdentityView : public Page {
  public:
   explicit IdentityView(Browser& browser, QWidget* parent = nullptr);
 
+  QString state() const;
   AssociationLines& lines() { return *lines_; }
   DecisionMatrix& matrix() { return *matrix_; }
 

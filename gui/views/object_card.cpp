@@ -18,6 +18,7 @@
 #include "gui/core/widgets.h"
 #include "gui/models/question_text.h"
 #include "gui/models/table_models.h"
+#include "memory/questions/replies/answer_format.h"
 
 namespace loci::gui {
 namespace {
@@ -271,16 +272,33 @@ void ObjectCard::refresh() {
   if (const BelievedObject* object = browser_.selected_object()) return show_object(*object);
   if (selection.object())
     return show_nothing(QString("object_%1").arg(*selection.object()), "Not known yet at this time.");
-  if (!selection.place().empty()) {
-    int there = 0;
-    for (const BelievedObject& object : browser_.belief().objects)
-      there += browser_.belief().place_of(object) == selection.place() &&
-               object.status != memory::ObjectStatus::gone;
-    return show_nothing(QString::fromStdString(selection.place()),
-                        there == 0 ? QString("Nothing is believed to be here.")
-                                   : QString("%1 object%2 here.").arg(there).arg(there == 1 ? "" : "s"));
-  }
+  if (!selection.place().empty()) return show_place(selection.place());
   show_nothing("", browser_.data() == nullptr ? "" : "Click an object in the tree, the map or the image.");
+}
+
+void ObjectCard::show_place(const std::string& place) {
+  int there = 0;
+  for (const BelievedObject& object : browser_.belief().objects)
+    there += browser_.belief().place_of(object) == place && object.status != memory::ObjectStatus::gone;
+  const QString title = QString::fromStdString(place);
+  const QString objects = there == 0 ? QString("Nothing is believed to be here.")
+                                     : QString("%1 object%2 here.").arg(there).arg(there == 1 ? "" : "s");
+  show_nothing(title, objects);
+  const TimeNs time = browser_.selection().time();
+  browser_.reader().read<PlaceDetails>(
+      this, "place", Urgency::selection,
+      [place, time](const OpenMemory& memory) { return memory.place_details(place, time); },
+      [this, place, title, objects, time](const PlaceDetails& details) {
+        if (browser_.selection().place() != place || browser_.data() == nullptr) return;
+        QStringList lines = {objects};
+        if (details.height) lines << QString("Height: %1 cm").arg(*details.height * 100, 0, 'f', 0);
+        lines << (details.last_look
+                      ? QString("Last look: %1 (%2 before), at %3 of it")
+                            .arg(time_text(*details.last_look, browser_.data()->info().zone),
+                                 duration_text(*details.last_look, time), percent_text(details.seen))
+                      : QString("Not looked at yet."));
+        show_nothing(title, lines.join("\n"));
+      });
 }
 
 void ObjectCard::show_nothing(const QString& title, const QString& hint) {
@@ -315,8 +333,8 @@ void ObjectCard::show_object(const BelievedObject& object) {
     if (object.status != memory::ObjectStatus::seen) seen += QString(" (%1 before)").arg(ago);
   }
   QString position = "unknown";
-  if (object.map_from_object) {
-    const Vector3d p = object.map_from_object->translation();
+  if (object.position) {
+    const Vector3d& p = *object.position;
     position = QString("%1, %2, %3 m").arg(p.x(), 0, 'f', 2).arg(p.y(), 0, 'f', 2).arg(p.z(), 0, 'f', 2);
   }
   const std::vector<QString> values = {
@@ -324,7 +342,7 @@ void ObjectCard::show_object(const BelievedObject& object) {
       state_text(object.status),
       seen,
       QString::fromStdString(object.color.value_or("unknown")),
-      object.size ? size_text(*object.size) : "unknown",
+      object.size ? QString::fromStdString(memory::format::size_text(*object.size)) : "unknown",
       position};
   for (size_t i = 0; i < values.size(); ++i) values_[i].second->setText(values[i]);
   probability_->setValue(static_cast<int>(object.probability * 1000));

@@ -64,6 +64,7 @@ class ObjectCard : public QWidget {
   void build_rows();
   void refresh();
   void show_object(const BelievedObject& object);
+  void show_place(const std::string& place);
   void show_nothing(const QString& title, const QString& hint);
   void show_image();
 

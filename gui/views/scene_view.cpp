@@ -16,9 +16,8 @@
 namespace loci::gui {
 namespace {
 
-/// Near is warm, far is cold; no measurement is black.
-QImage depth_image(const cv::Mat& depth) {
-  if (depth.empty()) return {};
+/// The nearest and the farthest measurement, metres; 0 without any.
+std::pair<float, float> depth_range(const cv::Mat& depth) {
   float near = 0;
   float far = 0;
   for (int y = 0; y < depth.rows; ++y)
@@ -28,6 +27,18 @@ QImage depth_image(const cv::Mat& depth) {
       near = near == 0 ? z : std::min(near, z);
       far = std::max(far, z);
     }
+  return {near, far};
+}
+
+/// Near is warm, far is cold; `part` is 0 for the nearest and 1 for the farthest.
+QColor depth_color(double part) {
+  return QColor::fromHsvF(0.66 * part, 0.75, 1.0 - 0.35 * part);
+}
+
+/// No measurement is black.
+QImage depth_image(const cv::Mat& depth) {
+  if (depth.empty()) return {};
+  const auto [near, far] = depth_range(depth);
   const float span = std::max(far - near, 1e-3F);
   QImage image(depth.cols, depth.rows, QImage::Format_RGB32);
   for (int y = 0; y < depth.rows; ++y)
@@ -35,7 +46,7 @@ QImage depth_image(const cv::Mat& depth) {
       const float z = depth.at<float>(y, x);
       const bool valid = std::isfinite(z) && z > 0;
       const double part = valid ? static_cast<double>((z - near) / span) : 0;
-      image.setPixelColor(x, y, valid ? QColor::fromHsvF(0.66 * part, 0.75, 1.0 - 0.35 * part) : Qt::black);
+      image.setPixelColor(x, y, valid ? depth_color(part) : Qt::black);
     }
   return image;
 }
@@ -103,9 +114,15 @@ void SceneImage::show_kinds(bool kinds) {
   remake_image();
 }
 
+int SceneImage::legend_height() const {
+  return QFontMetrics(small_font(font())).height() + 4;
+}
+
 QRectF SceneImage::image_area() const {
-  const QSizeF size = QSizeF(image_.size()).scaled(QSizeF(this->size()), Qt::KeepAspectRatio);
-  return {QPointF((width() - size.width()) / 2, (height() - size.height()) / 2), size};
+  const QRectF room =
+      rect().adjusted(0, shows_kinds_ ? legend_height() : 0, 0, depth_ ? -legend_height() : 0);
+  const QSizeF size = QSizeF(image_.size()).scaled(room.size(), Qt::KeepAspectRatio);
+  return {room.center() - QPointF(size.width(), size.height()) / 2, size};
 }
 
 QRectF SceneImage::on_widget(const ImageBox& box) const {
@@ -173,6 +190,7 @@ void SceneImage::paintEvent(QPaintEvent*) {
   paint_notes(painter);
   paint_names(painter);
   if (shows_kinds_) paint_kinds(painter);
+  if (depth_) paint_depth_scale(painter);
   paint_values(painter);
 }
 
@@ -186,7 +204,24 @@ void SceneImage::paint_values(QPainter& painter) const {
   painter.drawText(area, Qt::AlignCenter, values_);
 }
 
-/// What the tints mean, at the top.
+/// What the colours of the depth image mean, below it.
+void SceneImage::paint_depth_scale(QPainter& painter) const {
+  const auto [near, far] = depth_range(content_->depth);
+  painter.setFont(small_font(font()));
+  const QFontMetrics metrics = painter.fontMetrics();
+  const auto text = [](float z) { return QString("%1 m").arg(static_cast<double>(z), 0, 'f', 2); };
+  const int top = height() - legend_height(), margin = metrics.horizontalAdvance(text(far)) + 14;
+  const QRectF bar(margin, top + 4, width() - 2 * margin, legend_height() - 8);
+  QLinearGradient colors(bar.topLeft(), bar.topRight());
+  for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) colors.setColorAt(part, depth_color(part));
+  painter.fillRect(bar, colors);
+  painter.setPen(Theme::of(palette()).text);
+  const QRect line(6, top, width() - 12, legend_height());
+  painter.drawText(line, Qt::AlignVCenter | Qt::AlignLeft, text(near));
+  painter.drawText(line, Qt::AlignVCenter | Qt::AlignRight, text(far));
+}
+
+/// What the tints mean, above the image.
 void SceneImage::paint_kinds(QPainter& painter) const {
   std::vector<std::pair<mapping::PixelKind, QString>> kinds;
   for (int i = 1; i < mapping::kPixelKinds; ++i) {
@@ -195,7 +230,7 @@ void SceneImage::paint_kinds(QPainter& painter) const {
   }
   painter.setFont(small_font(font()));
   const QFontMetrics metrics = painter.fontMetrics();
-  const int side = metrics.ascent(), height = metrics.height() + 4;
+  const int side = metrics.ascent(), height = legend_height();
   if (kinds_.isNull()) {
     painter.fillRect(0, 0, width(), height, QColor(0, 0, 0, 190));
     painter.setPen(Qt::white);
@@ -208,11 +243,12 @@ void SceneImage::paint_kinds(QPainter& painter) const {
   for (const auto& [kind, name] : kinds) end += side + 12 + metrics.horizontalAdvance(name);
   painter.fillRect(0, 0, end, height, QColor(0, 0, 0, 190));
   for (const auto& [kind, name] : kinds) {
-    QColor color = color_of(kind);
-    color.setAlpha(255);
-    painter.fillRect(x, (height - side) / 2, side, side, color);
-    painter.setPen(kind == mapping::PixelKind::background ? QColor(140, 140, 140) : color);
-    painter.drawRect(x, (height - side) / 2, side, side);
+    const QRect square(x, (height - side) / 2, side, side);
+    painter.fillRect(square, QColor(190, 190, 190));  // tinted as a grey part of the image is
+    painter.fillRect(square, color_of(kind));
+    painter.setPen(QColor(140, 140, 140));
+    painter.setBrush(Qt::NoBrush);
+    painter.drawRect(square);
     painter.setPen(Qt::white);
     painter.drawText(QRect(x + side + 4, 0, width(), height), Qt::AlignVCenter, name);
     x += side + 12 + metrics.horizontalAdvance(name);
@@ -279,14 +315,17 @@ void SceneImage::paint_names(QPainter& painter) const {
   const auto selected = browser_.selection().object();
   std::vector<const ImageBox*> order;  // the selected one first: it gets the best place
   for (const ImageBox& box : boxes())
-    if (box.object != 0 && !on_widget(box).isEmpty())
-      order.insert(box.object == selected ? order.begin() : order.end(), &box);
+    if (!on_widget(box).isEmpty())
+      order.insert(box.object == selected && box.object != 0 ? order.begin() : order.end(), &box);
+  std::stable_partition(order.begin(), order.end(), [](const ImageBox* box) { return box->object != 0; });
   std::vector<QRectF> taken;
   for (const ImageBox* box : order) {
     const QRectF area = on_widget(*box);
     QFont font = small_font(this->font());
     font.setBold(box->object == selected);
-    const QString name = QString::fromStdString(browser_.data()->names().object(box->object));
+    font.setItalic(box->object == 0);
+    const QString name = QString::fromStdString(
+        box->object == 0 ? box->unnamed : browser_.data()->names().object(box->object));
     const QSizeF size = QFontMetricsF(font).size(Qt::TextSingleLine, name) + QSizeF(8, 2);
     const double left = std::clamp(area.left(), all.left(), std::max(all.left(), all.right() - size.width()));
     // Above the box, below it, in it, or not at all.

@@ -51,6 +51,8 @@ class SceneImage : public QWidget {
   void paint_box(QPainter& painter, const ImageBox& box) const;
   void paint_mask(QPainter& painter, const ImageBox& box) const;
   void paint_kinds(QPainter& painter) const;
+  void paint_depth_scale(QPainter& painter) const;
+  int legend_height() const;
   void paint_values(QPainter& painter) const;
   void paint_notes(QPainter& painter) const;
   /// Names where they have space, beside their boxes; that of the selected object always.

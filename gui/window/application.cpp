@@ -109,9 +109,6 @@ void go_to(MainWindow& window, const Target& target, const BrowseOptions& option
     selection.select_object(target.found.objects.front());
   else if (!target.found.place.empty())
     selection.select_place(target.found.place);
-  for (const std::string& action : options.run)
-    if (!window.question_bar().run_action(QString::fromStdString(action)))
-      throw Error("--run '" + action + "' is no action of the menus", {}, "as \"Depth image\"");
   if (!options.beside.empty()) {
     if (target.beside)
       window.docks().compare().set_other(*target.beside);
@@ -123,6 +120,12 @@ void go_to(MainWindow& window, const Target& target, const BrowseOptions& option
   if (options.ask.empty()) return;
   window.question_bar().open();
   window.question_bar().ask(QString::fromStdString(options.ask));
+}
+
+void run_actions(MainWindow& window, const BrowseOptions& options) {
+  for (const std::string& action : options.run)
+    if (!window.question_bar().run_action(QString::fromStdString(action)))
+      throw Error("--run '" + action + "' is no action of the menus", {}, "as \"Depth image\"");
 }
 
 MapLayer layer_of(const std::string& name) {
@@ -137,16 +140,25 @@ MapLayer layer_of(const std::string& name) {
   return found->second;
 }
 
-void write_image(MainWindow& window, const BrowseOptions& options) {
-  const std::string& path = options.screenshot;
-  window.resize(parse_size(options.size));
-  for (const std::string& name : options.hide) window.map().set_layer(layer_of(name), false);
-  window.show();
+void settle() {
   for (int i = 0; i < kRoundsOfEvents; ++i) {
     QApplication::processEvents();
     finish_background();
   }
+}
+
+void write_image(MainWindow& window, const BrowseOptions& options) {
+  const std::string& path = options.screenshot;
+  if (options.view == "map")
+    window.map().setFixedSize(parse_size(options.size));  // the window around it takes the size it needs
+  else
+    window.resize(parse_size(options.size));
+  for (const std::string& name : options.hide) window.map().set_layer(layer_of(name), false);
+  window.show();
+  settle();
   window.map().look_from(MapViewpoint::overview);  // what came first must not decide the view
+  run_actions(window, options);                    // a viewpoint is of what is shown
+  settle();
   const QImage image = options.view == "map" ? window.map().image() : window.screenshot();
   QByteArray bytes;
   QBuffer buffer(&bytes);
@@ -193,7 +205,10 @@ int show_window(const BrowseOptions& options, MapBackend backend) {
       window.browser().reader().read<Target>(
           &window, "target", Urgency::moment,
           [options](const OpenMemory& memory) { return find_target(memory, options); },
-          [&window, &options](const Target& target) { go_to(window, target, options); });
+          [&window, &options](const Target& target) {
+            go_to(window, target, options);
+            run_actions(window, options);
+          });
     });
   return QApplication::exec();
 }

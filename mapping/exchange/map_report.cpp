@@ -9,6 +9,7 @@
 #include "mapping/base/math/math.h"
 #include "mapping/base/text/html.h"
 #include "mapping/base/text/json.h"
+#include "mapping/base/text/natural_order.h"
 #include "mapping/exchange/map_drawings.h"
 #include "mapping/exchange/map_views.h"
 #include "mapping/exchange/model_view.h"
@@ -29,6 +30,11 @@ std::string evidence_text(const Json& evidence) {
   return text;
 }
 
+/// door_2 before door_10.
+void sort_by_name(std::vector<std::vector<std::string>>& rows) {
+  std::ranges::stable_sort(rows, NaturalOrder(), [](const auto& row) { return row.front(); });
+}
+
 std::string links_table(const InterpretedMap& map) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& [name, link] : map.semantics.links) {
@@ -43,6 +49,7 @@ std::string links_table(const InterpretedMap& map) {
     rows.push_back(
         {name, link.class_name, where, fmt::format("{:.2f}", link.confidence), evidence_text(link.evidence)});
   }
+  sort_by_name(rows);
   return html_table({"link", "class", "where", "confidence", "evidence"}, rows);
 }
 
@@ -106,6 +113,7 @@ std::string openings_table(const InterpretedMap& map) {
                                                                  : "bar",
                     fmt::format("{:.2f}", front.confidence)});
   }
+  sort_by_name(rows);
   return html_table(
       {"front", "how it opens", "how far", "known from", "probability", "size", "handle", "confidence"},
       rows);

@@ -10,6 +10,7 @@
 
 #include "mapping/base/text/csv.h"
 #include "mapping/base/text/json.h"
+#include "mapping/base/text/natural_order.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/time_parser.h"
 #include "memory/store/store.h"
@@ -105,7 +106,7 @@ class Counter {
   std::map<int, double> flat_, high_, all_;  ///< scenes, by their number of observations
   std::array<double, kPointBins> points_ = {};
   std::array<std::set<Id>, kHours> by_hour_;
-  std::map<std::string, std::set<Id>> by_place_;
+  std::map<std::string, std::set<Id>, NaturalOrder> by_place_;
   std::array<double, kConfidenceBins> confidence_ = {};
 };
 

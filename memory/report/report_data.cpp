@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace loci::memory {
@@ -75,8 +76,10 @@ std::map<Id, ChosenAssociation> chosen_associations(const Store& store, Id scene
 }
 
 std::string object_css(Id object) {
-  constexpr double kGoldenAngle = 137.508;  // neighbours in number are far apart in hue
-  return fmt::format("hsl({:.0f} 65% 45%)", std::fmod(static_cast<double>(object) * kGoldenAngle, 360));
+  constexpr double kGoldenAngle = 137.508;                 // neighbours in number are far apart in hue
+  constexpr std::array<int, 3> kLightness = {45, 32, 58};  // greens of like hue differ in lightness
+  return fmt::format("hsl({:.0f} 65% {}%)", std::fmod(static_cast<double>(object) * kGoldenAngle, 360),
+                     kLightness[static_cast<size_t>(object) % kLightness.size()]);
 }
 
 }  // namespace loci::memory

@@ -102,7 +102,7 @@ void draw_home(const ReportData& data, Plan& plan) {
               snapshot.part_names().link(world->links[i].name));
   }
   for (const PlaceRow& place : snapshot.places()) {
-    if (place.outline.empty()) continue;
+    if (place.outline.empty() || place.class_name == "legs") continue;  // below a table, which is drawn
     const char* drawn = place.container
                             ? "fill=\"none\" stroke=\"#89a\" stroke-dasharray=\"4 3\""
                             : "fill=\"#89a\" fill-opacity=\".2\" stroke=\"#89a\" stroke-width=\"2\"";
@@ -113,6 +113,12 @@ void draw_home(const ReportData& data, Plan& plan) {
     plan.label(low + Vector2d(0.03, 0), -5, "font-size=\"13\" fill=\"currentColor\" fill-opacity=\".6\"",
                place.name);
   }
+}
+
+/// "1 box", as plan and lanes call it.
+std::string name_of(const ObjectRef& object) {
+  return object.label ? fmt::format("{} {}", object.id, *object.label)
+                      : fmt::format("{} {}", object.id, object.color.value_or("object"));
 }
 
 void draw_trace(const ReportData& data, const ObjectHistory& history, Plan& plan) {
@@ -138,12 +144,14 @@ void draw_trace(const ReportData& data, const ObjectHistory& history, Plan& plan
                        100 * history.now.probability));
   plan.label(at, -10,
              fmt::format("text-anchor=\"middle\" font-size=\"13\" font-weight=\"bold\" fill=\"{}\"", css),
-             fmt::format("{}", history.now.object.id));
+             name_of(history.now.object));
 }
 
-constexpr double kNames = 130, kWidth = 900, kLane = 22;
+constexpr double kNames = 150, kWidth = 880, kLane = 22;
+constexpr TimeNs kOneLook = 10 * kMinute;  ///< scenes that are farther apart are separate looks
 
-/// A lane per object: bars while it was seen at one spot, a line in between, an open end when it is gone.
+/// A lane per object: bars while it was being looked at, narrow ones between two looks that saw it at one
+/// spot, dots in between, an open end when it is gone.
 class Lanes {
  public:
   explicit Lanes(const ReportData& data)
@@ -189,18 +197,29 @@ class Lanes {
     std::string shapes = fmt::format(
         "<text x=\"0\" y=\"{:.0f}\">{}</text><path d=\"M{:.1f} {:.0f}H{:.1f}\" stroke=\"{}\" "
         "stroke-opacity=\".5\" stroke-dasharray=\"2 3\"/>\n",
-        y + 8, html_escape(history.now.object.name), from, y + 4, to, css);
+        y + 8, html_escape(name_of(history.now.object)), from, y + 4, to, css);
     for (const Stay& stay : history.stays) {
-      const double begin = x(stay.scenes.front().time), end = x(stay.scenes.back().time);
-      const std::string place = stay.place ? stay.place->name : "no place";
-      shapes += fmt::format(
-          "<rect x=\"{:.1f}\" y=\"{:.0f}\" width=\"{:.1f}\" height=\"8\" rx=\"3\" "
-          "fill=\"{}\"><title>{}</title></rect>\n",
-          begin - 3, y, end - begin + 6, css,
-          html_escape(fmt::format("{} on {}, {}", history.now.object.name, place,
-                                  data_.times.span_text(stay.scenes.front().time, stay.scenes.back().time))));
+      const TimeNs first = stay.scenes.front().time, last = stay.scenes.back().time;
+      const std::string spot = stay.place ? (stay.place->container ? "in " : "on ") + stay.place->name
+                                          : std::string("at no place");
+      const std::string title =
+          fmt::format("{} {}, {}", name_of(history.now.object), spot, data_.times.span_text(first, last));
+      shapes += bar(first, last, y + 3, 2, css, title);
+      for (size_t i = 0, next = 0; i < stay.scenes.size(); i = next) {
+        for (next = i + 1; next < stay.scenes.size(); ++next)
+          if (stay.scenes[next].time - stay.scenes[next - 1].time > kOneLook) break;
+        shapes += bar(stay.scenes[i].time, stay.scenes[next - 1].time, y, 8, css, title);
+      }
     }
     return shapes;
+  }
+
+  std::string bar(TimeNs from, TimeNs to, double y, double height, const std::string& css,
+                  const std::string& title) const {
+    return fmt::format(
+        "<rect x=\"{:.1f}\" y=\"{:.0f}\" width=\"{:.1f}\" height=\"{:.0f}\" rx=\"{}\" "
+        "fill=\"{}\"><title>{}</title></rect>\n",
+        x(from) - 3, y, x(to) - x(from) + 6, height, height > 2 ? 3 : 1, css, html_escape(title));
   }
 
   const ReportData& data_;
@@ -217,8 +236,9 @@ std::string plan_section(const ReportData& data) {
       plan.empty()
           ? "<p class=\"faint\">Nothing here has a position.</p>"
           : data.objects_left_out() + plan.svg() +
-                "<p class=\"faint\">Numbers are objects: filled where they are believed to be, dashed where "
-                "they were last and are gone or doubtful. Lines join the spots where each was seen.</p>";
+                "<p class=\"faint\">Each object has its number (7 is object_7) and a colour: filled where it "
+                "is believed to be, dashed where it was last and is gone or doubtful. Lines join the spots "
+                "where it was seen.</p>";
   return html_section("plan", "Plan of the room", body);
 }
 
@@ -232,9 +252,12 @@ std::string timeline_section(const ReportData& data) {
     for (const Change& change : entry.changes) happened += (happened.empty() ? "" : "; ") + to_text(change);
     rows.push_back({data.times.text(entry.scene.scene.time), fmt::format("{}", entry.seen.size()), happened});
   }
-  return html_section("timeline", "What happened",
-                      data.scenes_left_out() + Lanes(data).svg() +
-                          html_table({"time", "objects seen", "what changed"}, rows));
+  return html_section(
+      "timeline", "What happened",
+      data.scenes_left_out() + Lanes(data).svg() +
+          "<p class=\"faint\">Wide: the object was seen. Narrow: nobody looked, and before and "
+          "after it was seen at this spot. Dotted: not seen since. Vertical lines are scenes.</p>" +
+          html_table({"time", "objects seen", "what changed"}, rows));
 }
 
 }  // namespace loci::memory

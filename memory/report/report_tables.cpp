@@ -7,6 +7,7 @@
 #include "mapping/base/text/html.h"
 #include "memory/questions/events.h"
 #include "memory/questions/objects.h"
+#include "memory/questions/replies/answer_format.h"
 #include "memory/report/memory_statistics.h"
 #include "memory/report/report_data.h"
 
@@ -26,7 +27,8 @@ std::string state_text(const ObjectBelief& now) {
   if (now.status == ObjectStatus::gone) return where.empty() ? "gone" : "gone, was" + where;
   std::string status = to_text(now.status);
   std::replace(status.begin(), status.end(), '_', ' ');
-  return fmt::format("{}{}, {:.0f} %", status, where.empty() ? "" : "," + where, 100 * now.probability);
+  return fmt::format("{}{}; still there: {}", status, where.empty() ? "" : "," + where,
+                     format::percent(now.probability));
 }
 
 /// Crops from stays at different times, the last first.
@@ -56,11 +58,11 @@ std::string stays_of(const ReportData& data, const ObjectHistory& history) {
   for (size_t i = first; i < history.stays.size(); ++i) {
     const Stay& stay = history.stays[i];
     rows.push_back({when_text(data.times, stay), stay.place ? stay.place->name : "",
-                    fmt::format("{}", stay.scenes.size()), fmt::format("{:.0f} %", 100 * stay.probability)});
+                    fmt::format("{}", stay.scenes.size()), format::percent(stay.probability)});
   }
   const std::string before =
       first > 0 ? fmt::format("<p class=\"faint\">{} earlier stays are left out.</p>", first) : "";
-  return before + html_table({"when", "where", "seen"}, rows);
+  return before + html_table({"when", "where", "scenes", "identity, at least"}, rows);
 }
 
 std::string statements_about(const ReportData& data, const ObjectHistory& history) {

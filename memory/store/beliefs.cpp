@@ -1,5 +1,5 @@
-// Objects and what is believed of them as of a time: the last stored row, extrapolated to the latest scene
-// (see `belief` in the schema).
+// Objects and what is believed of them as of a time: the last stored row, extrapolated to that time (see
+// `belief` in the schema).
 
 #include <algorithm>
 #include <cmath>
@@ -36,11 +36,18 @@ std::optional<LatestScene> latest_scene_of(Store::Connection& db, const AsOf& as
   return latest;
 }
 
-/// Extrapolates stored rows to the latest scene.
+/// A time may be given to the minute: so long a scene stands for it.
+constexpr TimeNs kSceneHolds = kMinute;
+
+/// Extrapolates stored rows to the time asked about, else to the latest scene.
 class Extrapolation {
  public:
   Extrapolation(Store::Connection& db, const AsOf& as_of)
-      : db_(db), latest_(latest_scene_of(db, as_of)), as_of_(as_of) {}
+      : db_(db), latest_(latest_scene_of(db, as_of)), as_of_(as_of) {
+    if (!latest_) return;
+    time_ = std::max(latest_->time, as_of.at.value_or(latest_->time));
+    is_seen_now_ = time_ - latest_->time < kSceneHolds;
+  }
 
   void apply(BeliefRow& row) {
     if (!latest_) return;
@@ -51,9 +58,9 @@ class Extrapolation {
       row.then = observed_at_;
       row.status = ObjectStatus::seen;
     }
-    row.probability = faded(row, latest_->time);
+    row.probability = faded(row, time_);
     if (row.last_scene == latest_->id)
-      row.status = ObjectStatus::seen;
+      row.status = is_seen_now_ ? ObjectStatus::seen : ObjectStatus::out_of_view;
     else if (seen_later || row.scene != latest_->id)
       row.status = unseen_status(row.object);
   }
@@ -94,6 +101,8 @@ class Extrapolation {
   Store::Connection& db_;
   std::optional<LatestScene> latest_;
   AsOf as_of_;
+  TimeNs time_ = 0;           ///< that is asked about
+  bool is_seen_now_ = false;  ///< whether the latest scene is of that time
   TimeNs observed_at_ = 0;
 };
 

@@ -299,7 +299,8 @@ CREATE INDEX event_supersedes ON event (supersedes) WHERE supersedes IS NOT NULL
 -- different by 1 cm and a tenth, a probability different by 0.05. In between
 --   an observation (association) means that it is there with probability 1,
 --   a probability p becomes p * (fade_to + (1 - fade_to) * exp(-t / fade_s)) after t seconds,
---   the status follows from the latest scene: seen (association), missed or hidden (visibility), else out_of_view.
+--   the status follows from the latest scene: seen (association, until a minute after it), missed or hidden
+--   (visibility), else out_of_view.
 CREATE TABLE belief (
   id INTEGER PRIMARY KEY,
   object INTEGER NOT NULL REFERENCES object,

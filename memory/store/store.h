@@ -225,7 +225,7 @@ class Store {
 
   // ---- Objects and their beliefs.
   std::vector<ObjectRow> objects(const AsOf& as_of = {}) const;
-  /// The belief per object as of the latest scene (see `belief` in the schema), in order of object; objects
+  /// The belief per object as of that time, else the latest scene (see `belief` in the schema), in order of object; objects
   /// without one are left out.
   std::vector<BeliefRow> beliefs(const AsOf& as_of = {}) const;
   std::optional<BeliefRow> belief(Id object, const AsOf& as_of = {}) const;

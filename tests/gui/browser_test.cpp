@@ -228,7 +228,7 @@ TEST_F(BrowserWindow, AnEmptyWindowSaysWhatToDo) {
 
 TEST_F(BrowserWindow, SaysTheSameAsTheQuestionsOfTheCommandLine) {
   const memory::Store store = memory::Store::open_read(sample_.path);
-  for (const TimeNs time : {sample_.first, sample_.second, sample_.third}) {
+  for (const TimeNs time : {sample_.first, sample_.second, sample_.second + 10 * kMinute, sample_.third}) {
     go_to(time);
     const auto states = ask(store, memory::ObjectsQuestion{{}, {time, std::nullopt}}).objects;
     EXPECT_EQ(states.size(), window.browser().belief().objects.size());
@@ -239,7 +239,9 @@ TEST_F(BrowserWindow, SaysTheSameAsTheQuestionsOfTheCommandLine) {
       EXPECT_EQ(place_of(shown->object), state.place->name);
       EXPECT_DOUBLE_EQ(shown->probability, state.probability);
       EXPECT_EQ(shown->last_seen, state.last_seen->time);
-      EXPECT_EQ(shown->status == memory::ObjectStatus::gone, state.status == memory::ObjectStatus::gone);
+      EXPECT_EQ(shown->status, state.status);
+      EXPECT_EQ(shown->size, state.object.size);
+      EXPECT_EQ(shown->position, state.position);
     }
   }
 }

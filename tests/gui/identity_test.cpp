@@ -79,6 +79,25 @@ TEST_F(IdentityInWindow, LinesLeadToTheEarlierSight) {
   EXPECT_TRUE(lines[0].chosen);
 }
 
+TEST_F(IdentityInWindow, ReasoningOfAnotherVersionIsNamedWithWhatToDo) {
+  {
+    memory::Store store = memory::Store::open_write(sample_.path);
+    const memory::Id run = store.begin_run("another version", "{}"), scene = store.scenes()[1].id;
+    memory::SceneTransaction rows(store, run);
+    rows.set_reasoning(scene, std::string("\xa0\x06\x63", 3));  // field 100: version 99
+    rows.commit();
+  }
+  window.show_data(OpenMemory::open(sample_.path));
+  show("identity");
+  const QSignalSpy failures(&window.browser(), &Browser::failed);
+  go_to(sample_.second);
+  const QString state = window.docks().identity().state();
+  EXPECT_TRUE(state.contains("another version of loci wrote it")) << state.toStdString();
+  EXPECT_TRUE(state.contains("loci-perceive run")) << state.toStdString();
+  EXPECT_FALSE(window.docks().identity().lines().lines().empty()) << "associations are shown without it";
+  EXPECT_EQ(failures.count(), 0);
+}
+
 TEST_F(IdentityInWindow, TheCardShowsItsImagesAndWhyItIsBelieved) {
   choose(2);
   window.docks().card().pages()->setCurrentIndex(1);

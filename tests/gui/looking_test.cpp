@@ -80,7 +80,7 @@ TEST(AnotherMemory, IsRenumberedByPlaceAndColour) {
     BelievedObject object;
     object.object = id;
     object.color = color;
-    object.map_from_object = Isometry3d(Eigen::Translation3d(x, 0, 0));
+    object.position = Vector3d(x, 0, 0);
     return object;
   };
   const Belief here{0, {believed(1, 0, "red"), believed(2, 1, "blue")}};

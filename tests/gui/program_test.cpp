@@ -93,6 +93,25 @@ TEST_F(BrowseProgram, TwoMapsAndActionsOfTheMenusAreInTheImageWhenWished) {
   EXPECT_EQ(run(memory + " --screenshot " + out("e.png") + " --run 'Make tea'").code, 1);
 }
 
+TEST_F(BrowseProgram, ViewpointsOfTheMenusAreInTheImage) {
+  const std::string map = memory + " --select object_2 --view map --screenshot ";
+  EXPECT_EQ(run(map + out("a.png")).code, 0);
+  EXPECT_EQ(run(map + out("b.png") + " --run Overview").code, 0);
+  EXPECT_EQ(written_image("b.png"), written_image("a.png")) << "it is where the map is looked at from first";
+  for (const char* action : {"Top", "Front", "Left", "Frame"}) {
+    EXPECT_EQ(run(map + out("b.png") + " --run " + action).code, 0);
+    EXPECT_NE(written_image("b.png"), written_image("a.png")) << action;
+  }
+}
+
+TEST_F(BrowseProgram, AnImageOfTheMapHasTheWishedSize) {
+  for (const QSize& size : {QSize(1600, 1000), QSize(400, 300), QSize(200, 120)}) {
+    const std::string wished = std::to_string(size.width()) + "x" + std::to_string(size.height());
+    EXPECT_EQ(run(memory + " --view map --screenshot " + out("a.png") + " --size " + wished).code, 0);
+    EXPECT_EQ(written_image("a.png").size(), size);
+  }
+}
+
 TEST_F(BrowseProgram, SameMemorySameImage) {
   run(memory + " --screenshot " + out("a.png"));
   run(memory + " --screenshot " + out("b.png"));

@@ -24,6 +24,7 @@ TEST(DurationText, UsesTheUnitThatFits) {
   EXPECT_EQ(duration_text(0, 12 * kSecond), "12 s");
   EXPECT_EQ(duration_text(0, 180 * kSecond), "3 min");
   EXPECT_EQ(duration_text(0, 2 * 3600 * kSecond + 300 * kSecond), "2 h 5 min");
+  EXPECT_EQ(duration_text(0, 28 * kHour + kMinute), "28 h");
 }
 
 TEST(PercentText, KeepsCertaintyForWhatIsCertain) {

@@ -42,7 +42,7 @@ MapObject map_object_of(const Belief& belief, const BelievedObject& object) {
   result.id = object.object;
   result.label = belief.name_of(object);
   result.map_from_object = *object.map_from_object;
-  result.size = object.size.value_or(Vector3d::Zero());
+  result.size = object.box_size.value_or(Vector3d::Zero());
   result.rgb = rgb_of(object);
   result.ghost = object.status != memory::ObjectStatus::seen;
   result.probability = object.probability;
@@ -214,7 +214,7 @@ void MapView::place_eye() {
   if (!own_eye_ || !first_view_ || browser_.data() == nullptr || waits_for_world_ ||
       browser_.belief().time == 0)
     return;
-  scene_->look_from(MapViewpoint::overview);
+  scene_->look_from(viewpoint_);
   first_view_ = false;
 }
 
@@ -350,6 +350,7 @@ void MapView::frame_selection() {
 }
 
 void MapView::look_from(MapViewpoint viewpoint) {
+  viewpoint_ = viewpoint;
   scene_->look_from(viewpoint);
   redraw();
 }

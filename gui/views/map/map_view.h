@@ -86,7 +86,8 @@ class MapView : public QWidget {
   std::string memory_;                     ///< path of the memory that is drawn
   const mapping::World* world_ = nullptr;  ///< its map, drawn or being prepared
   bool waits_for_world_ = false;
-  bool first_view_ = true;  ///< the eye has not been placed yet
+  bool first_view_ = true;                           ///< the eye has not been placed yet
+  MapViewpoint viewpoint_ = MapViewpoint::overview;  ///< the last one chosen
   JointState joints_by_hand_;
   TimeNs joints_time_ = 0;  ///< at which they were moved by hand
   std::optional<int64_t> traced_;

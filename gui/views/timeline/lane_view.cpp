@@ -13,6 +13,7 @@
 
 #include "gui/core/text.h"
 #include "gui/core/theme.h"
+#include "mapping/base/text/natural_order.h"
 #include "memory/questions/events.h"
 
 namespace loci::gui {
@@ -79,7 +80,7 @@ void LaneView::reload() {
 
 void LaneView::show_lanes(const Belief& belief) {
   lanes_.clear();
-  std::set<std::string> places;
+  std::set<std::string, NaturalOrder> places;
   for (const BelievedObject& object : belief.objects) {
     lanes_.push_back({object.object, {}, QString::fromStdString(belief.name_of(object))});
     if (const std::string place = belief.place_of(object); !place.empty()) places.insert(place);

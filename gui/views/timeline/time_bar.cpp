@@ -166,19 +166,30 @@ void TimeBar::take_memory() {
 
 QString TimeBar::legend() const {
   const Theme theme = Theme::of(palette());
-  QStringList parts;
+  QStringList scenes, events;
+  const auto part = [](const char* sign, const QColor& color, const char* text) {
+    return QString("<span style='color:%1'>%2</span> %3").arg(color.name(), sign, text);
+  };
   for (const auto& [color, text] : {std::pair(theme.seen, "seen"), std::pair(theme.gone, "missed"),
                                     std::pair(theme.grid, "not observed")})
-    parts << QString("<span style='color:%1'>■</span> %2").arg(color.name(), text);
-  return parts.join("&nbsp;&nbsp; ");
+    scenes << part("■", color, text);
+  for (const auto& [kind, text] :
+       {std::pair(memory::EventKind::appeared, "appeared"), std::pair(memory::EventKind::moved, "moved"),
+        std::pair(memory::EventKind::hidden, "hidden"), std::pair(memory::EventKind::gone, "gone"),
+        std::pair(memory::EventKind::joint_changed, "other")})
+    events << part("●", theme.of_event(kind), text);
+  return scenes.join("&nbsp;&nbsp; ") + "<br>" + events.join("&nbsp;&nbsp; ");
 }
 
 void TimeBar::paint_buttons() {
   legend_->setText(legend());
+  legend_->setFont(small_font(font()));
   legend_->setToolTip(
-      "What each scene showed of an object: it was seen; its place was seen without it; or nothing, "
-      "because "
-      "it was out of view or behind something");
+      "Squares: what each scene showed of an object: it was seen; its place was seen without it; or nothing, "
+      "because it was out of view or behind something.\n"
+      "Dots: events; appeared or seen again, moved, hidden, gone, and other ones: a joint was moved, an "
+      "object "
+      "looks different. Of a selected object they are in colour, those of others grey.");
   for (const auto& [sign, button] : buttons_) {
     const bool pause = sign == Transport::play && timer_.isActive();
     button->setIcon(transport_icon(pause ? Transport::pause : sign, Theme::of(palette()).text));

@@ -66,6 +66,10 @@ void TimeAxis::pan(double part) {
 }
 
 void TimeAxis::reveal(TimeNs time) {
+  if (time < first_ || time > last_) {  // before or after all scenes
+    set_whole(std::min(first_, time), std::max(last_, time));
+    return;
+  }
   const TimeNs span = to_ - from_;
   if (time >= from_ && time <= to_) return;
   const TimeNs from = std::clamp(time - span / 2, first_, std::max(first_, last_ - span));
@@ -98,9 +102,11 @@ bool is_of(const memory::Change& event, memory::Id object) {
   return event.object && event.object->id == object;
 }
 
-QString tick_text(TimeNs time, TimeNs step, const TimeZone& zone) {
+/// With the date where `dated`: a day begins, or the axis.
+QString tick_text(TimeNs time, TimeNs step, const TimeZone& zone, bool dated) {
   const QString text = time_text(time, zone);  // "2026-05-01 09:10:00.5"
   if (step >= 86400 * kSecond) return text.left(10);
+  if (dated) return text.mid(11, 5) == "00:00" ? text.mid(5, 5) : text.mid(5, 11);
   if (step >= 60 * kSecond) return text.mid(11, 5);
   return step >= kSecond ? text.mid(11, 8) : text.mid(11, 10);
 }
@@ -248,9 +254,11 @@ void TimeTrack::paint_axis(QPainter& painter) const {
   painter.setPen(theme.muted);
   const QFont font = small_font(this->font());
   painter.setFont(font);
-  for (TimeNs local = (zone.local(from) + step - 1) / step * step; local <= zone.local(to); local += step) {
+  const TimeNs first = (zone.local(from) + step - 1) / step * step;
+  const bool several_days = zone.local(from) / kDay != zone.local(to) / kDay;
+  for (TimeNs local = first; local <= zone.local(to); local += step) {
     const TimeNs t = zone.first_moment(local);
-    const QString text = tick_text(t, step, zone);
+    const QString text = tick_text(t, step, zone, several_days && (local == first || local % kDay == 0));
     const double half = QFontMetricsF(font).horizontalAdvance(text) / 2 + 1;
     const double middle = std::clamp(x_of(t), half, width() - half);  // nothing is cut off at the sides
     painter.drawText(QRectF(middle - half, kTextY, 2 * half, 16), Qt::AlignCenter, text);

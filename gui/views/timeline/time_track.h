@@ -41,7 +41,7 @@ class TimeAxis : public QObject {
   void show_all() { show(first_, last_); }
   /// Moves what is shown by a part of it.
   void pan(double part);
-  /// Moves what is shown until a time is in it.
+  /// Moves what is shown until a time is in it; the axis grows for one before or after all scenes.
   void reveal(TimeNs time);
 
  Q_SIGNALS:

@@ -22,7 +22,8 @@ img, svg { max-width: 100%; height: auto; } pre { white-space: pre-wrap; } .fain
 .card, figure { border: 1px solid var(--line); border-radius: .5rem; padding: .75rem; margin: 0; min-width: 0; }
 .card th, .card td { padding: .2rem .4rem; } td.number { white-space: nowrap; }
 .card h3 { margin: 0; font-size: 1rem; } .card img { height: 5rem; margin-right: .5rem; }
-figcaption { font-weight: 600; margin-bottom: .5rem; } .bars td:last-child { width: 10rem; }
+figcaption { font-weight: 600; margin-bottom: .5rem; } .bars { display: table; width: 100%; }
+.bars td:first-child { overflow-wrap: anywhere; } .bars td:last-child { width: 40%; }
 .bar { height: .7rem; min-width: 1px; background: #48c; border-radius: 2px; }
 details { margin: .25rem 0; } summary { cursor: pointer; }
 input.search { position: sticky; top: .5rem; width: 100%; padding: .5rem; font: inherit; box-sizing: border-box; z-index: 1; }

@@ -472,6 +472,15 @@ void by_place(const std::vector<ObjectBelief>& there, const Names& names, Reply&
   reply.text = fmt::format("{}: {}.", counted(there.size(), "object"), list_in_words(counts, 6));
 }
 
+/// Where none is likely there: what has gone has, and the rest may still be there.
+std::string none_in_words(const ObjectsAnswer& answer, const Names& names) {
+  std::vector<std::string> doubtful;
+  for (const ObjectBelief& object : answer.objects)
+    if (object.status != ObjectStatus::gone) doubtful.push_back(names.of(object.object));
+  return doubtful.empty() ? fmt::format("None now: {} gone.", counted(answer.objects.size(), "object"))
+                          : fmt::format("None surely; perhaps {}.", list_in_words(doubtful));
+}
+
 }  // namespace
 
 void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply& reply) {
@@ -489,7 +498,7 @@ void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply
   const std::string state = context.query.argument("state");
   reply.text = !there.empty() ? fmt::format("{}: {}.", there.size(), list_in_words(list))
                : any_time ? fmt::format("None{}.", state.empty() ? " seen then" : " is known to be " + state)
-                          : fmt::format("None now: {} gone.", counted(answer.objects.size(), "object"));
+                          : none_in_words(answer, names);
   const Asks asks = context.query.asks;
   if (asks == Asks::summary && !there.empty() && there.size() < answer.objects.size())
     reply.text = fmt::format("{} of {} {} likely where {} seen last: {}.", there.size(),

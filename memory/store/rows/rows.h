@@ -202,8 +202,8 @@ struct BeliefRow {
   std::optional<double> fade_s = {}, fade_to = {};
   std::optional<double> elsewhere = {};  ///< probability that it is elsewhere in the home if it is not here
   Bitemporal clock = {};
-  // When read: `probability`, `status` and the last observation are as of the latest scene, extrapolated from
-  // these.
+  // When read: `probability`, `status` and the last observation are as of the time asked about, else of the
+  // latest scene, extrapolated from these.
   double probability_then = 1;  ///< at the time of the row or of the last observation after it
   TimeNs then = 0;
 };

@@ -60,6 +60,13 @@ TEST_F(MemoryReport, NeedsNoOtherFile) {
     EXPECT_THAT(page, Not(HasSubstr(from)));
 }
 
+TEST_F(MemoryReport, NamesItsPercentagesAndItsLines) {
+  const std::string page = report();
+  EXPECT_THAT(page, HasSubstr("still there: "));
+  EXPECT_THAT(page, HasSubstr("<th>identity, at least</th>"));
+  EXPECT_THAT(page, HasSubstr("Narrow: nobody looked"));
+}
+
 TEST_F(MemoryReport, SaysWhatItLeavesOut) {
   const std::string page = report({}, {.objects = 2, .scenes = 3});
   EXPECT_EQ(count(page, "<article class=\"card\""), 2U);

@@ -82,6 +82,31 @@ TEST_F(StoreTest, TellsTheTimesOfItsFirstAndLastScenes) {
   EXPECT_EQ(store.scene(last).run, run);
 }
 
+TEST_F(StoreTest, WhatNobodyLooksAtIsOutOfViewAndFades) {
+  {
+    Store store = Store::open_write(file_);
+    const Id run = store.begin_run("test", "{}");
+    store.add_recording({.fingerprint = "abc", .name = "rec", .kind = "loci"});
+    const Id scene = add_one_scene(store, run, 0, kHour);
+    SceneTransaction rows(store, run);
+    BeliefRow row = *store.belief(1);
+    row.scene = scene;
+    row.fade_s = 3600;
+    row.fade_to = 0.4;
+    row.clock = {.valid_from = kHour};
+    rows.add_belief(row);
+    rows.commit();
+  }
+  const Store store = Store::open_read(file_);
+  for (const std::optional<TimeNs> at : {std::optional<TimeNs>(), std::optional(kHour + 30 * kSecond)}) {
+    EXPECT_EQ(store.belief(1, {.at = at})->status, ObjectStatus::seen) << "a scene stands for its minute";
+    EXPECT_NEAR(store.belief(1, {.at = at})->probability, 1, 0.01);
+  }
+  const BeliefRow later = *store.belief(1, {.at = 29 * kHour});
+  EXPECT_EQ(later.status, ObjectStatus::out_of_view);
+  EXPECT_NEAR(later.probability, 0.4, 1e-3);
+}
+
 TEST_F(StoreTest, TheSchemaHasItsDigest) {
   SQLite::Database database(":memory:", SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
   database.exec(kMemoryFormat.schema);
