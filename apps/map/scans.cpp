@@ -21,6 +21,7 @@
 #include "mapping/interpretation/furniture/names.h"
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/orthophoto/photo_interpretation.h"
+#include "mapping/recording/pose_check.h"
 #include "mapping/registration/registration.h"
 #include "mapping/tracking/known_poses.h"
 #include "mapping/world/urdf.h"
@@ -34,6 +35,10 @@ std::unique_ptr<mapping::Recording> open_posed(const std::string& path,
                                                const mapping::RecordingOptions& reading, Session& session) {
   auto recording = mapping::open_recording(path, reading, &session.progress());
   const bool has_poses = recording->info().frames_with_pose > 0;
+  if (const mapping::PoseAgreement agreement = mapping::check_poses(*recording); !agreement.cause.empty())
+    throw Error(agreement.text(), {path, 0, {}}, "a map of these poses would be invented");
+  for (const std::string& doubt : mapping::doubts_about_poses(*recording, reading))
+    session.warnings().add(doubt);
   const Stopwatch watch;
   recording = mapping::with_known_poses(std::move(recording), mapping::PosesFor::mapping,
                                         session.flags().threads, session.progress(), session.warnings());

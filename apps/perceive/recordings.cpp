@@ -17,6 +17,7 @@
 #include "mapping/base/text/text.h"
 #include "mapping/base/time.h"
 #include "mapping/recording/convert.h"
+#include "mapping/recording/pose_check.h"
 #include "mapping/recording/posed_recording.h"
 #include "mapping/recording/recording.h"
 #include "mapping/tracking/known_poses.h"
@@ -88,7 +89,10 @@ Command info_command() {
             arguments->declare(table);
             return [arguments](Session& session) {
               const auto recording = arguments->open(session);
-              session.answer(info_text(recording->info()), to_json(recording->info()));
+              mapping::RecordingInfo info = recording->info();
+              for (std::string& doubt : mapping::doubts_about_poses(*recording, arguments->options))
+                info.problems.push_back(std::move(doubt));
+              session.answer(info_text(info), to_json(info));
             };
           }};
 }
@@ -129,6 +133,7 @@ class AnonymousRecording : public mapping::Recording {
   TimeNs time_of(size_t i) const override { return recording_->time_of(i); }
   int64_t index_of(size_t i) const override { return recording_->index_of(i); }
   std::string name_of(size_t i) const override { return recording_->name_of(i); }
+  std::string color_name_of(size_t i) const override { return recording_->color_name_of(i); }
 
  private:
   std::unique_ptr<mapping::Recording> recording_;
@@ -370,6 +375,8 @@ perception::Pipeline read_pipeline(const RunArguments& arguments,
 perception::Resources make_resources(const RunArguments& arguments, Session& session) {
   perception::Resources resources;
   std::unique_ptr<mapping::Recording> recording = arguments.recording.open(session);
+  for (const std::string& doubt : mapping::doubts_about_poses(*recording, arguments.recording.options))
+    session.warnings().add(doubt);
   if (!arguments.fixed_camera) {
     const Stopwatch watch;
     const bool has_poses = recording->info().frames_with_pose > 0;

@@ -11,6 +11,7 @@
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
 #include "mapping/base/text/text.h"
+#include "mapping/base/text/text_file.h"
 #include "mapping/base/time_limits.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/depth_image.h"
@@ -102,6 +103,21 @@ FileRecordingContent content_in_world(const std::string& format, const std::file
   return content;
 }
 
+namespace {
+
+/// A line for the problems where some frames lack something, with the first of them.
+void note_frames_without(const char* part, const std::vector<FrameFiles>& frames,
+                         const std::function<bool(const FrameFiles&)>& lacks, RecordingInfo& info) {
+  const auto count = std::ranges::count_if(frames, lacks);
+  if (count == 0) return;
+  std::string text = fmt::format("{} of {} frames have no {}", count, frames.size(), part);
+  if (static_cast<size_t>(count) < frames.size())
+    text += fmt::format(", the first is {}", std::ranges::find_if(frames, lacks)->location.text());
+  info.problems.push_back(std::move(text));
+}
+
+}  // namespace
+
 void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames) {
   for (const FrameFiles& frame : frames)
     if (!is_within_limits(frame.time_ns))
@@ -127,14 +143,12 @@ void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames) {
   if (info.frames_with_pose == 0) {
     info.map_frame.clear();
     info.guesses.emplace_back("no poses: fuse, track and run estimate them");
-  } else if (info.frames_with_pose < info.frames) {
-    info.problems.push_back(
-        fmt::format("{} of {} frames have no pose", info.frames - info.frames_with_pose, info.frames));
+  } else {
+    note_frames_without(
+        "pose", frames, [](const FrameFiles& f) { return !f.map_from_camera; }, info);
   }
-  const auto without_color =
-      std::count_if(frames.begin(), frames.end(), [](const FrameFiles& f) { return f.color.empty(); });
-  if (without_color > 0)
-    info.problems.push_back(fmt::format("{} of {} frames have no colour", without_color, info.frames));
+  note_frames_without(
+      "colour", frames, [](const FrameFiles& f) { return f.color.empty(); }, info);
 }
 
 void read_images(RgbdFrame& frame, const std::function<cv::Mat()>& depth,
@@ -252,33 +266,24 @@ std::string implausible_because(const cv::Mat& depth) {
       median);
 }
 
-std::optional<int64_t> number_in_name(const std::filesystem::path& path) {
-  const std::string name = frame_name(path);
-  const auto last = std::find_if(name.rbegin(), name.rend(), is_digit);
-  const auto first = std::find_if_not(last, name.rend(), is_digit);
-  const std::string digits(first.base(), last.base());
-  if (digits.empty() || digits.size() > 9) return std::nullopt;  // Longer ones are stamps, not numbers.
-  return std::stoll(digits);
+std::optional<Isometry3d> pose_unless_lost(const Eigen::Matrix4d& matrix, const FileLocation& location) {
+  const bool is_lost = !matrix.allFinite() || matrix.topLeftCorner<3, 3>().isZero(0);
+  return is_lost ? std::nullopt : std::optional(pose_from_matrix(matrix, location));
 }
 
-TimeNs assumed_time(int64_t number) {
-  constexpr TimeNs year_2000 = 946'684'800 * kSecond;
-  return year_2000 + number * kSecond / 30;
+std::optional<Isometry3d> pose_unless_lost(const std::array<double, 7>& values,
+                                           const FileLocation& location) {
+  const Eigen::Map<const Eigen::Matrix<double, 7, 1>> all(values.data());
+  const bool is_lost = !all.allFinite() || all.tail<4>().isZero(0);
+  return is_lost ? std::nullopt : std::optional(pose_from_values(values, location));
 }
 
-std::string frame_name(const std::filesystem::path& depth_file) {
-  std::string name = depth_file.stem().string();
-  for (const char* suffix : {".depth", "_depth", "-depth"})
-    if (name.ends_with(suffix)) name.resize(name.size() - 6);
-  return name;
-}
-
-Isometry3d read_pose_file(const fs::path& path) {
-  const std::string text = read_file(path);
+std::optional<Isometry3d> read_pose_file(const fs::path& path) {
+  const std::string text = read_text(path);
   std::vector<double> values;
   for (const char* at = text.c_str(); values.size() < 16;) {
     char* end = nullptr;
-    values.push_back(std::strtod(at, &end));  // Reads "nan" too, which the pose check then names.
+    values.push_back(std::strtod(at, &end));  // Reads "nan" and "-inf" of lost frames, too.
     if (end == at)
       throw Error(fmt::format("a pose is 16 numbers, this file has {}", values.size() - 1),
                   {path.string(), 0, {}});
@@ -287,11 +292,11 @@ Isometry3d read_pose_file(const fs::path& path) {
   return pose_from_rows(values, {path.string(), 0, {}});
 }
 
-Isometry3d pose_from_rows(const std::vector<double>& rows, const FileLocation& location) {
+std::optional<Isometry3d> pose_from_rows(const std::vector<double>& rows, const FileLocation& location) {
   if (rows.size() != 16) throw Error("a pose is 16 numbers", location);
   Eigen::Matrix4d matrix;
   for (int i = 0; i < 16; ++i) matrix(i / 4, i % 4) = rows[static_cast<size_t>(i)];
-  return pose_from_matrix(matrix, location);
+  return pose_unless_lost(matrix, location);
 }
 
 bool is_usable(const PinholeCamera& camera) {
@@ -302,10 +307,43 @@ bool is_usable(const PinholeCamera& camera) {
          std::isfinite(camera.fx + camera.fy + camera.cx + camera.cy) && camera.fx > 0 && camera.fy > 0;
 }
 
+PinholeCamera scaled_camera(const PinholeCamera& camera, int width, int height) {
+  const double x = double(width) / camera.width, y = double(height) / camera.height;
+  return {
+      width, height, camera.fx * x, camera.fy * y, (camera.cx + 0.5) * x - 0.5, (camera.cy + 0.5) * y - 0.5};
+}
+
+void fit_cameras_to_images(FileRecordingContent& content) {
+  const auto fit = [&](PinholeCamera& camera, int width, int height, const char* kind) {
+    const bool same_aspect = int64_t{width} * camera.height == int64_t{height} * camera.width;
+    if (width == camera.width || width < 1 || !same_aspect) return;
+    camera = scaled_camera(camera, width, height);
+    content.info.guesses.push_back(
+        fmt::format("the {} camera was scaled to its images, {} x {}", kind, width, height));
+  };
+  try {
+    const FrameFiles& first = content.frames.at(0);
+    const DepthHeader depth = read_depth_header(first.depth);
+    fit(content.info.camera.depth, depth.width, depth.height, "depth");
+    if (first.color.empty()) return;
+    const ImageHeader color = read_image_header(first.color);
+    fit(content.info.camera.color, color.width, color.height, "colour");
+  } catch (const Error&) {
+    // What cannot be read is named when all images are checked.
+  }
+}
+
 PinholeCamera checked_camera(const PinholeCamera& camera, const FileLocation& location) {
   if (!is_usable(camera))
     throw Error("a camera has positive sizes and focal lengths (pixels)", location,
                 "up to 67 million pixels are read");
+  const auto is_central = [](double centre, int size) {
+    return centre > 0.25 * size && centre < 0.75 * size;
+  };
+  if (!is_central(camera.cx, camera.width) || !is_central(camera.cy, camera.height))
+    throw Error(fmt::format("the principal point {:g} {:g} is far from the middle of {} x {} pixels",
+                            camera.cx, camera.cy, camera.width, camera.height),
+                location, "check the order of the matrix and the size of the images");
   return camera;
 }
 
@@ -323,7 +361,7 @@ int pixels_of(double number) {
 
 std::vector<double> numbers_in(const fs::path& path, size_t min_count) {
   std::vector<double> numbers;
-  for (const std::string& word : words_of(read_file(path), " ,;\t\r\n")) {
+  for (const std::string& word : words_of(read_text(path), " ,;\t\r\n")) {
     char* end = nullptr;
     numbers.push_back(std::strtod(word.c_str(), &end));  // "-inf" marks frames without pose.
     if (*end != '\0') throw Error(fmt::format("'{}' is not a number", word), {path.string(), 0, {}});
@@ -350,18 +388,32 @@ double float_scale_of(const Config& config, const char* key) {
   return scale;
 }
 
-void read_cameras(const fs::path& path, FileRecordingContent& content) {
+bool read_cameras(const fs::path& path, FileRecordingContent& content) {
   const Config config = Config::read(path);
   const Config depth = config.map("depth");
-  content.info.camera.depth = read_pinhole(depth);
+  if (depth.has("depth_scale"))
+    throw Error("unknown key 'depth_scale'", depth.location("depth_scale"),
+                "it is unit_m here, metres per unit: 0.001 for millimetres");
+  RgbdCamera& camera = content.info.camera;
+  const bool has_camera = camera.depth.width == 0 || depth.has("width") || depth.has("fx");
+  if (has_camera) {
+    camera.depth = read_pinhole(depth);
+    content.depth_distortion = content.color_distortion = {};
+  }
   content.depth_scale = depth.get<double>("unit_m", 0.001);
+  if (!(content.depth_scale > 0 && content.depth_scale < 1))
+    throw Error("unit_m is out of bounds", depth.location("unit_m"),
+                "it is metres per unit, e.g. 0.001 for millimetres");
   content.float_depth_scale = float_scale_of(depth, "float_unit_m");
   content.invalid_depth = depth.get<std::vector<int>>("invalid", {0, 65535});
   for (const int raw : content.invalid_depth)
     if (raw < 0 || raw > 65535) throw Error("depth values are 0 to 65535", depth.location("invalid"));
   depth.finish();
   const Config color = config.map("color");
-  content.info.camera.color = config.has("color") ? read_pinhole(color) : content.info.camera.depth;
+  if (config.has("color"))
+    camera.color = read_pinhole(color);
+  else if (has_camera)
+    camera.color = camera.depth;
   color.finish();
   if (config.has("color_from_depth")) {
     const Config transform = config.map("color_from_depth");
@@ -375,6 +427,7 @@ void read_cameras(const fs::path& path, FileRecordingContent& content) {
         pose_from_matrix(matrix, config.location("color_from_depth")).inverse();
   }
   config.finish();
+  return has_camera;
 }
 
 }  // namespace loci::mapping

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/recording/frame_names.h"
 #include "mapping/recording/recording.h"
 #include "mapping/recording/rectification.h"
 #include "mapping/recording/video.h"
@@ -53,9 +54,6 @@ class FrameListRecording : public Recording {
   std::vector<FrameFiles> frames_;
 };
 
-/// "frame-000012" from "frame-000012.depth.png", "learn33" from "learn33_depth.png".
-std::string frame_name(const std::filesystem::path& depth_file);
-
 /// Of a folder whose poses are in a frame "world" of which nothing is known.
 FileRecordingContent content_in_world(const std::string& format, const std::filesystem::path& folder,
                                       bool time_assumed);
@@ -75,6 +73,9 @@ class FileRecording : public Recording {
   TimeNs time_of(size_t i) const override { return files(i).time_ns; }
   int64_t index_of(size_t i) const override { return files(i).index; }
   std::string name_of(size_t i) const override { return frame_name(files(i).depth); }
+  std::string color_name_of(size_t i) const override {
+    return files(i).color.empty() || files(i).video_frame ? name_of(i) : frame_name(files(i).color);
+  }
 
  private:
   const FrameFiles& files(size_t i) const;
@@ -100,11 +101,5 @@ std::string implausible_because(const cv::Mat& depth);
 
 /// Depth in metres as 16-bit values of `unit_m`; 0 where there is none, or more than 16 bits hold.
 cv::Mat raw_from_depth(const cv::Mat& depth, double unit_m);
-
-/// The last number in a file's name, without its ending: "frame-000012.depth.png" → 12.
-std::optional<int64_t> number_in_name(const std::filesystem::path& path);
-
-/// The stamp of frame `number` where there are none: from 2000-01-01T00:00:00Z at 30 Hz.
-TimeNs assumed_time(int64_t number);
 
 }  // namespace loci::mapping

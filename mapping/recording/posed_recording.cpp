@@ -6,6 +6,8 @@
 #include <functional>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/time_limits.h"
+
 namespace loci::mapping {
 namespace {
 
@@ -14,14 +16,19 @@ class ChangedRecording : public Recording {
  public:
   using Change = std::function<void(RgbdFrame& frame, size_t number)>;
 
-  ChangedRecording(std::unique_ptr<Recording> recording, RecordingInfo info, Change change)
-      : recording_(std::move(recording)), info_(std::move(info)), change_(std::move(change)) {}
+  ChangedRecording(std::unique_ptr<Recording> recording, RecordingInfo info, Change change,
+                   std::vector<TimeNs> times = {})
+      : recording_(std::move(recording)),
+        info_(std::move(info)),
+        change_(std::move(change)),
+        times_(std::move(times)) {}
 
   const RecordingInfo& info() const override { return info_; }
   size_t size() const override { return recording_->size(); }
-  TimeNs time_of(size_t i) const override { return recording_->time_of(i); }
+  TimeNs time_of(size_t i) const override { return times_.empty() ? recording_->time_of(i) : times_.at(i); }
   int64_t index_of(size_t i) const override { return recording_->index_of(i); }
   std::string name_of(size_t i) const override { return recording_->name_of(i); }
+  std::string color_name_of(size_t i) const override { return recording_->color_name_of(i); }
   RgbdFrame frame(size_t i) const override {
     RgbdFrame frame = recording_->frame(i);
     change_(frame, i);
@@ -32,6 +39,7 @@ class ChangedRecording : public Recording {
   std::unique_ptr<Recording> recording_;
   RecordingInfo info_;
   Change change_;
+  std::vector<TimeNs> times_;  ///< empty = those of the recording
 };
 
 }  // namespace
@@ -48,7 +56,7 @@ std::unique_ptr<Recording> with_poses(std::unique_ptr<Recording> recording,
   info.map_frame = std::move(map_frame);
   info.levelled = is_levelled;
   const auto about_poses = [](const std::string& text) {
-    return text.starts_with("no poses") || text.ends_with("have no pose");
+    return text.starts_with("no poses") || text.find("have no pose") != std::string::npos;
   };
   std::erase_if(info.guesses, about_poses);
   std::erase_if(info.problems, about_poses);
@@ -71,6 +79,25 @@ std::unique_ptr<Recording> in_frame(std::unique_ptr<Recording> recording, const 
                                               if (one.map_from_camera)
                                                 one.map_from_camera = frame_from_map * *one.map_from_camera;
                                             });
+}
+
+std::unique_ptr<Recording> seconds_apart(std::unique_ptr<Recording> recording, double seconds) {
+  RecordingInfo info = recording->info();
+  if (!info.time_assumed)
+    throw Error("the recording has time stamps", {info.path, 0, "--seconds-apart"},
+                "it is for images without any");
+  std::vector<TimeNs> times;
+  for (size_t i = 0; i < recording->size(); ++i)
+    times.push_back(info.first_time +
+                    static_cast<TimeNs>(static_cast<double>(i) * seconds * static_cast<double>(kSecond)));
+  info.last_time = times.back();
+  if (!is_within_limits(info.last_time))
+    throw Error("the frames end too far off", {info.path, 0, "--seconds-apart"});
+  std::erase_if(info.guesses, [](const std::string& guess) { return guess.starts_with("no time stamps"); });
+  info.guesses.push_back(fmt::format("frames are taken as {:g} s apart, as --seconds-apart says", seconds));
+  return std::make_unique<ChangedRecording>(
+      std::move(recording), std::move(info), [times](RgbdFrame& one, size_t i) { one.time_ns = times[i]; },
+      times);
 }
 
 std::unique_ptr<Recording> with_up(std::unique_ptr<Recording> recording, const Vector3d& up_in_camera) {

@@ -89,6 +89,12 @@ std::unique_ptr<Recording> open_format(const fs::path& path, const RecordingOpti
   throw nothing_fits(folder);
 }
 
+Isometry3d required_pose(const fs::path& file) {
+  const std::optional<Isometry3d> pose = read_pose_file(file);
+  if (!pose) throw Error("the pose has a value that is not a finite number", {file.string(), 0, {}});
+  return *pose;
+}
+
 /// A recording whose poses have z up as far as that is known: by world_to_map.txt, by --up, or by what is
 /// seen.
 std::unique_ptr<Recording> levelled(std::unique_ptr<Recording> recording, const fs::path& path,
@@ -103,7 +109,7 @@ std::unique_ptr<Recording> levelled(std::unique_ptr<Recording> recording, const 
   const fs::path transform =
       beside_or_above(fs::is_directory(path) ? path : fs::absolute(path).parent_path(), "world_to_map.txt");
   if (recording->info().map_frame != "map" && options.poses.empty() && !transform.empty())
-    return in_frame(std::move(recording), read_pose_file(transform), "map",
+    return in_frame(std::move(recording), required_pose(transform), "map",
                     fmt::format("poses were moved to the map by {}", transform.string()));
   if (keep || (automatic && recording->info().levelled)) return recording;
   const std::optional<Vector3d> up = automatic ? find_up(*recording) : std::optional(given);
@@ -158,6 +164,8 @@ void RecordingOptions::declare(OptionTable& table) {
       "What is up in the frame of the poses, or without poses in the first image: x, y, z, -x, -y, -z or "
       "three numbers; auto finds out where the format does not say, keep takes z.");
   table.number("color_delay_s", color_delay_s, "s", "How much later colour is stamped than depth.", -10, 10);
+  table.number("seconds_apart", seconds_apart, "s",
+               "Time between the frames of a recording without time stamps; 0 takes the usual rate.", 0, 1e6);
 }
 
 std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingOptions& options,
@@ -168,6 +176,7 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
     throw Error(
         fmt::format("a recording of layout {} has one camera without a name", recording->info().format),
         {path.string(), 0, "--camera"});
+  if (options.seconds_apart > 0) recording = seconds_apart(std::move(recording), options.seconds_apart);
   if (!options.poses.empty()) {
     auto poses = read_poses_for(*recording, options.poses);
     recording = with_poses(std::move(recording), std::move(poses), "world", false);

@@ -45,6 +45,7 @@ struct RecordingOptions {
   std::string poses;
   std::string up = "auto";
   double color_delay_s = 0;
+  double seconds_apart = 0;
 
   void declare(OptionTable& table);
 };
@@ -64,6 +65,8 @@ class Recording {
   virtual int64_t index_of(size_t i) const = 0;
   /// RgbdFrame::name, where possible without reading images.
   virtual std::string name_of(size_t i) const { return frame(i).name; }
+  /// The same of its colour image, where that has a name of its own.
+  virtual std::string color_name_of(size_t i) const { return name_of(i); }
 };
 
 /// Opens a folder or file of any known layout, guessed from what is there. Error that says what was looked

@@ -34,7 +34,7 @@ Map.write = _write
 def open_recording(path: Union[str, os.PathLike], **options: Any) -> Recording:
     """Opens a recording of any known layout: its frames by number, or one after the other.
 
-    options: as of `loci-perceive info`: topics, poses, up, color_delay_s
+    options: as of `loci-perceive info`: topics, poses, up, color_delay_s, seconds_apart
     """
     return _loci._open_recording(path, **options)
 

@@ -42,7 +42,7 @@ constexpr std::array<ReasonText, static_cast<size_t>(Reason::count)> kReasons = 
      "show a counter or a table of the map, or check the sidecar of the map for supports"},
     {"unconfirmed", "objects that no other frame shows in the same place",
      "if the camera moved, it needs poses that fit (loci-map track), and frames that overlap (a smaller "
-     "--every)"},
+     "--every); if images without time stamps were taken apart, say so with --seconds-apart"},
     {"annotator_failed", "an annotator that failed", "the warnings say which (--verbose)"},
     {"outside_image", "a region outside the image", "check the size of the images that were detected in"},
     {"no_depth_inside", "no depth inside the region",

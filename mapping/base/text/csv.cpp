@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "mapping/base/files.h"
+#include "mapping/base/text/text_file.h"
 
 namespace loci {
 namespace {
@@ -54,7 +54,7 @@ T parse_number(const std::string& text, const FileLocation& location, const char
 }  // namespace
 
 CsvTable CsvTable::read(const std::filesystem::path& path) {
-  return parse(read_file(path), path.string());
+  return parse(read_text(path), path.string());
 }
 
 CsvTable CsvTable::parse(std::string_view text, const std::string& file) {

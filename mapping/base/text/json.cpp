@@ -5,6 +5,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
+#include "mapping/base/text/text_file.h"
 
 namespace loci {
 namespace {
@@ -114,7 +115,7 @@ Json parse_json(std::string_view text, const std::string& file) {
 }
 
 Json read_json(const std::filesystem::path& path) {
-  return parse_json(read_file(path), path.string());
+  return parse_json(read_text(path), path.string());
 }
 
 void write_json(const std::filesystem::path& path, const Json& json) {

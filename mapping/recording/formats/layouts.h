@@ -35,11 +35,26 @@ bool is_tum(const std::filesystem::path& folder);
 /// image and the pose at its time.
 FileRecordingContent read_tum(const std::filesystem::path& folder, double color_delay_s = 0);
 
-/// Lines of stamp, x y z qx qy qz qw, ascending in time.
+/// Lines of stamp, x y z qx qy qz qw, ascending in time; lost poses are left out.
 std::vector<StampedPose> read_tum_poses(const std::filesystem::path& path);
 
+/// "the poses go from … to …, " for messages; empty without any.
+std::string range_of(const std::vector<StampedPose>& poses);
+inline constexpr const char* kNoPoseHere = "no frame of the recording has a pose here";
+
+/// A pose with the number of its frame as it stands before it, -1 = none; unset for a lost frame.
+struct NumberedPose {
+  int64_t number = -1;
+  std::optional<Isometry3d> pose;
+};
+
 /// Poses of a trajectory.log as Redwood and Open3D write it, camera to world.
-std::vector<Isometry3d> read_trajectory_log(const std::filesystem::path& path);
+std::vector<NumberedPose> read_trajectory_log(const std::filesystem::path& path);
+
+/// Poses of `count` frames: as many in their order, or fewer, whose numbers count the frames. Unset when they
+/// are neither.
+std::optional<std::vector<std::optional<Isometry3d>>> poses_in_order(
+    const std::vector<NumberedPose>& numbered, size_t count);
 
 /// Whether a path is a point cloud, or a folder with clouds and no scan set.
 bool is_pcd_series(const std::filesystem::path& path);
@@ -104,8 +119,13 @@ int pixels_of(double number);
 /// `min_count` numbers.
 std::vector<double> numbers_in(const std::filesystem::path& path, size_t min_count);
 
-/// A pose from the 16 numbers of a 4 x 4 matrix, row by row.
-Isometry3d pose_from_rows(const std::vector<double>& rows, const FileLocation& location);
+/// A pose; unset for that of a frame that was lost: values that are not finite, or a rotation of zeros. Error
+/// for any other that is no pose.
+std::optional<Isometry3d> pose_unless_lost(const std::array<double, 7>& values, const FileLocation& location);
+std::optional<Isometry3d> pose_unless_lost(const Eigen::Matrix4d& matrix, const FileLocation& location);
+
+/// The same from the 16 numbers of a 4 x 4 matrix, row by row.
+std::optional<Isometry3d> pose_from_rows(const std::vector<double>& rows, const FileLocation& location);
 
 /// Files of depth images in a folder whose names begin so, by number. Of several kinds the one is taken of
 /// which there are `count` files, or the most; of equally many the first of kDepthEndings.
@@ -118,11 +138,18 @@ double float_scale_of(const Config& config, const char* key);
 /// A file beside the images or one folder above; empty when there is none.
 std::filesystem::path beside_or_above(const std::filesystem::path& folder, const char* name);
 
-/// A 4 x 4 matrix of 16 numbers. Error when they are no pose.
-Isometry3d read_pose_file(const std::filesystem::path& path);
+/// A 4 x 4 matrix of 16 numbers; unset for a lost frame. Error when they are no pose.
+std::optional<Isometry3d> read_pose_file(const std::filesystem::path& path);
 
-/// cameras.yaml: `depth` with size, f, c and optionally `unit_m`, `float_unit_m` and `invalid`, optional
-/// `color` and `color_from_depth` (R, t). Fills cameras, depth scale and invalid values.
-void read_cameras(const std::filesystem::path& path, FileRecordingContent& content);
+/// The camera of the same lens for images of another size.
+PinholeCamera scaled_camera(const PinholeCamera& camera, int width, int height);
+
+/// Cameras that were assumed, or described for colour only, for images of another size and the same aspect.
+void fit_cameras_to_images(FileRecordingContent& content);
+
+/// cameras.yaml: `depth` with size, f, c (unless the layout knows a camera that is to be kept) and optionally
+/// `unit_m`, `float_unit_m` and `invalid`, optional `color` and `color_from_depth` (R, t). Fills cameras,
+/// depth scale and invalid values. Returns whether it describes the camera.
+bool read_cameras(const std::filesystem::path& path, FileRecordingContent& content);
 
 }  // namespace loci::mapping

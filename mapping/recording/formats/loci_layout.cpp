@@ -76,21 +76,31 @@ void read_description(const fs::path& path, FileRecordingContent& content) {
   read_cameras(config.map("cameras"), content);
 }
 
-/// The pose in a row; unset when all its cells are empty.
+bool is_not_finite(const std::string& cell) {
+  char* end = nullptr;
+  const double value = std::strtod(cell.c_str(), &end);
+  return *end == '\0' && !cell.empty() && !std::isfinite(value);
+}
+
+/// The pose in a row; unset when all its cells are empty, or the frame was lost.
 std::optional<Isometry3d> read_pose(const CsvTable& table, size_t row) {
   std::array<double, 7> values{};
   size_t empty = 0;
+  bool is_lost = false;
   for (size_t i = 0; i < values.size(); ++i) {
     const size_t column = table.require_column(kPoseColumns[i]);
     if (table.cell(row, column).empty())
       ++empty;
+    else if (is_not_finite(table.cell(row, column)))
+      is_lost = true;
     else
       values[i] = table.number(row, column);
   }
+  if (is_lost) return std::nullopt;
   if (empty == values.size()) return std::nullopt;
   if (empty > 0)
     throw Error("the pose is not complete", table.location(row), "give all of x y z qx qy qz qw, or none");
-  return pose_from_values(values, table.location(row));
+  return pose_unless_lost(values, table.location(row));
 }
 
 void check_columns(const CsvTable& table, const std::set<std::string>& known, RecordingInfo& info) {
@@ -100,6 +110,24 @@ void check_columns(const CsvTable& table, const std::set<std::string>& known, Re
                                 ? fmt::format("the images of column '{}' are not read", name)
                                 : fmt::format("frames.csv: the column '{}' is not known", name));
   }
+}
+
+/// A line for the problems where the stamps are not nanoseconds: as such, no camera is as fast.
+std::string unit_of_stamps_because(const std::vector<FrameFiles>& frames) {
+  constexpr TimeNs kMinApart = 100'000;
+  if (frames.size() < 2) return {};
+  const auto [first, last] = std::ranges::minmax(frames, {}, &FrameFiles::time_ns);
+  const TimeNs apart = (last.time_ns - first.time_ns) / static_cast<TimeNs>(frames.size() - 1);
+  if (apart == 0 || apart >= kMinApart) return {};
+  constexpr TimeNs kYear2000 = 946'684'800, kYear2100 = 4'102'444'800;  // s
+  for (const auto& [per_second, name] :
+       {std::pair(TimeNs{1}, "seconds"), std::pair(TimeNs{1000}, "milliseconds"),
+        std::pair(TimeNs{1'000'000}, "microseconds")})
+    if (first.time_ns / per_second > kYear2000 && first.time_ns / per_second < kYear2100)
+      return fmt::format(
+          "frames.csv: as nanoseconds frames are {} ns apart: the stamps look like {}, multiply them by {}",
+          apart, name, kSecond / per_second);
+  return fmt::format("frames.csv: as nanoseconds frames are {} ns apart: check time_ns", apart);
 }
 
 void read_frames(const fs::path& folder, FileRecordingContent& content) {
@@ -113,6 +141,7 @@ void read_frames(const fs::path& folder, FileRecordingContent& content) {
   const bool posed = std::any_of(kPoseColumns.begin(), kPoseColumns.end(),
                                  [&](const char* name) { return table.column(name) >= 0; });
   std::set<int64_t> indices;
+  size_t stamped = 0;
   for (size_t row = 0; row < table.rows(); ++row) {
     FrameFiles frame;
     frame.location = table.location(row);
@@ -125,6 +154,7 @@ void read_frames(const fs::path& folder, FileRecordingContent& content) {
       throw Error(fmt::format("the index {} is there twice", frame.index), frame.location);
     if (time >= 0 && !table.cell(row, static_cast<size_t>(time)).empty()) {
       frame.time_ns = table.integer(row, static_cast<size_t>(time));
+      ++stamped;
     } else {
       frame.time_ns = assumed_time(number_in_name(frame.depth).value_or(static_cast<int64_t>(row)));
       content.info.time_assumed = true;
@@ -132,6 +162,12 @@ void read_frames(const fs::path& folder, FileRecordingContent& content) {
     if (posed) frame.map_from_camera = read_pose(table, row);
     content.frames.push_back(std::move(frame));
   }
+  if (stamped == 0)
+    set_times_by_name(content.info, content.frames);
+  else if (content.info.time_assumed)
+    content.info.guesses.emplace_back("the time stamps were made up");
+  if (const std::string why = unit_of_stamps_because(content.frames); stamped > 0 && !why.empty())
+    content.info.problems.push_back(why);
 }
 
 /// Gives each frame the joint positions that were latest at its time.
@@ -182,7 +218,6 @@ FileRecordingContent read_loci_layout(const fs::path& folder) {
   read_frames(folder, content);
   read_joints(folder / "joints.csv", content.frames);
   check_transforms(folder / "transforms.csv");
-  if (content.info.time_assumed) content.info.guesses.emplace_back("the time stamps were made up");
   return content;
 }
 

@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "mapping/base/regular_file.h"
-#include "mapping/base/time_limits.h"
 #include "mapping/recording/depth_image.h"
 #include "mapping/sensor/pcd.h"
 
@@ -18,26 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_cloud(const fs::path& path) {
-  return path.extension() == ".pcd" && fs::is_regular_file(path);
-}
-
-/// Seconds with decimals, or a whole number of nanoseconds, as a file's whole name.
-std::optional<TimeNs> time_in_name(const fs::path& path) {
-  const std::string name = path.stem().string();
-  const size_t dot = std::min(name.find('.'), name.size());
-  const auto digits = [](const std::string& text) {
-    return !text.empty() &&
-           std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
-  };
-  const std::string whole = name.substr(0, dot);
-  std::string part = dot < name.size() ? name.substr(dot + 1) : "0";
-  if (!digits(whole) || !digits(part) || whole.size() > 19) return std::nullopt;
-  const uint64_t number = std::stoull(whole);
-  if (dot == name.size() && whole.size() == 19)
-    return number <= kMaxTime ? std::optional(static_cast<TimeNs>(number)) : std::nullopt;
-  if (whole.size() < 9 || whole.size() > 10 || number >= kMaxTime / kSecond) return std::nullopt;
-  part.resize(9, '0');
-  return static_cast<TimeNs>(number) * kSecond + std::stoll(part);
+  return path.extension() == ".pcd" && fs::is_regular_file(path) &&
+         !path.filename().string().starts_with('.');
 }
 
 /// Columns and rows of a cloud from its header alone; zero where it does not say.
@@ -124,7 +105,7 @@ void PcdSeries::find_frames(const fs::path& path) {
   } else {
     files.push_back(path);
   }
-  std::sort(files.begin(), files.end());
+  sort_by_name(files);
   for (const fs::path& file : files) {
     if (size_in_header(file) != size_in_header(files.front()))
       throw Error(fmt::format("this cloud has another size than {}", files.front().filename().string()),
@@ -133,16 +114,12 @@ void PcdSeries::find_frames(const fs::path& path) {
     frame.index = static_cast<int64_t>(frames_.size());
     frame.depth = frame.color = file;
     frame.location = {file.string(), 0, {}};
-    const std::optional<TimeNs> time = time_in_name(file);
-    info_.time_assumed = info_.time_assumed || !time;
-    frame.time_ns = time ? *time : assumed_time(number_in_name(file).value_or(frame.index));
     fs::path pose = file;
     pose.replace_extension(".pose.txt");
     if (fs::exists(pose)) frame.map_from_camera = read_pose_file(pose);
     frames_.push_back(std::move(frame));
   }
-  if (info_.time_assumed)
-    info_.guesses.emplace_back("no time stamps: 30 Hz from 2000-01-01T00:00:00Z by the number in the name");
+  set_times_by_name(info_, frames_);
 }
 
 void PcdSeries::fit_camera() {

@@ -4,11 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
+#include <string_view>
 
 #include "mapping/base/math/math.h"
 #include "mapping/base/text/csv.h"
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
+#include "mapping/base/text/text_file.h"
 #include "mapping/recording/depth_image.h"
 #include "mapping/recording/formats/layouts.h"
 #include "mapping/recording/video.h"
@@ -24,12 +28,6 @@ const Eigen::DiagonalMatrix<double, 4> kOpenGlFromOptical(1, -1, -1, 1);
 /// ARKit's world has y up.
 Isometry3d z_up_from_y_up() {
   return Isometry3d(Eigen::AngleAxisd(kPi / 2, Vector3d::UnitX()));
-}
-
-PinholeCamera scaled_camera(const PinholeCamera& camera, int width, int height) {
-  const double x = double(width) / camera.width, y = double(height) / camera.height;
-  return {
-      width, height, camera.fx * x, camera.fy * y, (camera.cx + 0.5) * x - 0.5, (camera.cy + 0.5) * y - 0.5};
 }
 
 /// The file that a path of transforms.json means: relative to the folder, and not out of it.
@@ -66,6 +64,26 @@ Distortion nerfstudio_distortion(const Json& json, const Json& frame, const File
               "undistort the images and write PINHOLE");
 }
 
+/// Python writes numbers that JSON does not have: NaN and Infinity, of frames that were lost.
+std::string null_for_nan(const std::string& text) {
+  constexpr std::array<std::string_view, 3> kNumbers = {"NaN", "-Infinity", "Infinity"};
+  std::string json;
+  bool in_string = false;
+  for (size_t i = 0; i < text.size();) {
+    if (text[i] == '"' && (i == 0 || text[i - 1] != '\\')) in_string = !in_string;
+    const std::string_view rest = std::string_view(text).substr(i);
+    const auto word = std::ranges::find_if(
+        kNumbers, [&](std::string_view each) { return !in_string && rest.starts_with(each); });
+    if (word != kNumbers.end()) {
+      json += "null";
+      i += word->size();
+      continue;
+    }
+    json += text[i++];
+  }
+  return json;
+}
+
 /// The value of a key in the frame, or else for all frames.
 double camera_value(const Json& json, const Json& frame, const char* key, const FileLocation& location) {
   if (frame.contains(key)) return number_of(frame[key]);
@@ -85,8 +103,11 @@ PinholeCamera nerfstudio_camera(const Json& json, const Json& frame, const FileL
 /// The camera of the first frame is that of the recording; others of a phone differ a little by autofocus.
 void set_nerfstudio_cameras(const Json& json, const std::vector<const Json*>& frames,
                             const FileLocation& location, FileRecordingContent& content) {
-  refuse_foreign_format(content.frames[0].depth);
-  const DepthHeader depth = read_depth_header(content.frames[0].depth);
+  const auto there =
+      std::ranges::find_if(content.frames, [](const FrameFiles& frame) { return fs::exists(frame.depth); });
+  const fs::path& first = there == content.frames.end() ? content.frames[0].depth : there->depth;
+  refuse_foreign_format(first);
+  const DepthHeader depth = read_depth_header(first);
   RgbdCamera& camera = content.info.camera;
   camera.color = nerfstudio_camera(json, *frames[0], location);
   camera.depth = scaled_camera(camera.color, depth.width, depth.height);
@@ -119,7 +140,7 @@ bool is_nerfstudio(const fs::path& folder) {
 FileRecordingContent read_nerfstudio(const fs::path& folder) {
   FileRecordingContent content = content_in_world("nerfstudio", folder, true);
   const FileLocation location{(folder / "transforms.json").string(), 0, {}};
-  const Json json = read_json(location.file);
+  const Json json = parse_json(null_for_nan(read_text(location.file)), location.file);
   const Json frames = member_of(json, "frames");
   if (!frames.is_array()) throw Error("'frames' is a list", location);
   if (json.contains("depth_unit_scale_factor"))
@@ -134,16 +155,18 @@ FileRecordingContent read_nerfstudio(const fs::path& folder) {
     if (frame.depth.empty()) continue;
     frame.color = file_below(folder, each, "file_path", location);
     frame.index = static_cast<int64_t>(content.frames.size());
-    frame.time_ns = assumed_time(number_in_name(frame.depth).value_or(frame.index));
     frame.location = {location.file, 0, frame.depth.filename().string()};
     std::vector<double> m;
-    for (const Json& row : member_of(each, "transform_matrix"))
+    const Json matrix = member_of(each, "transform_matrix");
+    for (const Json& row : matrix)
       for (const Json& value : row.is_array() ? row : Json::array()) m.push_back(number_of(value));
+    if (matrix.is_null()) m.assign(16, std::numeric_limits<double>::quiet_NaN());
     if (m.size() != 12 && m.size() != 16) throw Error("transform_matrix has 4 x 4 numbers", frame.location);
     if (m.size() == 12) m.insert(m.end(), {0, 0, 0, 1});
-    Isometry3d pose = pose_from_rows(m, frame.location);
-    pose.matrix() = pose.matrix() * kOpenGlFromOptical;
-    frame.map_from_camera = pose;
+    if (std::optional<Isometry3d> pose = pose_from_rows(m, frame.location)) {
+      pose->matrix() = pose->matrix() * kOpenGlFromOptical;
+      frame.map_from_camera = pose;
+    }
     content.frames.push_back(std::move(frame));
     used.push_back(&each);
   }
@@ -151,8 +174,7 @@ FileRecordingContent read_nerfstudio(const fs::path& folder) {
     throw Error("transforms.json names no depth images", location,
                 "export with depth: frames need depth_file_path beside file_path");
   set_nerfstudio_cameras(json, used, location, content);
-  content.info.guesses.emplace_back(
-      "no time stamps: 30 Hz from 2000-01-01T00:00:00Z by the number in the name");
+  set_times_by_name(content.info, content.frames);
   return content;
 }
 
@@ -180,6 +202,7 @@ FileRecordingContent read_stray_scanner(const fs::path& folder) {
     pose_columns[i] = column(std::array{"x", "y", "z", "qx", "qy", "qz", "qw"}[i]);
   const auto cell = [&](size_t row, size_t at) { return std::stod(trimmed(table.cell(row, at))); };
   const fs::path video = folder / "rgb.mp4";
+  std::vector<std::string> without_depth;
   for (size_t row = 0; row < table.rows(); ++row) {
     FrameFiles frame;
     frame.location = table.location(row);
@@ -190,7 +213,8 @@ FileRecordingContent read_stray_scanner(const fs::path& folder) {
       frame.time_ns = assumed_time(0) + static_cast<TimeNs>(seconds * 1e9);
       std::array<double, 7> values{};
       for (size_t i = 0; i < 7; ++i) values[i] = cell(row, pose_columns[i]);
-      frame.map_from_camera = z_up_from_y_up() * pose_from_values(values, frame.location);
+      if (const auto pose = pose_unless_lost(values, frame.location))
+        frame.map_from_camera = z_up_from_y_up() * *pose;
     } catch (const std::logic_error&) {
       throw Error("this row is not one of numbers", frame.location);
     }
@@ -198,8 +222,8 @@ FileRecordingContent read_stray_scanner(const fs::path& folder) {
     frame.depth = folder / "depth" / name;
     if (!fs::exists(frame.depth)) frame.depth.replace_extension(".npy");  // Old versions wrote that.
     if (!fs::exists(frame.depth)) {
-      content.info.problems.push_back(fmt::format("{}: no depth image {}", frame.location.text(), name));
-      break;
+      without_depth.push_back(fmt::format("{}: no depth image {}", frame.location.text(), name));
+      continue;
     }
     if (fs::exists(folder / "confidence" / name)) frame.confidence = folder / "confidence" / name;
     if (fs::exists(video)) {
@@ -209,6 +233,9 @@ FileRecordingContent read_stray_scanner(const fs::path& folder) {
     content.frames.push_back(std::move(frame));
   }
   if (content.frames.empty()) throw Error("the recording has no frames", {folder.string(), 0, {}});
+  if (!without_depth.empty())
+    content.info.problems.push_back(fmt::format("{} of {} frames are left out, the first by {}",
+                                                without_depth.size(), table.rows(), without_depth.front()));
   content.min_confidence = 1;  // ARKit: 0 low, 1 medium, 2 high.
   cv::Size size(1920, 1440);
   if (!fs::exists(video)) {

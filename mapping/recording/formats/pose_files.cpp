@@ -6,8 +6,8 @@
 #include <map>
 #include <sstream>
 
-#include "mapping/base/files.h"
 #include "mapping/base/text/text.h"
+#include "mapping/base/text/text_file.h"
 #include "mapping/recording/formats/layouts.h"
 #include "mapping/recording/posed_recording.h"
 
@@ -40,7 +40,7 @@ struct PoseLine {
 
 std::vector<PoseLine> lines_of(const fs::path& file, bool& colmap) {
   std::vector<PoseLine> lines;
-  std::istringstream text(read_file(file));
+  std::istringstream text(read_text(file));
   int number = 0;
   for (std::string line; std::getline(text, line);) {
     ++number;
@@ -70,17 +70,17 @@ Poses from_kitti(const std::vector<PoseLine>& lines, const Recording& recording,
     const auto values = line.numbers<12>(0);
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
     for (int i = 0; i < 12; ++i) matrix(i / 4, i % 4) = values[static_cast<size_t>(i)];
-    poses.emplace_back(pose_from_matrix(matrix, line.location));
+    poses.push_back(pose_unless_lost(matrix, line.location));
   }
   return poses;
 }
 
 Poses from_g2o(const std::vector<PoseLine>& lines, const Recording& recording) {
-  std::map<int64_t, Isometry3d> by_index;
+  std::map<int64_t, std::optional<Isometry3d>> by_index;
   for (const PoseLine& line : lines)
     if (line.words[0] == "VERTEX_SE3:QUAT") {
       if (line.words.size() < 9) throw Error("a vertex has an index and 7 numbers", line.location);
-      by_index[line.number<int64_t>(1)] = pose_from_values(line.numbers<7>(2), line.location);
+      by_index[line.number<int64_t>(1)] = pose_unless_lost(line.numbers<7>(2), line.location);
     }
   Poses poses(recording.size());
   for (size_t i = 0; i < recording.size(); ++i)
@@ -89,17 +89,11 @@ Poses from_g2o(const std::vector<PoseLine>& lines, const Recording& recording) {
   return poses;
 }
 
-/// "frame-000012" from "rgb/frame-000012.color.jpg".
-std::string image_name(const std::string& file) {
-  std::string name = fs::path(file).stem().string();
-  for (const char* suffix : {".color", "_color", "-color", ".rgb", "_rgb"})
-    if (name.ends_with(suffix)) name.resize(name.size() - std::string_view(suffix).size());
-  return name;
-}
-
+/// By the name of the image or of its depth, by its number, or by the stamp in its name.
 Poses from_colmap(const std::vector<PoseLine>& lines, const Recording& recording) {
   std::map<std::string, Isometry3d> by_name;
   std::map<int64_t, Isometry3d> by_number;
+  std::map<TimeNs, Isometry3d> by_time;
   // A line of the image and one of its points, which may be empty.
   for (size_t i = 0; i < lines.size(); i += 2) {
     const PoseLine& line = lines[i];
@@ -108,31 +102,45 @@ Poses from_colmap(const std::vector<PoseLine>& lines, const Recording& recording
     const auto v = line.numbers<7>(1);
     const Isometry3d camera_from_world =
         pose_from_values({v[4], v[5], v[6], v[1], v[2], v[3], v[0]}, line.location);
-    by_name[image_name(line.words[9])] = camera_from_world.inverse();
-    if (const auto number = number_in_name(image_name(line.words[9]) + ".x"))
-      by_number[*number] = camera_from_world.inverse();
+    const std::string& image = line.words[9];
+    by_name[frame_name(image)] = camera_from_world.inverse();
+    if (const auto number = number_in_name(image)) by_number[*number] = camera_from_world.inverse();
+    if (const auto time = time_in_name(image)) by_time[time->time_ns] = camera_from_world.inverse();
   }
   const Isometry3d color_from_depth = recording.info().camera.depth_from_color.inverse();
-  Poses poses(recording.size());
+  std::vector<TimeNs> frame_times, times;
+  for (size_t i = 0; i < recording.size(); ++i) frame_times.push_back(recording.time_of(i));
+  for (const auto& [time, pose] : by_time) times.push_back(time);
+  const auto nearest = nearest_in_time(frame_times, times);
+  const auto pose_of = [&](size_t i) -> std::optional<Isometry3d> {
+    for (const std::string& name : {recording.color_name_of(i), recording.name_of(i)})
+      if (const auto named = by_name.find(name); named != by_name.end()) return named->second;
+    // Of names without an ending a stamp's decimals would be one.
+    const auto number = number_in_name(recording.name_of(i) + ".png");
+    if (const auto numbered = number ? by_number.find(*number) : by_number.end(); numbered != by_number.end())
+      return numbered->second;
+    return nearest[i] ? std::optional(by_time.at(times[*nearest[i]])) : std::nullopt;
+  };
+  Poses poses;
   for (size_t i = 0; i < recording.size(); ++i) {
-    const std::string name = recording.name_of(i);
-    const auto named = by_name.find(name);
-    const auto number = number_in_name(name + ".x");
-    const auto numbered = number ? by_number.find(*number) : by_number.end();
-    if (named != by_name.end())
-      poses[i] = named->second * color_from_depth;
-    else if (numbered != by_number.end())
-      poses[i] = numbered->second * color_from_depth;
+    poses.push_back(pose_of(i));
+    if (poses.back()) poses.back() = *poses.back() * color_from_depth;
   }
   return poses;
 }
 
 }  // namespace
 
-std::vector<Isometry3d> read_trajectory_log(const fs::path& file) {
+std::string range_of(const std::vector<StampedPose>& poses) {
+  return poses.empty() ? std::string()
+                       : fmt::format("the poses go from {} to {}, ", format_time(poses.front().time_ns),
+                                     format_time(poses.back().time_ns));
+}
+
+std::vector<NumberedPose> read_trajectory_log(const fs::path& file) {
   bool ignored = false;
   const std::vector<PoseLine> lines = without_empty(lines_of(file, ignored));
-  std::vector<Isometry3d> poses;
+  std::vector<NumberedPose> poses;
   for (size_t i = 0; i + 4 < lines.size(); i += 5) {
     Eigen::Matrix4d matrix;
     for (int row = 0; row < 4; ++row) {
@@ -141,11 +149,23 @@ std::vector<Isometry3d> read_trajectory_log(const fs::path& file) {
       const auto values = line.numbers<4>(0);
       for (int column = 0; column < 4; ++column) matrix(row, column) = values[static_cast<size_t>(column)];
     }
-    poses.push_back(pose_from_matrix(matrix, lines[i].location));
+    poses.push_back({lines[i].number<int64_t>(0), pose_unless_lost(matrix, lines[i].location)});
   }
   if (lines.size() % 5 != 0)
     throw Error("a pose is a line of numbers and four rows of a matrix; the last one is not complete",
                 {file.string(), 0, {}});
+  return poses;
+}
+
+std::optional<Poses> poses_in_order(const std::vector<NumberedPose>& numbered, size_t count) {
+  Poses poses(count);
+  const bool is_complete = numbered.size() == count;
+  for (size_t i = 0; i < numbered.size(); ++i) {
+    const int64_t number = is_complete ? static_cast<int64_t>(i) : numbered[i].number;
+    const bool ascends = is_complete || i == 0 || number > numbered[i - 1].number;
+    if (!ascends || number < 0 || number >= static_cast<int64_t>(count)) return std::nullopt;
+    poses[static_cast<size_t>(number)] = numbered[i].pose;
+  }
   return poses;
 }
 
@@ -166,18 +186,18 @@ std::vector<std::optional<Isometry3d>> read_poses_for(const Recording& recording
   } else if (words == 8) {
     const std::vector<StampedPose> stamped = read_tum_poses(file);
     for (size_t i = 0; i < recording.size(); ++i) poses.push_back(pose_at(stamped, recording.time_of(i)));
-    range = fmt::format("the poses from {} to {}, ", format_time(stamped.front().time_ns),
-                        format_time(stamped.back().time_ns));
+    range = range_of(stamped);
   } else if (words == 3) {
-    const std::vector<Isometry3d> log = read_trajectory_log(file);
-    if (log.size() != recording.size()) throw wrong_count(log.size(), recording, file);
-    poses.assign(log.begin(), log.end());
+    const std::vector<NumberedPose> log = read_trajectory_log(file);
+    const auto in_order = poses_in_order(log, recording.size());
+    if (!in_order) throw wrong_count(log.size(), recording, file);
+    poses = *in_order;
   } else {
     throw Error("no poses of a known format", lines[0].location,
                 "TUM has 8 numbers in a line, KITTI 12, g2o VERTEX_SE3:QUAT, COLMAP is images.txt");
   }
   if (std::none_of(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); }))
-    throw Error("no frame of the recording has a pose here", {file.string(), 0, {}},
+    throw Error(kNoPoseHere, {file.string(), 0, {}},
                 fmt::format("{}the frames go from {} to {}, the first is {}", range,
                             format_time(recording.info().first_time), format_time(recording.info().last_time),
                             recording.name_of(0)));

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
 
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
@@ -18,23 +21,14 @@ namespace fs = std::filesystem;
 constexpr size_t kPngEnding = kDepthEndings.size() - 1;  ///< of depth_ending_of(); colour has it, too
 constexpr std::array<const char*, 3> kColorFolders = {"color", "image", "rgb"};
 
-/// "2.png" comes before "10.png".
-void sort_by_number(std::vector<fs::path>& files) {
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    const auto number_a = number_in_name(a), number_b = number_in_name(b);
-    return number_a && number_b && number_a != number_b ? *number_a < *number_b : a < b;
-  });
-}
-
 /// Colour images.
 std::vector<fs::path> images_in(const fs::path& folder) {
-  std::vector<fs::path> files;
-  if (!fs::is_directory(folder)) return files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string ending = lower_case(entry.path().extension().string());
-    if (ending == ".png" || ending == ".jpg" || ending == ".jpeg") files.push_back(entry.path());
-  }
-  sort_by_number(files);
+  std::vector<fs::path> files = visible_files(folder);
+  std::erase_if(files, [](const fs::path& file) {
+    const std::string ending = lower_case(file.extension().string());
+    return ending != ".png" && ending != ".jpg" && ending != ".jpeg";
+  });
+  sort_by_name(files);
   return files;
 }
 
@@ -44,28 +38,41 @@ fs::path color_folder(const fs::path& folder) {
   return {};
 }
 
-/// Microseconds behind a dash, as Redwood's recordings have them: "0000012-000000400417.jpg".
-std::optional<TimeNs> microseconds_in_name(const fs::path& path) {
-  const std::vector<std::string> parts = split(path.stem().string(), '-');
-  if (parts.size() != 2 || parts[1].size() != 12 || !std::all_of(parts[1].begin(), parts[1].end(), is_digit))
-    return std::nullopt;
-  return assumed_time(0) + 1000 * std::stoll(parts[1]);
+/// The numbers of a matrix, flat or row by row.
+std::vector<double> flat_numbers(const Json& matrix) {
+  std::vector<double> numbers;
+  for (const Json& each : matrix.is_array() ? matrix : Json::array())
+    for (const Json& value : each.is_array() ? each : Json::array({each}))
+      numbers.push_back(number_of(value));
+  return numbers;
 }
 
-std::optional<PinholeCamera> open3d_camera(const fs::path& folder) {
+/// Open3D writes the matrix column by column, others row by row or as a list of rows.
+PinholeCamera camera_of_matrix(const Json& matrix, int width, int height, const FileLocation& location) {
+  std::vector<double> m = flat_numbers(matrix);
+  if (m.size() != 9) throw Error("an intrinsic_matrix has 3 x 3 numbers", location);
+  const bool is_by_rows = m[6] == 0 && m[7] == 0;
+  const double cx = is_by_rows ? m[2] : m[6], cy = is_by_rows ? m[5] : m[7];
+  return checked_camera({width, height, m[0], m[4], cx, cy}, location);
+}
+
+std::optional<PinholeCamera> open3d_camera(const fs::path& folder, FileRecordingContent& content) {
   for (const char* name :
        {"camera_intrinsic.json", "intrinsic.json", "camera.json", "camera_primesense.json"}) {
     const fs::path file = beside_or_above(folder, name);
     if (file.empty()) continue;
-    const Json json = read_json(file);
+    Json json = read_json(file);
+    if (const Json inner = member_of(json, "intrinsic"); inner.is_object()) json = inner;
     const Json matrix = member_of(json, "intrinsic_matrix");
-    if (!matrix.is_array() || matrix.size() != 9) continue;
+    if (!matrix.is_array()) {
+      content.info.problems.push_back(fmt::format("{} has no intrinsic_matrix and is not used", name));
+      continue;
+    }
     const auto size = [&](const char* key, int usual) {
       return json.contains(key) ? pixels_of(number_of(json[key])) : usual;
     };
-    return checked_camera({size("width", 640), size("height", 480), number_of(matrix[0]),
-                           number_of(matrix[4]), number_of(matrix[6]), number_of(matrix[7])},
-                          {file.string(), 0, {}});
+    return camera_of_matrix(matrix, size("width", 640), size("height", 480),
+                            {file.string(), 0, "intrinsic_matrix"});
   }
   return std::nullopt;
 }
@@ -87,34 +94,33 @@ std::optional<PinholeCamera> scannet_camera(const fs::path& file, const fs::path
   return checked_camera({width, height, m[0], m[5], m[2], m[6]}, {file.string(), 0, {}});
 }
 
-void set_cameras_of_folder(const fs::path& folder, const fs::path& depth, const fs::path& color,
-                           FileRecordingContent& content) {
-  if (const fs::path cameras = beside_or_above(folder, "cameras.yaml"); !cameras.empty())
-    return read_cameras(cameras, content);
-  content.info.guesses.emplace_back("no cameras.yaml: depth is taken as millimetres");
+void set_cameras_of_folder(const fs::path& folder, FileRecordingContent& content) {
+  const fs::path depth = content.frames[0].depth, color = content.frames[0].color;
   RgbdCamera& camera = content.info.camera;
   const auto scannet = scannet_camera(folder / "intrinsic/intrinsic_depth.txt", depth);
-  const auto open3d = scannet ? scannet : open3d_camera(folder);
-  if (!open3d)
-    content.info.guesses.emplace_back(
-        "no camera_intrinsic.json: f 525, centre 319.5 239.5 as PrimeSense has it");
+  const auto open3d = scannet ? scannet : open3d_camera(folder, content);
   camera.depth = open3d.value_or(PinholeCamera{640, 480, 525, 525, 319.5, 239.5});
   const auto scannet_color =
       color.empty() ? std::nullopt : scannet_camera(folder / "intrinsic/intrinsic_color.txt", color);
   camera.color = scannet_color.value_or(camera.depth);
+  const fs::path cameras = beside_or_above(folder, "cameras.yaml");
+  if (!cameras.empty() && read_cameras(cameras, content)) return;
+  if (cameras.empty()) content.info.guesses.emplace_back("no cameras.yaml: depth is taken as millimetres");
+  if (!open3d)
+    content.info.guesses.emplace_back(
+        "no camera_intrinsic.json: f 525, centre 319.5 239.5 as PrimeSense has it");
+  if (!scannet) fit_cameras_to_images(content);
 }
 
 /// Files that may hold the poses: trajectory.log, Redwood's NAME_trajectory.log, Open3D's trajectory.json.
 std::vector<fs::path> trajectories_in(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const fs::path& place : {folder, folder / "scene"}) {
-    if (!fs::is_directory(place)) continue;
-    std::vector<fs::path> named;
-    for (const auto& entry : fs::directory_iterator(place)) {
-      const std::string name = lower_case(entry.path().filename().string());
-      if (name.ends_with("trajectory.log") || name.ends_with("trajectory.json"))
-        named.push_back(entry.path());
-    }
+    std::vector<fs::path> named = visible_files(place);
+    std::erase_if(named, [](const fs::path& file) {
+      const std::string name = lower_case(file.filename().string());
+      return !name.ends_with("trajectory.log") && !name.ends_with("trajectory.json");
+    });
     std::ranges::sort(named, std::ranges::greater());  // .log before .json
     files.insert(files.end(), named.begin(), named.end());
   }
@@ -122,8 +128,8 @@ std::vector<fs::path> trajectories_in(const fs::path& folder) {
 }
 
 /// Open3D's PinholeCameraTrajectory: camera from world, column by column.
-std::vector<Isometry3d> read_trajectory_json(const fs::path& file) {
-  std::vector<Isometry3d> poses;
+std::vector<NumberedPose> read_trajectory_json(const fs::path& file) {
+  std::vector<NumberedPose> poses;
   const Json parameters = member_of(read_json(file), "parameters");
   for (const Json& each : parameters.is_array() ? parameters : Json::array()) {
     const FileLocation location{file.string(), 0, fmt::format("parameters[{}].extrinsic", poses.size())};
@@ -132,30 +138,115 @@ std::vector<Isometry3d> read_trajectory_json(const fs::path& file) {
     if (columns.size() != 16) throw Error("an extrinsic has 16 numbers", location);
     std::vector<double> rows(16);
     for (size_t i = 0; i < 16; ++i) rows[4 * (i % 4) + i / 4] = columns[i];
-    poses.push_back(pose_from_rows(rows, location).inverse());
+    const std::optional<Isometry3d> camera_from_world = pose_from_rows(rows, location);
+    poses.push_back({-1, camera_from_world ? std::optional(camera_from_world->inverse()) : std::nullopt});
   }
   return poses;
 }
 
-void set_poses(const fs::path& folder, FileRecordingContent& content) {
+/// What the two images of a frame share: the name, or else the number, of Redwood that before the stamp.
+std::string shared_name(const fs::path& file) {
+  return frame_name(file);
+}
+std::string shared_number(const fs::path& file) {
+  const std::string name = frame_name(file);
+  const size_t dash = time_in_name(file) ? name.find('-') : std::string::npos;
+  const auto number = number_in_name(dash == std::string::npos ? file : fs::path(name.substr(0, dash)));
+  return number ? std::to_string(*number) : std::string();
+}
+
+/// For each depth image its colour image, by what the names share, or by the stamps in them. Unset when fewer
+/// than half of either find one.
+using Partners = std::vector<std::optional<size_t>>;
+std::optional<Partners> partners_by(const std::function<std::string(const fs::path&)>& shared,
+                                    const std::vector<fs::path>& depths,
+                                    const std::vector<fs::path>& colors) {
+  std::map<std::string, size_t> by_name;
+  for (size_t i = 0; i < colors.size(); ++i) by_name[shared(colors[i])] = i;
+  Partners partners;
+  size_t count = 0;
+  for (const fs::path& depth : depths) {
+    const auto found = by_name.find(shared(depth));
+    const bool is_found = found != by_name.end() && !found->first.empty();
+    partners.push_back(is_found ? std::optional(found->second) : std::nullopt);
+    count += is_found ? 1 : 0;
+  }
+  return by_name.size() == colors.size() && 2 * count > std::max(depths.size(), colors.size())
+             ? std::optional(partners)
+             : std::nullopt;
+}
+std::optional<Partners> partners_by_time(const std::vector<fs::path>& depths,
+                                         const std::vector<fs::path>& colors) {
+  const auto times_of = [](const std::vector<fs::path>& files) {
+    std::vector<TimeNs> times;
+    for (const fs::path& file : files)
+      if (const auto time = time_in_name(file)) times.push_back(time->time_ns);
+    return times;
+  };
+  const std::vector<TimeNs> depth_times = times_of(depths), color_times = times_of(colors);
+  if (depth_times.size() != depths.size() || color_times.size() != colors.size()) return std::nullopt;
+  Partners partners = nearest_in_time(depth_times, color_times);
+  const auto count = std::ranges::count_if(partners, [](const auto& each) { return each.has_value(); });
+  return 2 * static_cast<size_t>(count) > depths.size() ? std::optional(std::move(partners)) : std::nullopt;
+}
+
+/// As many of both belong together in their order where their names do not say it.
+Partners partners_of(const std::vector<fs::path>& depths, const std::vector<fs::path>& colors,
+                     const fs::path& folder) {
+  if (colors.empty()) return Partners(depths.size());
+  for (const auto shared : {shared_name, shared_number})
+    if (auto partners = partners_by(shared, depths, colors)) return *partners;
+  if (auto partners = partners_by_time(depths, colors)) return *partners;
+  if (depths.size() != colors.size())
+    throw Error(
+        fmt::format("{} depth and {} colour images do not belong together", depths.size(), colors.size()),
+        {folder.string(), 0, {}}, "their names share neither a number nor a time");
+  Partners partners(depths.size());
+  for (size_t i = 0; i < partners.size(); ++i) partners[i] = i;
+  return partners;
+}
+
+/// Poses in the order of the depth images, or of the colour images; else by the numbers in the names of the
+/// depth images, or by their order, as far as there are poses. Unset when they are neither.
+std::optional<std::vector<std::optional<Isometry3d>>> poses_of_frames(const std::vector<NumberedPose>& poses,
+                                                                      const std::vector<FrameFiles>& frames,
+                                                                      const Partners& partners,
+                                                                      size_t colors) {
+  const bool by_color = poses.size() != frames.size() && poses.size() == colors;
+  const bool ascend = std::ranges::is_sorted(poses, std::ranges::less_equal(), &NumberedPose::number);
+  const bool by_number =
+      !by_color && !poses.empty() && ascend && poses.front().number >= 0 &&
+      (poses.size() > frames.size() || number_in_name(frames.front().depth) == poses.front().number);
+  if (poses.size() == frames.size() || !(by_color || by_number)) return poses_in_order(poses, frames.size());
+  std::vector<std::optional<Isometry3d>> of_frames(frames.size());
+  for (size_t i = 0; i < frames.size(); ++i) {
+    if (by_color && partners[i]) of_frames[i] = poses[*partners[i]].pose;
+    if (!by_number) continue;
+    const auto numbered =
+        std::ranges::find(poses, number_in_name(frames[i].depth).value_or(-1), &NumberedPose::number);
+    if (numbered != poses.end()) of_frames[i] = numbered->pose;
+  }
+  return of_frames;
+}
+
+void set_poses(const fs::path& folder, const Partners& partners, size_t colors,
+               FileRecordingContent& content) {
   std::vector<FrameFiles>& frames = content.frames;
   for (FrameFiles& frame : frames) {
     const fs::path file = folder / "pose" / (frame_name(frame.depth) + ".txt");
     if (!fs::exists(file)) continue;
-    const std::vector<double> m = numbers_in(file, 16);
-    // Lost frames have -inf.
-    if (std::all_of(m.begin(), m.end(), [](double x) { return std::isfinite(x); }))
-      frame.map_from_camera = pose_from_rows(m, {file.string(), 0, {}});
+    frame.map_from_camera = pose_from_rows(numbers_in(file, 16), {file.string(), 0, {}});
   }
   for (const fs::path& file : trajectories_in(folder)) {
-    const std::vector<Isometry3d> poses =
+    const std::vector<NumberedPose> poses =
         file.extension() == ".json" ? read_trajectory_json(file) : read_trajectory_log(file);
-    if (poses.size() != frames.size()) {
+    const auto of_frames = poses_of_frames(poses, frames, partners, colors);
+    if (!of_frames) {
       content.info.problems.push_back(fmt::format("{} has {} poses for {} frames and is not used",
                                                   file.filename().string(), poses.size(), frames.size()));
       continue;
     }
-    for (size_t i = 0; i < frames.size(); ++i) frames[i].map_from_camera = poses[i];
+    for (size_t i = 0; i < frames.size(); ++i) frames[i].map_from_camera = (*of_frames)[i];
     return;
   }
 }
@@ -164,44 +255,47 @@ void set_poses(const fs::path& folder, FileRecordingContent& content) {
 
 std::vector<fs::path> depth_images_in(const fs::path& folder, size_t count, const std::string& begin) {
   std::array<std::vector<fs::path>, kDepthEndings.size()> kinds;
-  if (!fs::is_directory(folder)) return {};
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (const size_t kind = depth_ending_of(entry.path());
-        kind < kinds.size() && entry.path().filename().string().starts_with(begin))
-      kinds[kind].push_back(entry.path());
+  for (const fs::path& file : visible_files(folder))
+    if (const size_t kind = depth_ending_of(file);
+        kind < kinds.size() && file.filename().string().starts_with(begin))
+      kinds[kind].push_back(file);
   std::vector<fs::path>& files = *std::ranges::max_element(kinds, {}, [&](const auto& of_kind) {
     return std::pair(count > 0 && of_kind.size() == count, of_kind.size());
   });
-  sort_by_number(files);
+  sort_by_name(files);
   return files;
 }
 
 bool is_redwood(const fs::path& folder) {
-  return !color_folder(folder).empty() && !depth_images_in(folder / "depth", 0).empty();
+  return !depth_images_in(folder / "depth", 0).empty();
 }
 
 FileRecordingContent read_redwood(const fs::path& folder) {
   FileRecordingContent content = content_in_world("redwood", folder, false);
-  const std::vector<fs::path> colors = images_in(color_folder(folder)),
+  const fs::path of_colors = color_folder(folder);
+  const std::vector<fs::path> colors = of_colors.empty() ? std::vector<fs::path>() : images_in(of_colors),
                               depths = depth_images_in(folder / "depth", colors.size());
-  if (depths.size() != colors.size())
-    throw Error(
-        fmt::format("{} depth and {} colour images do not belong together", depths.size(), colors.size()),
-        {folder.string(), 0, {}});
-  set_cameras_of_folder(folder, depths[0], colors[0], content);
+  const Partners partners = partners_of(depths, colors, folder);
+  std::set<size_t> paired;
   for (size_t i = 0; i < depths.size(); ++i) {
     FrameFiles frame;
     frame.index = static_cast<int64_t>(i);
     frame.depth = depths[i];
-    frame.color = colors[i];
+    if (partners[i]) frame.color = colors[*partners[i]];
+    if (partners[i]) paired.insert(*partners[i]);
     frame.location = {depths[i].string(), 0, {}};
-    const auto time = microseconds_in_name(depths[i]);
-    frame.time_ns = time ? *time : assumed_time(number_in_name(depths[i]).value_or(frame.index));
     content.frames.push_back(std::move(frame));
   }
-  content.info.time_assumed = true;
-  content.info.guesses.emplace_back("no date in the stamps: they begin at 2000-01-01T00:00:00Z");
-  set_poses(folder, content);
+  for (size_t i = 0; i < colors.size() && paired.size() < colors.size(); ++i)
+    if (!paired.contains(i)) {
+      content.info.problems.push_back(
+          fmt::format("{} of {} colour images have no depth image, the first is {}",
+                      colors.size() - paired.size(), colors.size(), colors[i].string()));
+      break;
+    }
+  set_times_by_name(content.info, content.frames);
+  set_cameras_of_folder(folder, content);
+  set_poses(folder, partners, colors.size(), content);
   return content;
 }
 
@@ -214,7 +308,8 @@ FileRecordingContent read_replica(const fs::path& folder) {
   content.depth_scale = 1 / 6553.5;
   content.info.camera.depth = {1200, 680, 600, 600, 599.5, 339.5};
   if (const fs::path file = beside_or_above(folder, "cam_params.json"); !file.empty()) {
-    const Json camera = member_of(read_json(file), "camera");
+    const Json json = read_json(file), nested = member_of(json, "camera");
+    const Json& camera = nested.is_object() ? nested : json;
     const auto value = [&](const char* key) { return number_of(member_of(camera, key)); };
     content.info.camera.depth = checked_camera(
         {pixels_of(value("w")), pixels_of(value("h")), value("fx"), value("fy"), value("cx"), value("cy")},
@@ -236,19 +331,15 @@ FileRecordingContent read_replica(const fs::path& folder) {
       if (const fs::path color = folder / "results" / ("frame" + depth.stem().string().substr(5) + ending);
           fs::exists(color))
         frame.color = color;
-    frame.time_ns = assumed_time(frame.index);
     frame.location = {depth.string(), 0, {}};
     const size_t at = 16 * content.frames.size();
-    if (at + 16 > values.size())
-      throw Error(fmt::format("traj.txt has {} poses, there are more images", values.size() / 16),
-                  {folder.string(), 0, {}});
-    frame.map_from_camera =
-        pose_from_rows({values.begin() + std::ptrdiff_t(at), values.begin() + std::ptrdiff_t(at) + 16},
-                       {(folder / "traj.txt").string(), static_cast<int>(at / 16) + 1, {}});
+    if (at + 16 <= values.size())
+      frame.map_from_camera =
+          pose_from_rows({values.begin() + std::ptrdiff_t(at), values.begin() + std::ptrdiff_t(at) + 16},
+                         {(folder / "traj.txt").string(), static_cast<int>(at / 16) + 1, {}});
     content.frames.push_back(std::move(frame));
   }
-  content.info.guesses.emplace_back(
-      "no time stamps: 30 Hz from 2000-01-01T00:00:00Z by the number in the name");
+  set_times_by_name(content.info, content.frames);
   return content;
 }
 

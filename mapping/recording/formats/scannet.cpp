@@ -112,10 +112,8 @@ bool SensRecording::read_frame(int64_t index) {
   constexpr uint64_t kFrameHead = 16 * sizeof(float) + 4 * sizeof(uint64_t);
   if (at_ > file_size_ || kFrameHead > file_size_ - at_) return false;
   std::vector<double> matrix;
-  bool finite = true;
   for (int i = 0; i < 16; ++i) {
     matrix.push_back(static_cast<double>(take<float>()));
-    finite = finite && std::isfinite(matrix.back());
   }
   take<uint64_t>();  // stamp of colour
   const auto microseconds = take<uint64_t>();
@@ -137,7 +135,7 @@ bool SensRecording::read_frame(int64_t index) {
   frame.time_ns =
       assumed_time(stamped ? 0 : index) + (stamped ? static_cast<TimeNs>(1000 * microseconds) : 0);
   info_.time_assumed = true;
-  if (finite) frame.map_from_camera = pose_from_rows(matrix, frame.location);  // Lost frames have -inf.
+  frame.map_from_camera = pose_from_rows(matrix, frame.location);
   frames_.push_back(std::move(frame));
   images_.push_back(images);
   return true;

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "mapping/recording/depth_image.h"
 #include "mapping/sensor/kinect.h"
@@ -27,79 +29,77 @@ std::string frame_of_depth(const fs::path& file) {
 
 std::map<std::string, Parts> find_parts(const fs::path& folder) {
   std::map<std::string, Parts> frames;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    const std::string file = entry.path().filename().string();
-    if (const std::string frame = frame_of_depth(entry.path()); !frame.empty()) {
+  for (const fs::path& path : visible_files(folder)) {
+    const std::string file = path.filename().string();
+    if (const std::string frame = frame_of_depth(path); !frame.empty()) {
       fs::path& depth = frames[frame].depth;
-      if (depth.empty() || depth_ending_of(entry.path()) < depth_ending_of(depth)) depth = entry.path();
+      if (depth.empty() || depth_ending_of(path) < depth_ending_of(depth)) depth = path;
     } else if (const size_t at = file.rfind(".color."); at != std::string::npos) {
-      frames[file.substr(0, at)].color = entry.path();
+      frames[file.substr(0, at)].color = path;
     } else if (file.ends_with(".pose.txt")) {
-      frames[file.substr(0, file.size() - 9)].pose = entry.path();
+      frames[file.substr(0, file.size() - 9)].pose = path;
     }
   }
   return frames;
 }
 
-/// A part must be there for all frames, or (depth excepted) for none.
-void check_complete(const std::map<std::string, Parts>& frames, const fs::path& folder) {
-  size_t depths = 0, colors = 0, poses = 0;
+/// Frames without depth are left out, and named. Error when colour or poses are of other frames altogether.
+std::vector<fs::path> frames_with_depth(const std::map<std::string, Parts>& frames, const fs::path& folder,
+                                        RecordingInfo& info) {
+  size_t colors = 0, colored = 0, poses = 0, posed = 0;
+  std::vector<fs::path> depths;
+  std::vector<std::string> without;
   for (const auto& [name, parts] : frames) {
-    depths += parts.depth.empty() ? 0 : 1;
+    const bool has_depth = !parts.depth.empty();
     colors += parts.color.empty() ? 0 : 1;
     poses += parts.pose.empty() ? 0 : 1;
+    colored += has_depth && !parts.color.empty() ? 1 : 0;
+    posed += has_depth && !parts.pose.empty() ? 1 : 0;
+    if (has_depth)
+      depths.push_back(parts.depth);
+    else
+      without.push_back(name);
   }
-  for (const auto& [name, parts] : frames) {
-    if (parts.depth.empty())
-      throw Error(fmt::format("{} has a {} file and no depth ({} depth, {} colour files)", name,
-                              parts.color.empty() ? "pose" : "colour", depths, colors),
-                  {folder.string(), 0, {}}, "depth and colour do not belong together");
-    if (colors > 0 && parts.color.empty())
-      throw Error(fmt::format("{} has no colour image ({} depth, {} colour files)", name, depths, colors),
-                  {folder.string(), 0, {}}, "depth and colour do not belong together");
-    if (poses > 0 && parts.pose.empty())
-      throw Error(fmt::format("{} has no pose ({} frames, {} poses)", name, depths, poses),
-                  {folder.string(), 0, {}}, "give a .pose.txt for every frame, or none");
-  }
+  for (const auto& [count, shared, kind] :
+       {std::tuple(colors, colored, "colour images"), std::tuple(poses, posed, "poses")})
+    if (count > 0 && shared == 0)
+      throw Error(
+          fmt::format("{} depth images and {} {} have no names in common", depths.size(), count, kind),
+          {folder.string(), 0, {}}, "depth and colour do not belong together");
+  if (!without.empty())
+    info.problems.push_back(fmt::format("{} of {} frames have no depth image, the first is {}",
+                                        without.size(), frames.size(), without.front()));
+  sort_by_name(depths);
+  return depths;
 }
 
 }  // namespace
 
 bool is_seven_scenes(const fs::path& folder) {
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (!frame_of_depth(entry.path()).empty()) return true;
-  return false;
+  return std::ranges::any_of(visible_files(folder),
+                             [](const fs::path& file) { return !frame_of_depth(file).empty(); });
 }
 
 FileRecordingContent read_seven_scenes(const fs::path& folder) {
-  FileRecordingContent content;
-  content.info.format = "7-scenes";
-  content.info.path = folder.string();
-  content.info.time_assumed = true;
-  content.info.guesses.emplace_back(
-      "no time stamps: 30 Hz from 2000-01-01T00:00:00Z by the number in the name");
+  FileRecordingContent content = content_in_world("7-scenes", folder, true);
   content.invalid_depth = {0, 65535};
-
   const auto frames = find_parts(folder);
-  check_complete(frames, folder);
-  if (const fs::path cameras = beside_or_above(folder, "cameras.yaml"); !cameras.empty()) {
-    read_cameras(cameras, content);
-  } else {
-    content.info.camera = kinect_camera();
-    content.info.guesses.emplace_back("no cameras.yaml: the cameras of a Kinect v1 are assumed");
-  }
-  content.info.map_frame = "world";
-  content.info.levelled = false;
-  for (const auto& [name, parts] : frames) {
+  for (const fs::path& depth : frames_with_depth(frames, folder, content.info)) {
+    const Parts& parts = frames.at(frame_of_depth(depth));
     FrameFiles frame;
     frame.index = static_cast<int64_t>(content.frames.size());
-    frame.depth = parts.depth;
+    frame.depth = depth;
     frame.color = parts.color;
-    frame.location = {parts.depth.string(), 0, {}};
-    frame.time_ns = assumed_time(number_in_name(parts.depth).value_or(frame.index));
+    frame.location = {depth.string(), 0, {}};
     if (!parts.pose.empty()) frame.map_from_camera = read_pose_file(parts.pose);
     content.frames.push_back(std::move(frame));
   }
+  set_times_by_name(content.info, content.frames);
+  content.info.camera = kinect_camera();
+  if (const fs::path cameras = beside_or_above(folder, "cameras.yaml"); !cameras.empty())
+    read_cameras(cameras, content);
+  else
+    content.info.guesses.emplace_back("no cameras.yaml: the cameras of a Kinect v1 are assumed");
   return content;
 }
 

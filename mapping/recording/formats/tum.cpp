@@ -7,8 +7,9 @@
 #include <charconv>
 #include <sstream>
 
-#include "mapping/base/files.h"
+#include "mapping/base/text/text_file.h"
 #include "mapping/base/time_limits.h"
+#include "mapping/recording/depth_image.h"
 #include "mapping/recording/stamped_poses.h"
 
 namespace loci::mapping {
@@ -40,7 +41,7 @@ std::optional<TimeNs> parse_seconds(std::string_view text) {
 
 std::vector<Row> read_list(const fs::path& path, size_t words) {
   std::vector<Row> rows;
-  std::istringstream text(read_file(path));
+  std::istringstream text(read_text(path));
   int number = 0;
   for (std::string line; std::getline(text, line);) {
     ++number;
@@ -73,7 +74,7 @@ std::vector<StampedPose> poses_in(const fs::path& path) {
       if (end.ec != std::errc() || end.ptr != word.data() + word.size())
         throw Error(fmt::format("'{}' is not a number", word), row.location);
     }
-    poses.push_back({row.time_ns, pose_from_values(values, row.location)});
+    if (const auto pose = pose_unless_lost(values, row.location)) poses.push_back({row.time_ns, *pose});
   }
   return poses;
 }
@@ -97,23 +98,68 @@ constexpr std::array<KinectOfBenchmark, 3> kKinects = {{
     {"freiburg3", {640, 480, 535.4, 539.2, 320.1, 247.6}, {}},
 }};
 
+/// A line for the problems where depth is in millimetres rather than in the unit of the benchmark: no room is
+/// as small as this unit would make it. What was millimetres before, as cameras measure them, are multiples
+/// of five in it.
+std::string millimetres_because(const std::vector<FrameFiles>& frames) {
+  constexpr uint16_t kMaxMillimetres = 10'000;  ///< of cameras that see a room
+  constexpr size_t kFrames = 8;
+  constexpr double kMinMultiples = 0.9, kMaxBeyond = 0.001;
+  size_t measured = 0, multiples = 0, beyond = 0;
+  uint16_t greatest = 0;
+  for (size_t i = 0; i < frames.size(); i += std::max<size_t>(1, frames.size() / kFrames)) {
+    cv::Mat raw;
+    try {
+      raw = read_depth_image(frames[i].depth);
+    } catch (const Error&) {
+      continue;  // It is named when all images are checked.
+    }
+    if (raw.type() != CV_16UC1) return {};
+    std::for_each(raw.begin<uint16_t>(), raw.end<uint16_t>(), [&](uint16_t value) {
+      if (value == 0 || value == 65535) return;
+      ++measured;
+      if (value % 5 == 0) ++multiples;
+      if (value > kMaxMillimetres)
+        ++beyond;
+      else
+        greatest = std::max(greatest, value);
+    });
+  }
+  const auto share = [&](size_t count) { return static_cast<double>(count) / static_cast<double>(measured); };
+  if (measured == 0 || share(beyond) > kMaxBeyond || share(multiples) > kMinMultiples) return {};
+  return fmt::format(
+      "raw depth goes to {}, which is {:.2g} m in the benchmark's unit: if it is in millimetres, write a "
+      "cameras.yaml with 'depth: {{unit_m: 0.001}}'",
+      greatest, greatest / 5000.0);
+}
+
+/// What the camera is taken as where nothing describes it.
+std::string assume_camera(const fs::path& folder, FileRecordingContent& content) {
+  RgbdCamera& camera = content.info.camera;
+  for (const KinectOfBenchmark& kinect : kKinects) {
+    if (fs::absolute(folder).lexically_normal().string().find(kinect.name) == std::string::npos) continue;
+    camera.depth = camera.color = kinect.camera;
+    content.color_distortion = content.depth_distortion =
+        distortion_from("plumb_bob", {kinect.distortion.begin(), kinect.distortion.end()}, {});
+    return fmt::format("the benchmark's calibration of {}", kinect.name);
+  }
+  camera.depth = camera.color = {640, 480, 525, 525, 319.5, 239.5};
+  return "f 525, centre 319.5 239.5, as the benchmark recommends";
+}
+
 void set_cameras(const fs::path& folder, FileRecordingContent& content) {
   content.depth_scale = 1.0 / 5000;
   content.invalid_depth = {0};
-  if (const fs::path cameras = beside_or_above(folder, "cameras.yaml"); !cameras.empty())
-    return read_cameras(cameras, content);
-  for (const KinectOfBenchmark& kinect : kKinects) {
-    if (fs::absolute(folder).lexically_normal().string().find(kinect.name) == std::string::npos) continue;
-    content.info.camera.depth = content.info.camera.color = kinect.camera;
-    content.color_distortion = content.depth_distortion =
-        distortion_from("plumb_bob", {kinect.distortion.begin(), kinect.distortion.end()}, {});
-    content.info.guesses.push_back(
-        fmt::format("no cameras.yaml: the benchmark's calibration of {}, depth in 1/5000 m", kinect.name));
-    return;
-  }
-  content.info.camera.depth = content.info.camera.color = {640, 480, 525, 525, 319.5, 239.5};
-  content.info.guesses.emplace_back(
-      "no cameras.yaml: f 525, centre 319.5 239.5, depth in 1/5000 m, as the benchmark recommends");
+  const std::string assumed = assume_camera(folder, content);
+  const fs::path cameras = beside_or_above(folder, "cameras.yaml");
+  if (!cameras.empty() && read_cameras(cameras, content)) return;
+  fit_cameras_to_images(content);
+  content.info.guesses.push_back(cameras.empty()
+                                     ? fmt::format("no cameras.yaml: {}, depth in 1/5000 m", assumed)
+                                     : fmt::format("cameras.yaml describes no camera: {}", assumed));
+  if (const std::string why = cameras.empty() ? millimetres_because(content.frames) : std::string();
+      !why.empty())
+    content.info.problems.push_back(why);
 }
 
 /// The file that lists both images of each frame, as ORB-SLAM takes it; empty where there is none.
@@ -162,23 +208,23 @@ std::vector<StampedPose> read_tum_poses(const fs::path& path) {
 }
 
 bool is_tum(const fs::path& folder) {
-  const bool has_depth = fs::is_regular_file(folder / "depth.txt");
-  return (has_depth &&
-          (fs::is_regular_file(folder / "rgb.txt") || fs::is_regular_file(folder / "groundtruth.txt"))) ||
+  const auto has = [&](const char* name) { return fs::is_regular_file(folder / name); };
+  return (has("depth.txt") &&
+          (has("rgb.txt") || has("groundtruth.txt") || fs::is_directory(folder / "depth"))) ||
          !associations_in(folder).empty();
 }
 
 FileRecordingContent read_tum(const fs::path& folder, double color_delay_s) {
   FileRecordingContent content = content_in_world("tum", folder, false);
-  set_cameras(folder, content);
   const auto [depths, colors] = read_lists(folder);
-  const std::vector<StampedPose> poses = fs::is_regular_file(folder / "groundtruth.txt")
-                                             ? poses_in(folder / "groundtruth.txt")
-                                             : std::vector<StampedPose>();
+  const fs::path truth = folder / "groundtruth.txt";
+  const std::vector<StampedPose> poses =
+      fs::is_regular_file(truth) ? poses_in(truth) : std::vector<StampedPose>();
   const std::vector<TimeNs> depth_times = times_of(depths), color_times = times_of(colors, color_delay_s);
   const auto matches = nearest_in_time(depth_times, color_times);
   if (const std::string why = unmatched_because(depth_times, color_times); !why.empty())
     content.info.problems.push_back(why);
+  bool has_pose = false;
   for (size_t i = 0; i < depths.size(); ++i) {
     FrameFiles frame;
     frame.index = static_cast<int64_t>(i);
@@ -186,9 +232,15 @@ FileRecordingContent read_tum(const fs::path& folder, double color_delay_s) {
     frame.depth = folder / depths[i].words[0];
     if (matches[i]) frame.color = folder / colors[*matches[i]].words[0];
     frame.map_from_camera = pose_at(poses, frame.time_ns);
+    has_pose = has_pose || frame.map_from_camera;
     frame.location = depths[i].location;
     content.frames.push_back(std::move(frame));
   }
+  if (!poses.empty() && !has_pose && !depths.empty())
+    content.info.problems.push_back(
+        fmt::format("{}: {} ({}the frames from {} to {})", truth.string(), kNoPoseHere, range_of(poses),
+                    format_time(depth_times.front()), format_time(depth_times.back())));
+  set_cameras(folder, content);
   return content;
 }
 

@@ -93,7 +93,73 @@ TEST_F(Formats, RedwoodFoldersHaveCameraTrajectoryAndMicroseconds) {
   EXPECT_THAT(refusal(root_), HasSubstr("trajectory.log"));
   fs::remove(root_ / "trajectory.log");
   fs::remove(root_ / "image/0000001-000000033361.jpg");
-  EXPECT_THAT(refusal(root_), HasSubstr("2 depth and 1 colour images"));
+  const auto with_one_color = open_as_is(root_);
+  ASSERT_EQ(with_one_color->size(), 2U);
+  EXPECT_TRUE(with_one_color->frame(0).color.empty());
+  EXPECT_FALSE(with_one_color->frame(1).color.empty());
+}
+
+TEST_F(Formats, ImagesOfAFolderArePairedByTheNumbersInTheirNames) {
+  for (const int i : {0, 1, 3, 4, 5}) write_depth(fmt::format("depth/{:06}.png", i), 1000);
+  for (const int i : {0, 1, 2, 3, 5}) write_color(fmt::format("color/frame{}.jpg", i));
+  std::string log;
+  for (int i = 0; i < 6; ++i)
+    log += fmt::format("{0} {0} {1}\n1 0 0 {0}\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", i, i + 1);
+  write("scene/trajectory.log", log);
+  const auto recording = open_as_is(root_);
+  ASSERT_EQ(recording->size(), 5U);
+  EXPECT_EQ(recording->color_name_of(2), "frame3");
+  EXPECT_TRUE(recording->frame(3).color.empty());
+  EXPECT_DOUBLE_EQ(recording->frame(2).map_from_camera->translation().x(), 3);
+  EXPECT_THAT(recording->info().problems,
+              Contains(testing::AllOf(HasSubstr("1 of 5 colour images"), HasSubstr("frame2.jpg"))));
+  write("scene/trajectory.log", log.substr(0, log.find("3 3 4")));
+  EXPECT_EQ(open_as_is(root_)->info().frames_with_pose, 2U);
+}
+
+TEST_F(Formats, StampsInNamesOfAFolderAreTimes) {
+  const auto seconds = [&](const std::string& first, const std::string& second) {
+    for (const char* folder : {"depth", "color"}) fs::remove_all(root_ / folder);
+    write_depth("depth/" + first + ".png", 1000);
+    write_depth("depth/" + second + ".png", 1000);
+    const auto recording = open_as_is(root_);
+    EXPECT_EQ(recording->info().time_assumed, first.size() < 13);
+    return seconds_between(recording->time_of(0), recording->time_of(1));
+  };
+  EXPECT_NEAR(seconds("1700000001.900000", "1700000002.100000"), 0.2, 1e-9);
+  EXPECT_NEAR(seconds("kinect_1700000001900", "kinect_1700000002100"), 0.2, 1e-9);
+  EXPECT_NEAR(seconds("1700000001900000", "1700000002100000"), 0.2, 1e-9);
+  EXPECT_NEAR(seconds("1700000001900000000", "1700000002100000000"), 0.2, 1e-9);
+  EXPECT_NEAR(seconds("9.900000", "10.100000"), 0.2, 1e-9);
+}
+
+TEST_F(Formats, IntrinsicMatricesComeInSeveralOrders) {
+  write_depth("depth/0.png", 1000);
+  write_color("color/0.jpg");
+  const auto camera_of = [&](const std::string& matrix) {
+    write("camera_intrinsic.json", R"({"width": 64, "height": 48, "intrinsic_matrix": )" + matrix + "}");
+    return open_as_is(root_)->info().camera.depth;
+  };
+  const PinholeCamera camera{64, 48, 52, 53, 31, 23};
+  EXPECT_EQ(camera_of("[52, 0, 0, 0, 53, 0, 31, 23, 1]"), camera);
+  EXPECT_EQ(camera_of("[52, 0, 31, 0, 53, 23, 0, 0, 1]"), camera);
+  EXPECT_EQ(camera_of("[[52, 0, 31], [0, 53, 23], [0, 0, 1]]"), camera);
+  write("camera_intrinsic.json",
+        R"({"width": 64, "height": 48, "intrinsic_matrix": [52, 0, 0, 0, 53, 0, 0, 0, 1]})");
+  EXPECT_THAT(refusal(root_), HasSubstr("the principal point 0 0 is far from the middle of 64 x 48 pixels"));
+  write("camera_intrinsic.json", R"({"intrinsic_matrix": [52, 53]})");
+  EXPECT_THAT(refusal(root_), HasSubstr("3 x 3 numbers"));
+}
+
+TEST_F(Formats, CamerasAreScaledToSmallerDepth) {
+  write_depth("depth/0.png", 1000, 32, 24);
+  write_color("color/0.jpg");
+  write("camera_intrinsic.json",
+        R"({"width": 64, "height": 48, "intrinsic_matrix": [52, 0, 0, 0, 52, 0, 31.5, 23.5, 1]})");
+  const auto recording = open_as_is(root_);
+  EXPECT_DOUBLE_EQ(recording->info().camera.depth.fx, 26);
+  EXPECT_DOUBLE_EQ(recording->info().camera.depth.cx, 15.5);
+  EXPECT_DOUBLE_EQ(recording->info().camera.color.fx, 52);
 }
 
 TEST_F(Formats, ExportsOfScanNetHaveIntrinsicsAndPosesInFolders) {
@@ -161,7 +227,10 @@ TEST_F(Formats, ReplicaHasAScaleOfItsOwn) {
   EXPECT_DOUBLE_EQ(recording->frame(0).map_from_camera->translation().x(), 3);
   EXPECT_FALSE(recording->frame(0).color.empty());
   write("traj.txt", "1 0 0 3\n");
-  EXPECT_THAT(refusal(root_), HasSubstr("traj.txt has 0 poses"));
+  EXPECT_EQ(open_as_is(root_)->info().frames_with_pose, 0U);
+  write("cam_params.json",
+        R"({"w": 64, "h": 48, "fx": 60, "fy": 60, "cx": 31.5, "cy": 23.5, "scale": 1000})");
+  EXPECT_NEAR(open_as_is(root_)->frame(0).depth.at<float>(1, 1), 6.554, 1e-5) << "without 'camera'";
 }
 
 // nerfstudio
@@ -271,7 +340,8 @@ TEST_F(Formats, JsonOfAnotherTypeIsRefused) {
               HasSubstr("positive sizes"));
   EXPECT_THAT(refusal_of("camera_intrinsic.json", R"({"width": 1e300, )" + matrix),
               HasSubstr("positive sizes"));
-  EXPECT_THAT(refusal_of("camera_intrinsic.json", "[]"), HasSubstr("the image is 64 x 48, the depth camera"));
+  write("camera_intrinsic.json", "[]");
+  EXPECT_THAT(open_as_is(root_)->info().problems, Contains(HasSubstr("has no intrinsic_matrix")));
 }
 
 // Stray Scanner
@@ -515,6 +585,28 @@ TEST_F(Poses, OfColmapAreOfTheColourCameraAndWorldToCamera) {
   EXPECT_FALSE(recording->frame(0).map_from_camera);
   EXPECT_NEAR(position(*recording, 1).x(), 2 - 0.1, 1e-9);
   EXPECT_NEAR(position(*recording, 2).x(), 4 - 0.1, 1e-9);
+}
+
+TEST_F(Poses, OfColmapMayBelongToColourImagesWithNamesOrStampsOfTheirOwn) {
+  const fs::path folder = root_ / "tum";
+  std::string depths, colors;
+  for (const std::string stamp : {"1700000001.100000", "1700000002.100000"}) {
+    write_depth("tum/depth/" + stamp + ".png", 5000);
+    write_color("tum/rgb/" + stamp + "_left.png");
+    depths += stamp + " depth/" + stamp + ".png\n";
+    colors += stamp + " rgb/" + stamp + "_left.png\n";
+  }
+  write("tum/depth.txt", depths);
+  const auto position_by = [&](const std::string& image) {
+    write("images.txt", "# IMAGE_ID\n1 1 0 0 0 -2 0 0 1 " + image + "\n\n");
+    const auto recording = open_as_is(folder, (root_ / "images.txt").string());
+    EXPECT_EQ(recording->info().frames_with_pose, 1U);
+    return recording->frame(1).map_from_camera.value_or(Isometry3d::Identity()).translation().x();
+  };
+  EXPECT_DOUBLE_EQ(position_by("rgb/1700000002.104000.png"), 2)
+      << "the digits behind the point are no number";
+  write("tum/rgb.txt", colors);
+  EXPECT_DOUBLE_EQ(position_by("rgb/1700000002.100000_left.png"), 2);
 }
 
 TEST_F(Poses, OfAnotherKindAreRefusedWithTheirLine) {

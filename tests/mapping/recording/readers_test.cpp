@@ -120,6 +120,35 @@ TEST_F(Tum, OneListOfBothImagesIsRead) {
   EXPECT_THAT(refusal(root_), HasSubstr("associations.txt:1: which of the two images is depth is not clear"));
 }
 
+TEST_F(Tum, ATruthOfAnotherClockIsPointedAt) {
+  write_file_atomically(root_ / "groundtruth.txt", "12.5 0 0 1 0 0 0 1\n12.6 nan nan nan nan nan nan nan\n");
+  EXPECT_THAT(
+      open_recording(root_)->info().problems,
+      testing::Contains(testing::AllOf(HasSubstr("groundtruth.txt: no frame of the recording has a pose"),
+                                       HasSubstr("the poses go from 1970"))));
+}
+
+TEST_F(Tum, DepthInMillimetresIsPointedAtAndItsUnitAloneIsADescription) {
+  for (const char* stamp : {"1305031102.160407", "1305031102.260000"})
+    write_image(root_ / "depth" / (std::string(stamp) + ".png"),
+                cv::Mat(480, 640, CV_16UC1, cv::Scalar(1501)));
+  const auto advice = HasSubstr("cameras.yaml with 'depth: {unit_m: 0.001}'");
+  EXPECT_THAT(open_recording(root_)->info().problems, testing::Contains(advice));
+  write_file_atomically(root_ / "cameras.yaml", "depth: {unit_m: 0.001}\n");
+  const auto recording = open_recording(root_);
+  EXPECT_FLOAT_EQ(recording->frame(0).depth.at<float>(0, 0), 1.501F);
+  EXPECT_DOUBLE_EQ(recording->info().camera.depth.fx, 525);
+  EXPECT_THAT(recording->info().problems, testing::Not(testing::Contains(advice)));
+  write_file_atomically(root_ / "cameras.yaml", "depth: {depth_scale: 1000}\n");
+  EXPECT_THAT(refusal(root_), HasSubstr("unit_m"));
+}
+
+TEST_F(Tum, DepthAloneIsRead) {
+  fs::remove(root_ / "rgb.txt");
+  fs::remove(root_ / "groundtruth.txt");
+  EXPECT_EQ(open_recording(root_)->info().format, "tum");
+}
+
 TEST_F(Tum, BadListsAreNamedWithTheirLine) {
   write_file_atomically(root_ / "groundtruth.txt", "1305031102.1 0 0 1 0 0 0\n");
   EXPECT_THAT(refusal(root_), HasSubstr("groundtruth.txt:1"));

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mapping/recording/recording.h"
+
+namespace loci::mapping {
+
+/// How well the depth of neighbouring frames agrees under the poses.
+struct PoseAgreement {
+  size_t compared = 0;    ///< pixels that fall into the other frame
+  double share = 0;       ///< of them, those that meet the surface that it measured
+  std::string cause;      ///< what the poses probably are instead: "from the world to the camera"; empty when
+                          ///< nothing that was tried agrees much better
+  std::string hint;       ///< what to do about it
+  double share_then = 0;  ///< of that
+
+  bool fits() const;
+  /// One line; empty when the poses fit.
+  std::string text() const;
+};
+
+/// Reads some pairs of frames. Poses that do not fit are tried the other way round, with the quaternion in
+/// another order, in another unit, of other axes, and later or earlier by some frames.
+PoseAgreement check_poses(const Recording& recording);
+
+/// Lines for people about poses that do not fit the depth, or else about another direction that is up than z
+/// of the poses, unless the options say what is up; none where there are no poses.
+std::vector<std::string> doubts_about_poses(const Recording& recording, const RecordingOptions& options);
+
+}  // namespace loci::mapping
