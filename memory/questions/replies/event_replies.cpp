@@ -57,12 +57,15 @@ std::string happened(const Change& change, const Names& names) {
 
 // ---- whether a change would have been seen
 
-/// The joints of a part, and of the places of that name.
+/// The joints of a part, and of the places of that name; "" = of all parts.
 std::set<std::string> joints_asked(const Snapshot& snapshot, const std::string& part) {
-  std::set<std::string> joints = joints_called(snapshot, part);
-  if (!part.empty())
-    for (const PlaceRow& place : snapshot.places_meant(part))
-      if (place.joint) joints.insert(*place.joint);
+  const bool all = part.empty();
+  std::set<std::string> joints = all ? std::set<std::string>{} : joints_called(snapshot, part);
+  for (const PlaceRow& place : all ? snapshot.places() : snapshot.places_meant(part))
+    if (place.joint) joints.insert(*place.joint);
+  if (all)
+    for (const EnvironmentPart& one : ask(snapshot.store(), OpensQuestion{.as_of = snapshot.as_of()}).parts)
+      joints.insert(one.motion->map_joint);
   return joints;
 }
 

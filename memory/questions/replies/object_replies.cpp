@@ -584,8 +584,10 @@ void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply
   } else if (!missed.empty()) {
     reply.number = gone ? 0 : missed.size();
     reply.probability = missed.front().probability;
-    reply.text = fmt::format("{} {}: {}, not seen at the last look.", gone ? "Perhaps" : "Probably",
-                             missed.size(), names_in(missed));
+    const std::string list = asks == Asks::objects && missed.size() == 1
+                                 ? names.subject(missed[0].object)
+                                 : fmt::format("{}: {}", missed.size(), names_in(missed));
+    reply.text = fmt::format("{} {}, not seen at the last look.", gone ? "Perhaps" : "Probably", list);
   } else {
     reply.text = any_time ? fmt::format("None{}.", state.empty() ? " seen then" : " is known to be " + state)
                           : fmt::format("None now: {} gone.", counted(answer.objects.size(), "object"));

@@ -231,7 +231,8 @@ TEST_F(NaturalLanguage, TheReplyAnswersWhatWasAsked) {
       {"Why is the red thing not on the counter?", "But the tea cup is on counter_1."},
       {"Where was the blue thing before?", "Not known: the blue object was seen nowhere before that."},
       {"What happened?",
-       "New: yellow object, green object and blue object; opened or closed: drawer_1; hidden: blue object."},
+       "New: yellow object, green object and 2 more; opened or closed: drawer_1; hidden: blue object; moved: "
+       "tea cup."},
       {"What happened at 8:45?", "Not observed: nobody looked then."},
       {"What changed between 8:40 and 8:50?", "Not observed: nobody looked then."},
       {"What was taken from the drawer between 8 and 9?",
@@ -415,8 +416,23 @@ TEST_F(NaturalLanguage, WhatWasLookedForAndNotFoundWasNotSeen) {
 }
 
 TEST_F(NaturalLanguage, WhatTheLastLookMissedIsCountedAsProbable) {
-  SQLite::Database(file_.string(), SQLite::OPEN_READWRITE)
-      .exec("UPDATE belief SET status = 'missed', probability = 0.65 WHERE object = 2 AND status = 'hidden'");
+  store_.reset();
+  {
+    Store store = Store::open_write(file_, {});
+    SceneTransaction scene(store, store.begin_run("test", "{}"));
+    const Id id = scene.add_scene({.time = testing_support::day_time("11:00")});
+    scene.add_visibility({.scene = id, .object = 2, .status = ObjectStatus::missed, .probability = 0.9});
+    scene.add_belief({.object = 2,
+                      .scene = id,
+                      .status = ObjectStatus::missed,
+                      .probability = 0.65,
+                      .place = store.places().at(0).id,
+                      .position = Vector3d(0.7, 0.5, 0.8),
+                      .last_scene = 3,
+                      .color = "blue"});
+    scene.commit();
+  }
+  store_.emplace(Store::open_read(file_));
   EXPECT_EQ(say("How many blue things are there?").reply->text,
             "Probably 1: blue object, not seen at the last look.");
   EXPECT_EQ(say("How many objects are gone?").reply->number, 0U);
