@@ -210,14 +210,16 @@ void parts_in_state(const OpensAnswer& answer, const ReplyContext& context, Repl
   const auto are = [&](const std::vector<EnvironmentPart>& parts) {
     return opened ? (parts.size() > 1 ? "were" : "was") : is_or_was(context, parts.size());
   };
+  const bool all_known = answer.not_observed.empty();
   std::vector<std::string> said;
   if (!answer.parts.empty())
     said.push_back(fmt::format("{} {} {}", list_of(answer.parts), are(answer.parts), state));
-  else if (!answer.others.empty())
-    said.push_back(fmt::format("none: {} {} {}", list_of(answer.others), are(answer.others), other));
-  if (!answer.not_observed.empty()) said.push_back("not observed: " + list_of(answer.not_observed));
+  if (!all_known) said.push_back("not observed: " + list_of(answer.not_observed));
+  if (answer.parts.empty() && !answer.others.empty())
+    said.push_back(fmt::format("{}{} {} {}", all_known ? "none: " : "", list_of(answer.others),
+                               are(answer.others), other));
   for (const EnvironmentPart& part : answer.parts) reply.places.push_back(part.name);
-  reply.not_known = answer.parts.empty() && !answer.not_observed.empty();
+  reply.not_known = answer.parts.empty() && !all_known;
   if (!reply.not_known) reply.number = answer.parts.size();
   reply.text = said.empty() ? fmt::format("Nothing is known to be {}.", state)
                             : fmt::format("{}.", fmt::join(said, "; "));

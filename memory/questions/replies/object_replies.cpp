@@ -42,8 +42,10 @@ std::optional<Change> left_around(Id object, TimeNs time, const Snapshot& snapsh
 /// "The bowl was probably on table_1; it left between 15:00 and 20:30."
 void where_one(const ObjectBelief& object, const std::string& spot, const Names& names,
                const ReplyContext& context, const Snapshot& snapshot, Reply& reply) {
+  const std::optional<TimeNs> at = context.as_of.at;
+  const bool seen_then = at && object.last_seen && *at - object.last_seen->time < kMinute;
   const std::optional<Change> left =
-      context.as_of.at ? left_around(object.object.id, *context.as_of.at, snapshot) : std::nullopt;
+      at && !seen_then ? left_around(object.object.id, *at, snapshot) : std::nullopt;
   reply.probability = object.probability;
   reply.text =
       fmt::format("{} {} {}{}{}.", bare_subject(object.object, names), is_or_was(context),
