@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <set>
+#include <utility>
 
 #include "mapping/base/math/math.h"
 #include "mapping/base/text/text.h"
@@ -218,6 +219,30 @@ std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& pa
   return found;
 }
 
+/// How joints stood when they were seen next, unless a look of that minute showed it.
+void add_next_looks(const Snapshot& snapshot, TimeNs moment, std::map<std::string, PartMotion*> motions) {
+  const Store& store = snapshot.store();
+  const AsOf known{.at = {}, .known_at = snapshot.as_of().known_at};
+  TimeNs end = moment;
+  std::erase_if(motions, [&](const auto& one) {
+    const std::optional<SceneRow> last = store.latest_scene_of_joint(one.first, known);
+    if (last) end = std::max(end, last->time);
+    const bool shown = one.second->seen && moment - one.second->seen->time < kMinute;
+    return shown || !last || last->time <= moment;
+  });
+  // Few scenes are read where the next look is near.
+  TimeNs span = kHour;
+  for (TimeNs from = moment + 1; from <= end && !motions.empty(); from += span, span *= 4)
+    for (const SceneRow& scene : store.scenes(known, from, from + span - 1))
+      std::erase_if(motions, [&](const auto& one) {
+        const auto position = scene.joints.find(one.first);
+        if (position == scene.joints.end()) return false;
+        one.second->next_position = position->second;
+        one.second->next_seen = snapshot.scene_ref(scene);
+        return true;
+      });
+}
+
 /// How joints stood when they were seen last, and when they changed.
 void add_motions(const Snapshot& snapshot, std::vector<EnvironmentPart>& parts) {
   std::map<std::string, PartMotion*> motions;
@@ -231,6 +256,7 @@ void add_motions(const Snapshot& snapshot, std::vector<EnvironmentPart>& parts) 
     motion->position = latest->joints.at(name);
     motion->seen = snapshot.scene_ref(*latest);
   }
+  if (const std::optional<TimeNs> moment = snapshot.as_of().at) add_next_looks(snapshot, *moment, motions);
   for (const EventRow& event : store.events(snapshot.as_of())) {
     const auto found =
         event.kind == EventKind::joint_changed && event.joint ? motions.find(*event.joint) : motions.end();
@@ -281,9 +307,14 @@ std::string motion_text(const PartMotion& motion, const TimeWriter& times) {
       fmt::format("{} up to {}", motion.type == mapping::JointType::prismatic ? "slides" : "turns",
                   travel_text(motion, range));
   if (motion.position && motion.seen)
-    text += fmt::format("; {} as of {} ({})",
-                        motion.open() ? "open by " + travel_text(motion, *motion.position) : "closed",
-                        times.text(motion.seen->time), scene_text(*motion.seen));
+    text += fmt::format(
+        "; {} as of {} ({})",
+        motion.is_open(*motion.position) ? "open by " + travel_text(motion, *motion.position) : "closed",
+        times.text(motion.seen->time), scene_text(*motion.seen));
+  if (motion.next_position && motion.next_seen)
+    text += fmt::format("; {} at the next look, {} ({})",
+                        motion.is_open(*motion.next_position) ? "open" : "closed",
+                        times.text(motion.next_seen->time), scene_text(*motion.next_seen));
   if (motion.opened) text += fmt::format("; last opened by {}", times.text(motion.opened->time));
   if (motion.closed) text += fmt::format("; last closed by {}", times.text(motion.closed->time));
   if (!motion.opened && !motion.closed) text += "; never seen to move";
@@ -324,11 +355,10 @@ const Record<PartMotion>& motion_record() {
                    return motion.map_joint != motion.joint ? std::optional(motion.map_joint) : std::nullopt;
                  })
           .value("position", &PartMotion::position)
-          .value("open",
-                 [](const PartMotion& motion) {
-                   return motion.position ? std::optional(motion.open()) : std::nullopt;
-                 })
+          .value("open", &PartMotion::open)
           .record("seen", &PartMotion::seen, scene_record())
+          .value("next_position", &PartMotion::next_position)
+          .record("next_seen", &PartMotion::next_seen, scene_record())
           .time("last_opened", [](const PartMotion& motion) { return time_of_change(motion.opened); })
           .time("last_closed", [](const PartMotion& motion) { return time_of_change(motion.closed); });
   return record;
@@ -359,9 +389,15 @@ const Record<EnvironmentPart>& part_record() {
 
 }  // namespace
 
-bool PartMotion::open() const {
+bool PartMotion::is_open(double at) const {
   const double range = std::max(std::abs(lower), std::abs(upper));
-  return position && std::abs(*position) > 0.05 * range;
+  return std::abs(at) > 0.05 * range;
+}
+
+std::optional<bool> PartMotion::open() const {
+  if (!position) return std::nullopt;
+  const bool before = is_open(*position);
+  return next_position && is_open(*next_position) != before ? std::nullopt : std::optional(before);
 }
 
 std::optional<mapping::World> world_of(const Snapshot& snapshot) {
@@ -392,6 +428,25 @@ std::set<std::string> joints_called(const Snapshot& snapshot, const std::string&
   return joints;
 }
 
+bool is_joint_seen(const Store& store, const std::string& joint, AsOf as_of, std::optional<TimeNs> from,
+                   std::optional<TimeNs> to) {
+  if (to && (!as_of.at || *to < *as_of.at)) as_of.at = to;
+  const std::optional<SceneRow> last = store.latest_scene_of_joint(joint, as_of);
+  return last && (!from || last->time >= *from);
+}
+
+namespace {
+
+/// Whether a part did not open in the period; unset where no look of it showed the part.
+std::optional<bool> is_unopened(const Store& store, const PartMotion& motion,
+                                const std::set<std::string>& opened, const OpensQuestion& question) {
+  if (opened.contains(motion.map_joint) || motion.open() == true) return false;
+  const bool seen = is_joint_seen(store, motion.map_joint, question.as_of, question.from, question.to);
+  return seen ? std::optional(true) : std::nullopt;
+}
+
+}  // namespace
+
 RoomAnswer ask(const Store& store, const RoomQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   const std::shared_ptr<const StoredMap> map = map_of(snapshot);
@@ -416,17 +471,18 @@ OpensAnswer ask(const Store& store, const OpensQuestion& question) {
   std::erase_if(answer.parts, [](const EnvironmentPart& part) { return !part.motion; });
   add_motions(snapshot, answer.parts);
   add_contents(snapshot, answer.parts);
-  if (question.state == "unopened") {
-    std::set<std::string> opened;
-    for (const EventRow& event : store.events(question.as_of, question.from, question.to))
-      if (event.joint && is_opening(snapshot.change(event))) opened.insert(*event.joint);
-    std::erase_if(answer.parts, [&](const EnvironmentPart& part) {
-      return opened.contains(part.motion->map_joint) || (part.motion->position && part.motion->open());
-    });
-  } else if (!question.state.empty())
-    std::erase_if(answer.parts, [&](const EnvironmentPart& part) {
-      return !part.motion->position || part.motion->open() != (question.state == "open");
-    });
+  if (question.state.empty()) return answer;
+  std::set<std::string> opened;
+  for (const EventRow& event : store.events(question.as_of, question.from, question.to))
+    if (event.joint && is_opening(snapshot.change(event))) opened.insert(*event.joint);
+  for (EnvironmentPart& part : std::exchange(answer.parts, {})) {
+    const std::optional<bool> open = part.motion->open();
+    const std::optional<bool> is_so = question.state == "unopened"
+                                          ? is_unopened(store, *part.motion, opened, question)
+                                      : open ? std::optional(*open == (question.state == "open"))
+                                             : std::nullopt;
+    (!is_so ? answer.not_observed : *is_so ? answer.parts : answer.others).push_back(std::move(part));
+  }
   return answer;
 }
 
@@ -444,13 +500,15 @@ std::string to_text(const RoomAnswer& answer, const TimeWriter& times) {
 }
 
 std::string to_text(const OpensAnswer& answer, const TimeWriter& times) {
-  if (answer.parts.empty() && !answer.state.empty()) return fmt::format("None is {}.\n", answer.state);
-  if (answer.parts.empty())
+  if (answer.parts.empty() && answer.state.empty())
     return answer.asked.empty() ? "Nothing is known to open: the map has no joints.\n"
                                 : fmt::format("'{}' has no part that moves.\n", answer.asked);
   std::vector<std::string> lines;
   for (const EnvironmentPart& part : answer.parts)
     lines.push_back(fmt::format("{} {}.", title(part), motion_text(*part.motion, times)));
+  if (lines.empty()) lines.push_back(fmt::format("None is {}.", answer.state));
+  for (const EnvironmentPart& part : answer.not_observed)
+    lines.push_back(fmt::format("Not observed: {} {}.", title(part), motion_text(*part.motion, times)));
   return lines_text(lines);
 }
 
@@ -478,7 +536,8 @@ namespace {
 const Record<OpensAnswer>& opens_record() {
   static const auto record = Record<OpensAnswer>("OpensAnswer")
                                  .value("asked", &OpensAnswer::asked)
-                                 .record("parts", &OpensAnswer::parts, part_record());
+                                 .record("parts", &OpensAnswer::parts, part_record())
+                                 .record("not_observed", &OpensAnswer::not_observed, part_record());
   return record;
 }
 

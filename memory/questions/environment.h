@@ -27,6 +27,9 @@ std::string find_part_without_place(const Snapshot& snapshot, const std::string&
 std::vector<Id> find_places_by_level(const Snapshot& snapshot, const std::string& name);
 /// The map's joints that move the parts of this name.
 std::set<std::string> joints_called(const Snapshot& snapshot, const std::string& name);
+/// Whether a scene of the period knows the position of a joint.
+bool is_joint_seen(const Store& store, const std::string& joint, AsOf as_of, std::optional<TimeNs> from,
+                   std::optional<TimeNs> to);
 
 /// The joint of a part and its state.
 struct PartMotion {
@@ -37,7 +40,14 @@ struct PartMotion {
   std::optional<double> position = {};             ///< in the last scene that knew; unset = never known
   std::optional<SceneRef> seen = {};               ///< that scene
   std::optional<Change> opened = {}, closed = {};  ///< the last time of each
-  bool open() const;                               ///< by at least a twentieth of its range
+  /// In the first scene that knew after the time asked about, where no scene of that minute did.
+  std::optional<double> next_position = {};
+  std::optional<SceneRef> next_seen = {};  ///< that scene
+  /// A position is open from a twentieth of the range on.
+  bool is_open(double at) const;
+  /// At the time asked about. Unset where no look showed it, and where it changed between the look before and
+  /// the look after.
+  std::optional<bool> open() const;
 };
 
 struct EnvironmentPart {
@@ -87,6 +97,8 @@ struct OpensAnswer {
   std::string asked = {};
   std::string state = {};
   std::vector<EnvironmentPart> parts = {};
+  // With a state: those that are not so, and those of which no look shows whether they are.
+  std::vector<EnvironmentPart> others = {}, not_observed = {};
 };
 OpensAnswer ask(const Store& store, const OpensQuestion& question);
 std::string to_text(const OpensAnswer& answer, const TimeWriter& times);

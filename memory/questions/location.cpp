@@ -295,12 +295,11 @@ std::vector<SentenceForm> where_sentences() {
       {"howlong: see <object> [ago|not|last]", ago, "How long ago did you see the jam?", {}, at},
       {"howsure: <object> [where|location]", probability},
       {"howsure: about<object> [location|where]", probability, "How sure are you about the pot?"},
-      {"howlong: vanish|go|miss|leave <object> [ago]", ago, "How long has the plate been missing?"},
+      {"howlong: vanish|go|miss|leave <object> [ago]", duration, "How long has the plate been missing?"},
       {"why|how: vanish|go|miss|leave|take|lose <object> [away]", reason,
        "Why do you think that the plate is gone?"},
       {"why|how: vanish|go|leave|take|move <object> <any> [away]", reason},
       {"why|how: vanish|go|leave|take|move <object> from<any> [away]", reason},
-      {"why: not <object> at<any>", reason},
       {"why|how: know|think|sure <object> [where|location]", reason},
   };
 }

@@ -175,7 +175,8 @@ namespace {
 std::vector<SentenceForm> objects_sentences() {
   using enum SentenceTime;
   using enum Asks;
-  const std::map<std::string, std::string> no_longer = {{"state", "gone"}}, unmoved = {{"state", "unmoved"}};
+  const std::map<std::string, std::string> no_longer = {{"state", "gone"}}, unmoved = {{"state", "unmoved"}},
+                                           known = {{"state", "known"}};
   return {
       {"what: thing person|there [know|see|have|exist]", objects, "What objects do you know?"},
       {"what: know person", objects},
@@ -188,6 +189,11 @@ std::vector<SentenceForm> objects_sentences() {
       {"what: which<object> person see -time", objects},
       {"what: which<object> person|there|room|stand|exist [have|own|leave|every]", objects,
        "What red objects do you know?"},
+      {"howmany: thing know person", number, "How many objects do you know?", known},
+      {"howmany: <object> know person", number, "", known},
+      {"howmany: <object> see person", number, "", known},
+      {"howmany: <object> see time", number, "", {}, period},
+      {"howmany: <object> see person time", number, "", {}, period},
       {"howmany: thing [own|leave]", number},
       {"howmany: thing see time", number, "", {}, period},
       {"howmany: <object> [own|leave|keep|room]", number, "How many red objects are there?"},
@@ -263,9 +269,9 @@ std::vector<Question> object_questions() {
        .parameters = {only,
                       {.name = "state",
                        .help = "gone: only those that have gone; unmoved: only those that are there and were "
-                               "not moved",
+                               "not moved; known: what is there and what has gone",
                        .default_text = "any",
-                       .choices = {"gone", "unmoved"}},
+                       .choices = {"gone", "unmoved", "known"}},
                       count_parameter(),
                       {.name = "unseen-since",
                        .type = ParameterType::time,

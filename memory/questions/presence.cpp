@@ -319,9 +319,10 @@ class Judge {
       if (spot_) {
         if (const DepthThumbnail* depth = spot_moves_ ? nullptr : coverage_.thumbnail(scene))
           view.spot = depth->spot_status(*spot_);
-        // The belief used the full image, and was about this very spot.
+        // The belief used the full image. Where no place is asked about, it was about this very spot.
         const auto found = stored.find(scene.id);
-        if (view.spot == SpotStatus::no_camera && found != stored.end()) view.spot = found->second;
+        if ((view.spot == SpotStatus::no_camera || places_.empty()) && found != stored.end())
+          view.spot = found->second;
       }
       if (view.fraction > 0 || (view.spot != SpotStatus::out_of_view && view.spot != SpotStatus::no_camera))
         result.views.push_back(view);
@@ -452,7 +453,8 @@ class Judge {
   }
 
   static void decide_anywhere(WasObject& result) {
-    if (spot_was(result, SpotStatus::seen_empty)) {
+    // What lies flat hardly changes the depth of its spot: a view of the spot without it is enough.
+    if (spot_was(result, SpotStatus::seen_empty) || spot_was(result, SpotStatus::seen)) {
       result.verdict = Verdict::no;
       result.reason = "the spot where it stood was seen without it, and it was seen nowhere else";
     } else {

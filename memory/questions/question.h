@@ -54,6 +54,7 @@ enum class Asks {
   ago,          ///< how long ago
   probability,  ///< how sure
   reason,       ///< why
+  why_not,      ///< why it is not so
   property,     ///< a colour, a size, …
   agent,        ///< who did it
   until,        ///< when it ended

@@ -355,6 +355,7 @@ std::vector<Question> search_questions() {
        .sentences = {{"where: next|first find <object>", Asks::place,
                       "Where should I look next for the cereal?"},
                      {"where: next|first look for<object>", Asks::place},
+                     {"where: should find <object>", Asks::place, "Where should I look for the bowl?"},
                      {"where: else <object> [find|look|stand|keep]", Asks::place,
                       "If the cereal is not on the table, where else may it be?"}}},
       {.name = "like",

@@ -112,13 +112,30 @@ void write_reply(const RoomAnswer& answer, const ReplyContext& context, Reply& r
 
 namespace {
 
+const char* state_name(bool open) {
+  return open ? "open" : "closed";
+}
+
+/// "open at 17:45"; "" = no look showed it.
+std::string state_at(const PartMotion& motion, const std::optional<double>& position,
+                     const std::optional<SceneRef>& seen, const TimeWriter& times) {
+  if (!position || !seen) return "";
+  return fmt::format("{} at {}", state_name(motion.is_open(*position)), times.text(seen->time));
+}
+std::string last_state(const PartMotion& motion, const TimeWriter& times) {
+  return state_at(motion, motion.position, motion.seen, times);
+}
+std::string next_state(const PartMotion& motion, const TimeWriter& times) {
+  return state_at(motion, motion.next_position, motion.next_seen, times);
+}
+
 void state_evidence(const std::vector<EnvironmentPart>& parts, const ReplyContext& context, Reply& reply) {
   for (const EnvironmentPart& part : parts) {
     if (!part.motion) continue;
     std::vector<std::string> known;
-    if (part.motion->seen)
-      known.push_back(fmt::format("{} at {}", part.motion->open() ? "open" : "closed",
-                                  context.times.text(part.motion->seen->time)));
+    for (const std::string& state :
+         {last_state(*part.motion, context.times), next_state(*part.motion, context.times)})
+      if (!state.empty()) known.push_back(state);
     if (part.motion->opened)
       known.push_back("last opened by " + context.times.text(part.motion->opened->time));
     if (part.motion->closed)
@@ -128,10 +145,20 @@ void state_evidence(const std::vector<EnvironmentPart>& parts, const ReplyContex
 }
 
 /// "Drawer_1 and drawer_2": as people call parts.
-std::string list_of(const std::vector<std::string>& parts) {
+std::string list_of(const std::vector<EnvironmentPart>& parts) {
   std::vector<std::string> names;
-  for (const std::string& name : parts) names.push_back(joint_in_words({.joint = name + "_joint"}));
+  for (const EnvironmentPart& part : parts) names.push_back(joint_in_words({.joint = part.name + "_joint"}));
   return list_in_words(names);
+}
+
+/// Why it is not known how parts stood at the time asked about.
+std::string unknown_state(const std::vector<EnvironmentPart>& parts, const ReplyContext& context) {
+  const std::string name = list_of(parts);
+  const PartMotion& motion = *parts.front().motion;
+  const std::string before = last_state(motion, context.times), after = next_state(motion, context.times);
+  if (parts.size() > 1 || before.empty())
+    return fmt::format("no look showed whether {} {} open", name, is_or_was(context, parts.size()));
+  return fmt::format("{} was {} and {}, and nobody looked in between", name, before, after);
 }
 
 void last_opened(const OpensAnswer& answer, const ReplyContext& context, Reply& reply) {
@@ -151,37 +178,61 @@ void last_opened(const OpensAnswer& answer, const ReplyContext& context, Reply& 
 
 /// Whether one is open, or all are closed.
 void opens_verdict(const OpensAnswer& answer, bool asks_open, const ReplyContext& context, Reply& reply) {
-  std::vector<std::string> open, closed, unknown;
-  for (const EnvironmentPart& part : answer.parts)
-    (!part.motion->position ? unknown : part.motion->open() ? open : closed).push_back(part.name);
+  std::vector<EnvironmentPart> open, closed, unknown;
+  for (const EnvironmentPart& part : answer.parts) {
+    const std::optional<bool> state = part.motion->open();
+    (!state ? unknown : *state ? open : closed).push_back(part);
+  }
   if (open.empty() && !unknown.empty()) {
     reply.verdict = Verdict::not_observed;
-    reply.text = fmt::format("Not observed: no look showed how {} {}.", list_of(unknown),
-                             unknown.size() == 1 ? "stands" : "stand");
+    reply.text = fmt::format("Not observed: {}.", unknown_state(unknown, context));
     return;
   }
   reply.verdict = open.empty() == asks_open ? Verdict::no : Verdict::yes;
-  reply.places = open;
-  const std::vector<std::string>& named = open.empty() ? closed : open;
-  const std::optional<SceneRef>& seen = answer.parts.front().motion->seen;
-  reply.text = fmt::format("{}: {} {} {}{}.", *reply.verdict == Verdict::yes ? "Yes" : "No", list_of(named),
-                           named.size() == 1 ? "is" : "are", open.empty() ? "closed" : "open",
-                           seen ? ", as of " + context.times.text(seen->time) : "");
+  for (const EnvironmentPart& part : open) reply.places.push_back(part.name);
+  const std::vector<EnvironmentPart>& named = open.empty() ? closed : open;
+  const PartMotion& motion = *named.front().motion;
+  // Looks before and after that agree make it likely that nobody touched it in between.
+  const std::string seen = context.times.text(motion.seen->time);
+  const bool between = motion.next_seen.has_value();
+  reply.text = fmt::format(
+      "{}{}: {} {} {}, {}.", *reply.verdict == Verdict::yes ? "Yes" : "No", between ? ", probably" : "",
+      list_of(named), is_or_was(context, named.size()), state_name(!open.empty()),
+      between ? fmt::format("as seen at {} and {}", seen, context.times.text(motion.next_seen->time))
+              : "as of " + seen);
+}
+
+/// Which parts are open, closed, or did not open.
+void parts_in_state(const OpensAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const bool opened = answer.state == "unopened";
+  const std::string state = opened ? "not opened" : answer.state,
+                    other = opened ? "opened" : state_name(answer.state != "open");
+  const auto are = [&](const std::vector<EnvironmentPart>& parts) {
+    return opened ? (parts.size() > 1 ? "were" : "was") : is_or_was(context, parts.size());
+  };
+  const bool all_known = answer.not_observed.empty();
+  std::vector<std::string> said;
+  if (!answer.parts.empty())
+    said.push_back(fmt::format("{} {} {}", list_of(answer.parts), are(answer.parts), state));
+  if (!all_known) said.push_back("not observed: " + list_of(answer.not_observed));
+  if (answer.parts.empty() && !answer.others.empty())
+    said.push_back(fmt::format("{}{} {} {}", all_known ? "none: " : "", list_of(answer.others),
+                               are(answer.others), other));
+  for (const EnvironmentPart& part : answer.parts) reply.places.push_back(part.name);
+  reply.not_known = answer.parts.empty() && !all_known;
+  if (!reply.not_known) reply.number = answer.parts.size();
+  reply.text = said.empty() ? fmt::format("Nothing is known to be {}.", state)
+                            : fmt::format("{}.", fmt::join(said, "; "));
 }
 
 }  // namespace
 
 void write_reply(const OpensAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Asks asks = context.query.asks;
-  std::vector<std::string> parts;
-  for (const EnvironmentPart& part : answer.parts) parts.push_back(part.name);
+  const std::vector<EnvironmentPart>& parts = answer.parts;
   state_evidence(answer.parts, context, reply);
   if (!answer.state.empty()) {
-    reply.places = parts;
-    reply.number = parts.size();
-    reply.text = parts.empty() ? fmt::format("None of '{}' is {}.", answer.asked, answer.state)
-                               : fmt::format("{} {} {}.", list_of(parts), parts.size() == 1 ? "is" : "are",
-                                             answer.state);
+    parts_in_state(answer, context, reply);
   } else if (parts.empty() && asks == Asks::property &&
              !Snapshot(context.store, context.as_of).places_meant(answer.asked).empty()) {
     // The state of what does not move is what is on it.

@@ -55,27 +55,79 @@ std::string happened(const Change& change, const Names& names) {
   }
 }
 
-/// Whether the memory would know of a change: whether what was asked about was seen in the period.
-bool was_watched(const Snapshot& snapshot, const ReplyContext& context, const ChangesAnswer& answer) {
-  const Query& query = context.query;
+// ---- whether a change would have been seen
+
+/// The joints of a part, and of the places of that name; "" = of all parts.
+std::set<std::string> joints_asked(const Snapshot& snapshot, const std::string& part) {
+  const bool all = part.empty();
+  std::set<std::string> joints = all ? std::set<std::string>{} : joints_called(snapshot, part);
+  for (const PlaceRow& place : all ? snapshot.places() : snapshot.places_meant(part))
+    if (place.joint) joints.insert(*place.joint);
+  if (all)
+    for (const EnvironmentPart& one : ask(snapshot.store(), OpensQuestion{.as_of = snapshot.as_of()}).parts)
+      joints.insert(one.motion->map_joint);
+  return joints;
+}
+
+/// "the fridge", "drawer_1".
+std::string part_in_words(const std::string& name) {
+  const bool numbered =
+      name.find('_') != std::string::npos || name.find_first_of("0123456789") != std::string::npos;
+  return numbered ? name_in_words(name) : with_article(name);
+}
+
+/// Why nothing would be known of a change of the joints, unset where looks of the period showed all of them.
+std::optional<std::string> unseen_joints(const Snapshot& snapshot, const ReplyContext& context,
+                                         const ChangesAnswer& answer, const std::set<std::string>& asked) {
+  std::vector<std::string> unseen;
+  for (const std::string& joint : asked)
+    if (!is_joint_seen(context.store, joint, context.as_of, answer.from, answer.to))
+      unseen.push_back(joint_in_words({.joint = snapshot.part_names().joint(joint)}));
+  if (unseen.empty() && !asked.empty()) return std::nullopt;
+  const std::string place = context.query.argument("place");
+  if (unseen.size() == asked.size() && !place.empty())
+    return fmt::format("no look showed whether {} was open", part_in_words(place));
+  return unseen.empty() ? "no look showed what opens"
+                        : fmt::format("no look showed whether {} {} open{}", list_in_words(unseen),
+                                      unseen.size() > 1 ? "were" : "was",
+                                      unseen.size() < asked.size() ? "; the others did not change" : "");
+}
+
+/// Why nothing would be known of a change that the query asks for; unset where what it is about was seen in
+/// the period.
+std::optional<std::string> not_watched(const Snapshot& snapshot, const ReplyContext& context,
+                                       const ChangesAnswer& answer) {
   const std::vector<SceneRow> scenes = context.store.scenes(context.as_of, answer.from, answer.to);
-  if (scenes.empty()) return false;
+  if (scenes.empty()) return "nobody looked then";
+  const Query& query = context.query;
   const std::string object = query.argument("object"), place = query.argument("place"),
                     kind = query.argument("kind");
-  if (kind == "opened" || kind == "closed" ||
-      (object.empty() && !place.empty() && !joints_called(snapshot, place).empty()))
-    return std::ranges::any_of(scenes, [](const SceneRow& scene) { return !scene.joints.empty(); });
+  static const std::set<std::string> of_joints = {"opened", "closed", "joint_changed"};
+  static const std::set<std::string> of_any = {"", "place_handled"};
+  const std::set<std::string> joints =
+      object.empty() && (of_joints.contains(kind) || (of_any.contains(kind) && !place.empty()))
+          ? joints_asked(snapshot, place)
+          : std::set<std::string>{};
+  if (of_joints.contains(kind) || !joints.empty()) return unseen_joints(snapshot, context, answer, joints);
   const TimeNs from = answer.from.value_or(scenes.front().time), to = answer.to.value_or(scenes.back().time);
-  if (!object.empty())
-    return std::ranges::any_of(snapshot.find_objects(object), [&](Id id) {
-      return !context.store.observations_of(id, context.as_of, from, to).empty();
-    });
-  if (place.empty()) return true;
-  return std::ranges::any_of(snapshot.find_places(place), [&](const PlaceRow& row) {
+  if (!object.empty()) {
+    const std::vector<Id> objects = snapshot.find_objects(object);
+    const bool seen = std::ranges::any_of(
+        objects, [&](Id id) { return !context.store.observations_of(id, context.as_of, from, to).empty(); });
+    if (seen) return std::nullopt;
+    return fmt::format("{} was not seen then",
+                       bare_subject(snapshot.object_ref(objects.front()), Names(snapshot)));
+  }
+  if (place.empty()) return std::nullopt;
+  const std::vector<PlaceRow> places = snapshot.places_meant(place);
+  const bool seen = std::ranges::any_of(places, [&](const PlaceRow& row) {
     return std::ranges::any_of(
         context.store.visibility_of_place(row.id, from, to),
         [](const VisibilityRow& view) { return view.fraction.value_or(0) >= kMinSeenFraction; });
   });
+  if (seen) return std::nullopt;
+  const bool inside = places.empty() || places.front().container;
+  return fmt::format("nobody looked {} {} then", inside ? "into" : "at", part_in_words(place));
 }
 
 /// What the changes that were asked for are called: "No move of it is known."
@@ -83,27 +135,40 @@ std::string none_text(const Query& query) {
   const std::string kind = query.argument("kind"), place = name_in_words(query.argument("place"));
   if (const std::string times = query.argument("times"); !times.empty())
     return fmt::format("nothing of the kind was seen {} times", times);
-  return kind == "opened"    ? place + " was not opened"
-         : kind == "closed"  ? place + " was not closed"
-         : kind == "handled" ? "no move was seen"
-         : kind == "left"    ? "nothing was seen to leave"
-         : kind == "came"    ? "nothing was seen to come"
-                             : "no change was seen";
+  return kind == "opened"                           ? place + " was not opened"
+         : kind == "closed"                         ? place + " was not closed"
+         : kind == "handled" || kind == "relocated" ? "no move was seen"
+         : kind == "left"                           ? "nothing was seen to leave"
+         : kind == "came"                           ? "nothing was seen to come"
+                                                    : "no change was seen";
+}
+
+/// What is not counted as a move of an object: "; it has gone".
+std::string gone_note(const ReplyContext& context, const Snapshot& snapshot) {
+  if (context.query.argument("object").empty() || context.query.argument("kind") != "relocated") return "";
+  const std::vector<Id> objects = snapshot.find_objects(context.query.argument("object"));
+  const bool gone =
+      std::ranges::all_of(objects, [&](Id id) { return snapshot.belief(id)->status == ObjectStatus::gone; });
+  return gone ? "; it has gone" : "";
 }
 
 void no_changes(const ChangesAnswer& answer, const Snapshot& snapshot, const ReplyContext& context,
                 Reply& reply) {
-  const bool watched = was_watched(snapshot, context, answer);
   const std::string text = none_text(context.query);
+  if (const std::optional<std::string> why = not_watched(snapshot, context, answer)) {
+    if (context.query.asks == Asks::verdict) reply.verdict = Verdict::not_observed;
+    reply.not_known = !reply.verdict;
+    reply.text = fmt::format("Not observed: {}.", *why);
+    return;
+  }
   switch (context.query.asks) {
     case Asks::verdict:
-      reply.verdict = watched ? Verdict::no : Verdict::not_observed;
-      reply.text = watched ? fmt::format("No: {} then.", text) : "Not observed: nobody looked then.";
+      reply.verdict = Verdict::no;
+      reply.text = fmt::format("No: {} then.", text);
       break;
     case Asks::number:
-      if (watched) reply.number = 0;
-      reply.not_known = !watched;
-      reply.text = fmt::format("Never, as far as is known: {}.", text);
+      reply.number = 0;
+      reply.text = fmt::format("Never, as far as is known: {}{}.", text, gone_note(context, snapshot));
       break;
     case Asks::objects:
       reply.not_known = true;  // a change can escape every look
@@ -135,7 +200,8 @@ void how_long_open(const ChangesAnswer& answer, bool open, const ReplyContext& c
   reply.duration = std::max<TimeNs>(0, last - begin->since.value_or(begin->time));
   reply.time = TimeSpan{begin->time, last};
   const auto at = [&](const Change& change) { return context.times.text(change.time); };
-  reply.text = fmt::format("At most {}: {} {} by {} and {}.", duration_text(*reply.duration),
+  const TimeNs least = (end != nullptr ? end->since.value_or(begin->time) : last) - begin->time;
+  reply.text = fmt::format("{}: {} {} by {} and {}.", bounds_text(least, *reply.duration),
                            joint_in_words(*begin), open ? "opened" : "closed", at(*begin),
                            end == nullptr ? fmt::format("is still {}", open ? "open" : "closed")
                                           : fmt::format("{} by {}", open ? "closed" : "opened", at(*end)));
@@ -190,6 +256,42 @@ const Change& last_of(const std::vector<Change>& changes) {
   for (const Change& change : changes)
     if (key(change) >= key(*last)) last = &change;
   return *last;
+}
+
+/// A line of evidence for each change, the last ones first, or the first ones where the sentence is about
+/// them.
+void add_changes(std::vector<Change> changes, const Names& names, const ReplyContext& context, Reply& reply) {
+  const Asks asks = context.query.asks;
+  if (asks != Asks::earliest && asks != Asks::first_time) std::ranges::reverse(changes);
+  for (const Change& change : changes) {
+    if (reply.evidence.size() == kMaxEvidenceLines) return;
+    reply.evidence.push_back(
+        fmt::format("{}: {}{}{}", when_text(change, context.times), happened(change, names),
+                    change.probability < 0.995 ? ", " + percent(change.probability) : "",
+                    change.scene ? fmt::format(" [{}]", scene_text(*change.scene)) : ""));
+  }
+}
+
+/// "moved: cup and pot; gone: plate": each object and part under what happened to it.
+std::string what_happened(const std::vector<Change>& changes, const Names& names) {
+  static const std::map<EventKind, const char*> headings = {
+      {EventKind::moved, "moved"},       {EventKind::gone, "gone"},
+      {EventKind::appeared, "new"},      {EventKind::reappeared, "came back"},
+      {EventKind::hidden, "hidden"},     {EventKind::looks_different, "looks different"},
+      {EventKind::place_moved, "moved"}, {EventKind::joint_changed, "opened or closed"}};
+  std::vector<std::pair<std::string, std::vector<std::string>>> groups;
+  for (auto change = changes.rbegin(); change != changes.rend(); ++change) {
+    const std::string heading = headings.at(change->kind),
+                      name =
+                          change->object ? without_place(names.of(*change->object)) : joint_in_words(*change);
+    auto group = std::ranges::find(groups, heading, [](const auto& one) { return one.first; });
+    if (group == groups.end()) group = groups.insert(groups.end(), {heading, {}});
+    if (std::ranges::count(group->second, name) == 0) group->second.push_back(name);
+  }
+  std::vector<std::string> said;
+  for (const auto& [heading, list] : groups)
+    said.push_back(fmt::format("{}: {}", heading, list_in_words(list, 3)));
+  return fmt::format("{}", fmt::join(said, "; "));
 }
 
 }  // namespace
@@ -254,12 +356,14 @@ void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& r
         break;
       }
       reply.number = answer.changes.size();
-      reply.text = fmt::format("{}, the last by {}: {}.", counted(answer.changes.size(), "time"),
-                               context.times.text(last.time), what);
+      reply.text = fmt::format("{}, the last by {}: {}{}.", counted(answer.changes.size(), "time"),
+                               context.times.text(last.time), what, gone_note(context, snapshot));
       break;
     case Asks::objects:
       reply.number = list.size();
-      reply.text = fmt::format("{}.", list_in_words(list));
+      reply.text =
+          fmt::format("{}.", context.query.argument("kind").empty() ? what_happened(answer.changes, names)
+                                                                    : list_in_words(list));
       break;
     case Asks::place:
       if (last.place) reply.places = {last.place->name};
@@ -279,13 +383,7 @@ void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& r
           "{} by {}{}.", what, context.times.text(last.time),
           answer.changes.size() > 1 ? fmt::format(", the last of {} changes", answer.changes.size()) : "");
   }
-  for (size_t i = answer.changes.size(); i > 0 && reply.evidence.size() < kMaxEvidenceLines; --i) {
-    const Change& change = answer.changes[i - 1];
-    reply.evidence.push_back(
-        fmt::format("{}: {}{}{}", when_text(change, context.times), happened(change, names),
-                    change.probability < 0.995 ? ", " + percent(change.probability) : "",
-                    change.scene ? fmt::format(" [{}]", scene_text(*change.scene)) : ""));
-  }
+  add_changes(answer.changes, names, context, reply);
 }
 
 void write_reply(const ScenesAnswer& answer, const ReplyContext& context, Reply& reply) {
@@ -385,9 +483,9 @@ void write_reply(const CoOccurrenceAnswer& answer, const ReplyContext& context, 
   const std::string name = names.subject(first.object);
   if (context.query.asks == Asks::verdict) reply.verdict = together > 0 ? Verdict::yes : Verdict::no;
   if (context.query.asks == Asks::number) reply.number = together;
-  if (list.empty())
-    reply.text = fmt::format("{}{} was never seen with it.", reply.verdict ? "No: " : "",
-                             answer.other.empty() ? "nothing else" : answer.other);
+  if (together == 0)
+    reply.text = fmt::format("{}{} was never seen with {}.", reply.verdict ? "No: " : "", name,
+                             answer.other.empty() ? "another object" : part_in_words(answer.other));
   else
     reply.text = fmt::format("{}{} was seen with {}, most often in {}.", reply.verdict ? "Yes: " : "", name,
                              list_in_words(list, 4), counted(together, "scene"));
@@ -430,11 +528,17 @@ void write_reply(const SearchAnswer& answer, const ReplyContext& context, Reply&
     reply.text = fmt::format("No place to search for {} is known.", names.subject(first.now.object));
     return;
   }
-  const SearchPlace& best = first.places.front();
-  reply.places = {best.place.name};
-  reply.probability = best.probability;
-  reply.text = fmt::format("Look {} first: {} is there with {}.", in_words(best.place),
-                           bare_subject(first.now.object, names), percent(best.probability));
+  const SearchPlace& best = *std::ranges::max_element(first.places, {}, &SearchPlace::probability);
+  if (first.now.status == ObjectStatus::gone && best.probability < kLikely) {
+    if (first.now.place) reply.places = {first.now.place->name};
+    reply.not_known = true;
+    reply.text = fmt::format("No place is likely: {}", gone_text(first.now, names, context.times));
+  } else {
+    reply.places = {first.places.front().place.name};
+    reply.probability = first.places.front().probability;
+    reply.text = fmt::format("Look {} first: {} is there with {}.", in_words(first.places.front().place),
+                             bare_subject(first.now.object, names), percent(*reply.probability));
+  }
   for (const SearchPlace& place : first.places)
     reply.evidence.push_back(
         fmt::format("{}: {} ({})", in_words(place.place), percent(place.probability), place.reason));

@@ -19,44 +19,98 @@ using namespace replies;
 
 namespace {
 
-/// From this probability on nothing is added.
-constexpr double kSure = 0.9;
-
-std::string adverb(double probability) {
-  return probability >= kSure ? "" : probability >= kLikely ? "probably " : "perhaps ";
-}
-
 // ---- where
 
 void where_gone(const ObjectBelief& object, const Names& names, const ReplyContext& context, Reply& reply) {
   reply.not_known = true;
   if (object.place) reply.places = {object.place->name};
-  reply.text = fmt::format("{} has gone", names.subject(object.object));
-  if (object.last_seen)
-    reply.text += fmt::format("; it was last seen {} at {}", spot_in_words(object.place, object.position),
-                              context.times.text(object.last_seen->time));
-  reply.text += ".";
+  reply.text = gone_text(object, names, context.times);
+}
+
+/// The change by which an object left its place, where that happened between the looks before and after the
+/// time asked about.
+std::optional<Change> left_around(Id object, TimeNs time, const Snapshot& snapshot) {
+  const AsOf known{.at = {}, .known_at = snapshot.as_of().known_at};
+  for (const EventRow& event : snapshot.store().events(known, time)) {
+    if (event.object != object || (event.kind != EventKind::gone && event.kind != EventKind::moved)) continue;
+    const bool around = event.since && *event.since <= time && event.clock.valid_from > time;
+    return around ? std::optional(snapshot.change(event)) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
+/// "The bowl was probably on table_1; it left between 15:00 and 20:30."
+void where_one(const ObjectBelief& object, const std::string& spot, const Names& names,
+               const ReplyContext& context, const Snapshot& snapshot, Reply& reply) {
+  const std::optional<TimeNs> at = context.as_of.at;
+  const bool seen_then = at && object.last_seen && *at - object.last_seen->time < kMinute;
+  const std::optional<Change> left =
+      at && !seen_then ? left_around(object.object.id, *at, snapshot) : std::nullopt;
+  reply.probability = object.probability;
+  reply.text =
+      fmt::format("{} {} {}{}{}.", bare_subject(object.object, names), is_or_was(context),
+                  left && object.probability >= kSure ? "probably " : adverb(object.probability), spot,
+                  left ? "; it left " + uncapitalised(between_text(*left, context.times)) : "");
+}
+
+/// "One is on counter_1 and one probably in drawer_1", "Both are on counter_1".
+std::string where_several(const std::vector<const ObjectBelief*>& objects, const ReplyContext& context) {
+  struct Spot {
+    std::string words;
+    size_t count = 0;
+    double probability = 1;  ///< of the least probable object there
+  };
+  std::vector<Spot> spots;
+  for (const ObjectBelief* object : objects) {
+    const std::string words = spot_in_words(object->place, object->position);
+    auto spot = std::ranges::find(spots, words, &Spot::words);
+    if (spot == spots.end()) spot = spots.insert(spots.end(), {words});
+    ++spot->count;
+    spot->probability = std::min(spot->probability, object->probability);
+  }
+  if (spots.size() == 1)
+    return fmt::format("{} {} {}{}", objects.size() == 2 ? "both" : fmt::format("all {}", objects.size()),
+                       is_or_was(context, 2), adverb(spots[0].probability), spots[0].words);
+  std::vector<std::string> list;
+  for (const Spot& spot : spots)
+    list.push_back(fmt::format("{} {}{}{}", spot.count == 1 ? "one" : std::to_string(spot.count),
+                               list.empty() ? is_or_was(context, spot.count) + std::string(" ") : "",
+                               adverb(spot.probability), spot.words));
+  return list_in_words(list, 3);
 }
 
 void where_place(const WhereAnswer& answer, const std::vector<const ObjectBelief*>& there, const Names& names,
-                 const ReplyContext& context, Reply& reply) {
+                 const ReplyContext& context, const Snapshot& snapshot, Reply& reply) {
   if (there.empty()) return where_gone(answer.objects.front(), names, context, reply);
-  const char* verb = is_or_was(context);
-  std::vector<std::string> spots;
-  for (const ObjectBelief* object : there) {
-    const std::string spot = spot_in_words(object->place, object->position);
-    if (std::ranges::count(spots, spot) == 0) spots.push_back(spot);
+  for (const ObjectBelief* object : there)
     if (object->place && std::ranges::count(reply.places, object->place->name) == 0)
       reply.places.push_back(object->place->name);
-  }
   const ObjectBelief& first = *there.front();
-  if (there.size() == 1) {
-    reply.text = fmt::format("{} {} {}{}.", bare_subject(first.object, names), verb,
-                             adverb(first.probability), spots[0]);
-    reply.probability = first.probability;
-  } else {
-    reply.text = fmt::format("{} objects are '{}': {}.", there.size(), answer.asked, list_in_words(spots, 3));
+  if (there.size() > 1)
+    reply.text = where_several(there, context) + ".";
+  else
+    where_one(first, spot_in_words(first.place, first.position), names, context, snapshot, reply);
+}
+
+/// Since a time between the last sighting and the look that missed it.
+void gone_for(const ObjectBelief& object, const Names& names, const ReplyContext& context,
+              const Snapshot& snapshot, Reply& reply) {
+  const std::string name = names.subject(object.object);
+  reply.objects = {object.object.id};
+  const auto latest = context.store.latest_scene(context.as_of);
+  std::optional<Change> gone;
+  for (const EventRow& event : context.store.events(context.as_of))
+    if (event.object == object.object.id && event.kind == EventKind::gone) gone = snapshot.change(event);
+  reply.not_known = !latest || !object.last_seen || !gone;
+  if (reply.not_known) {
+    reply.text = fmt::format("Not known: when {} left was not observed.", name);
+    return;
   }
+  reply.duration = latest->time - object.last_seen->time;
+  reply.time = TimeSpan{object.last_seen->time, gone->time};
+  reply.text = fmt::format("{}: {} was last seen at {}, and not at {}.",
+                           bounds_text(latest->time - gone->time, *reply.duration), name,
+                           context.times.text(object.last_seen->time), context.times.text(gone->time));
 }
 
 void where_time(const WhereAnswer& answer, const Names& names, const ReplyContext& context, Reply& reply) {
@@ -126,7 +180,7 @@ void write_reply(const WhereAnswer& answer, const ReplyContext& context, Reply& 
     reply.text = fmt::format("{}: {}", is ? "Yes" : "No", why);
   };
   Reply place;
-  where_place(answer, there, names, context, place);
+  where_place(answer, there, names, context, snapshot, place);
   switch (context.query.asks) {
     case Asks::exists:
     case Asks::verdict:
@@ -135,6 +189,14 @@ void write_reply(const WhereAnswer& answer, const ReplyContext& context, Reply& 
       break;
     case Asks::gone:
       set_verdict(there.empty(), place.text);
+      break;
+    case Asks::duration:
+      if (there.empty()) {
+        gone_for(first, names, context, snapshot, reply);
+      } else {
+        reply.duration = 0;
+        reply.text = "Not now: " + place.text;
+      }
       break;
     case Asks::together: {
       const std::string object = context.query.argument("object");
@@ -203,6 +265,13 @@ void until_when(const ObjectHistory& history, const Stay& stay, const std::strin
                            missed > last ? ", and not at " + context.times.text(missed) : "");
 }
 
+/// The last time before a stay at which the object was known not to have come yet.
+std::optional<TimeNs> earliest_arrival(const ObjectHistory& history, TimeNs first_seen) {
+  for (const Change& change : history.changes)
+    if (change.time == first_seen && change.since) return change.since;
+  return std::nullopt;
+}
+
 /// The last scene, where an object is believed to be where it was seen last and no time was asked about; else
 /// the last sighting.
 TimeNs believed_until(const ObjectHistory& history, const Stay& stay, const ReplyContext& context) {
@@ -228,8 +297,13 @@ void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply
     }
   if (stay == nullptr) {
     reply.not_known = true;
-    reply.text = fmt::format("{} was not seen{} then.", names.subject(answer.objects.front().now.object),
-                             context.query.argument("place").empty() ? "" : " there");
+    const std::string name = names.subject(answer.objects.front().now.object);
+    reply.text = !context.query.argument("before").empty()
+                     ? fmt::format("Not known: {} was seen nowhere before that.", name)
+                 : !context.query.argument("after").empty()
+                     ? fmt::format("Not known: {} was seen nowhere after that.", name)
+                     : fmt::format("{} was not seen{} then.", name,
+                                   context.query.argument("place").empty() ? "" : " there");
     return;
   }
   const TimeNs from = spans_of(longest->stays).back().first, to = stay->scenes.back().time;
@@ -244,10 +318,13 @@ void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply
     until_when(*longest, *stay, name, spot, context, reply);
   } else if (const TimeNs now = believed_until(*longest, *stay, context);
              context.query.asks == Asks::duration && now > to) {
+    const std::optional<TimeNs> earliest = earliest_arrival(*longest, from);
     reply.duration = now - from;
     reply.time = TimeSpan{from, now};
-    reply.text = fmt::format("{}: {} was seen {} {} and is believed to be there still.",
-                             duration_text(now - from), name, spot, context.times.span_text(from, to));
+    reply.text =
+        fmt::format("{}: {} was seen {} {} and is believed to be there still.",
+                    bounds_text(now - from, earliest ? std::optional(now - *earliest) : std::nullopt), name,
+                    spot, context.times.span_text(from, to));
   } else if (context.query.asks == Asks::duration) {
     reply.duration = to - from;
     const std::string lasted = duration_text(to - from);
@@ -420,10 +497,13 @@ void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& re
   } else if (unseen) {
     reply.verdict = unseen->there ? Verdict::yes : Verdict::no;
     reply.probability = unseen->there ? unseen->probability : 1 - unseen->probability;
-    reply.text = fmt::format("{}, with {}: {} was {}, seen there at {}{}.", unseen->there ? "Yes" : "No",
-                             percent(unseen->probability), name, in_words(unseen->place),
-                             context.times.text(unseen->before),
-                             unseen->after ? " and " + context.times.text(*unseen->after) : "");
+    const std::optional<Change> left = left_around(object.object.id, answer.from, snapshot);
+    reply.text = fmt::format("{}: {} was {}, seen there at {}{}.",
+                             with_probability(unseen->there, unseen->probability), name,
+                             in_words(unseen->place), context.times.text(unseen->before),
+                             unseen->after ? " and " + context.times.text(*unseen->after)
+                             : left        ? "; it left by " + context.times.text(left->time)
+                                           : "");
   } else {
     reply.verdict = answer.verdict;
     reply.probability = object.verdict == Verdict::yes ? 1 : object.probability;
@@ -488,29 +568,58 @@ void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply
   const Names names(snapshot);
   const auto given = [&](const char* name) { return context.query.arguments.contains(name); };
   const bool any_time = given("unseen-since") || given("state") || given("from") || given("to");
-  std::vector<ObjectBelief> there;
-  for (const ObjectBelief& object : answer.objects)
-    if (any_time || is_there(object)) there.push_back(object);
-  for (const ObjectBelief& object : there) reply.objects.push_back(object.object.id);
-  reply.number = there.size();
-  std::vector<std::string> list;
-  for (const ObjectBelief& object : there) list.push_back(names.of(object.object));
   const std::string state = context.query.argument("state");
-  reply.text = !there.empty() ? fmt::format("{}: {}.", there.size(), list_in_words(list))
-               : any_time ? fmt::format("None{}.", state.empty() ? " seen then" : " is known to be " + state)
-                          : none_in_words(answer, names);
+  const bool gone = state == "gone";
+  // What the last look at its place missed has perhaps gone.
+  std::vector<ObjectBelief> there, missed;
+  for (const ObjectBelief& object : answer.objects)
+    if (object.status == ObjectStatus::missed && (gone || (!any_time && object.probability >= kLikely)))
+      missed.push_back(object);
+    else if (any_time || is_there(object))
+      there.push_back(object);
+  for (const auto* list : {&there, &missed})
+    if (gone || list == &there || there.empty())
+      for (const ObjectBelief& object : *list) reply.objects.push_back(object.object.id);
+  const auto names_in = [&](const std::vector<ObjectBelief>& objects) {
+    std::vector<std::string> list;
+    for (const ObjectBelief& object : objects) list.push_back(names.of(object.object));
+    return list_in_words(list);
+  };
   const Asks asks = context.query.asks;
+  reply.number = there.size();
+  if (!there.empty()) {
+    reply.text = asks == Asks::objects && there.size() == 1 && missed.empty()
+                     ? names.subject(there[0].object) + "."
+                     : fmt::format("{}: {}{}.", there.size(), names_in(there),
+                                   gone && !missed.empty() ? "; perhaps also " + names_in(missed) : "");
+  } else if (!missed.empty()) {
+    reply.number = gone ? 0 : missed.size();
+    reply.probability = missed.front().probability;
+    const std::string list = asks == Asks::objects && missed.size() == 1
+                                 ? names.subject(missed[0].object)
+                                 : fmt::format("{}: {}", missed.size(), names_in(missed));
+    reply.text = fmt::format("{} {}, not seen at the last look.", gone ? "Perhaps" : "Probably", list);
+  } else {
+    reply.text = any_time ? fmt::format("None{}.", state.empty() ? " seen then" : " is known to be " + state)
+                          : fmt::format("None now: {} gone.", counted(answer.objects.size(), "object"));
+  }
   if (asks == Asks::summary && !there.empty() && there.size() < answer.objects.size())
     reply.text = fmt::format("{} of {} {} likely where {} seen last: {}.", there.size(),
                              answer.objects.size(), there.size() == 1 ? "is" : "are",
-                             there.size() == 1 ? "it was" : "they were", list_in_words(list));
+                             there.size() == 1 ? "it was" : "they were", names_in(there));
   if (asks == Asks::verdict || asks == Asks::exists) {
-    const bool is = there.size() >= std::max<size_t>(1, wanted_count(context.query));
-    reply.verdict = is ? Verdict::yes : Verdict::no;
-    reply.text = fmt::format("{}: {}", is ? "Yes" : "No", reply.text);
+    const size_t wanted = std::max<size_t>(1, wanted_count(context.query));
+    reply.verdict = there.size() >= wanted                   ? Verdict::yes
+                    : there.size() + missed.size() >= wanted ? Verdict::not_observed
+                                                             : Verdict::no;
+    reply.text = fmt::format("{}: {}",
+                             *reply.verdict == Verdict::yes  ? "Yes"
+                             : *reply.verdict == Verdict::no ? "No"
+                                                             : "Not observed",
+                             uncapitalised(reply.text));
   }
   if (asks == Asks::place && !there.empty()) return by_place(there, names, reply);
-  add_sightings(there, names, context, reply);
+  add_sightings(there.empty() ? missed : there, names, context, reply);
 }
 
 namespace {

@@ -155,16 +155,24 @@ void contents_verdict(const ContentsAnswer& answer, const Contents& contents, co
       why = *other;
     }
   }
+  const bool asks_whether =
+      (asks == Asks::verdict || asks == Asks::exists) && !answer.subject.empty();  // it is there
   // Missed by the last look only.
-  const bool missed = contents.sure.empty() && !contents.perhaps.empty() &&
-                      (asks == Asks::verdict || asks == Asks::exists) && !answer.subject.empty() &&
-                      contents.perhaps.front().probability >= kCertain;
+  const bool missed = contents.sure.empty() && !contents.perhaps.empty() && asks_whether &&
+                      contents.perhaps.front().probability >= kLikely;
   if (verdict == Verdict::not_observed && missed) {
     const ObjectBelief& object = contents.perhaps.front();
-    reply.verdict = Verdict::yes;
-    reply.text = shortened(fmt::format("Yes, with {}: {} {} {}, but was not seen at the last look.",
-                                       percent(object.probability), bare_subject(object.object, names),
-                                       is_or_was(context), contents.where));
+    const bool certain = object.probability >= kCertain;
+    if (certain)
+      reply.verdict = Verdict::yes;
+    else
+      reply.verdict = Verdict::not_observed;
+    reply.probability = object.probability;
+    reply.text =
+        fmt::format("{}: {} {} {}{}, but was not seen at the last look.",
+                    certain ? with_probability(true, object.probability) : "Not observed",
+                    bare_subject(object.object, names), is_or_was(context),
+                    certain ? "" : adverb(object.probability), spot_in_words(object.place, object.position));
     return;
   }
   if (verdict == Verdict::not_observed) {
@@ -177,7 +185,22 @@ void contents_verdict(const ContentsAnswer& answer, const Contents& contents, co
                       is_or_was(context), contents.where);
   if (asks == Asks::empty) verdict = verdict == Verdict::yes ? Verdict::no : Verdict::yes;
   reply.verdict = verdict;
-  reply.text = fmt::format("{}: {}.", verdict == Verdict::yes ? "Yes" : "No", why);
+  const bool believed = verdict == Verdict::yes && asks_whether && !contents.sure.empty();
+  const double probability = believed ? contents.sure.front().probability : 1;
+  reply.text = fmt::format("{}: {}.", with_probability(verdict == Verdict::yes, probability), why);
+}
+
+/// Why an object is not there, if it is not.
+void why_not_there(const ContentsAnswer& answer, const Contents& contents, const Snapshot& snapshot,
+                   const Names& names, const ReplyContext& context, Reply& reply) {
+  const std::vector<ObjectBelief>& there = contents.sure.empty() ? contents.perhaps : contents.sure;
+  const Id asked = there.empty() ? snapshot.find_objects(answer.subject).front() : there.front().object.id;
+  const ObjectBelief object = snapshot.object_belief(asked);
+  reply.objects = {asked};
+  reply.text = there.empty() || object.probability < kLikely
+                   ? reason_of(object, names, context)
+                   : fmt::format("But {} is {}{}.", bare_subject(object.object, names),
+                                 adverb(object.probability), spot_in_words(object.place, object.position));
 }
 
 void last_look(const Contents& contents, const ReplyContext& context, Reply& reply) {
@@ -233,6 +256,9 @@ void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Repl
         contents_verdict(answer, contents, snapshot, names, context, reply);
       else
         reply.text = reason_of(contents.sure.front(), names, context);
+      break;
+    case Asks::why_not:
+      why_not_there(answer, contents, snapshot, names, context, reply);
       break;
     case Asks::last_time:
     case Asks::ago:
@@ -504,16 +530,21 @@ void empty_for(const ContentsHistoryAnswer& answer, const Names& names, const Re
   reply.text = fmt::format("At most {}: {}", duration_text(*reply.duration), reply.text);
 }
 
-/// How often each place was looked at.
+/// How often each place was looked at; of several those that were.
 void how_often_looked(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
   std::vector<std::string> list;
-  for (const PlaceContentsHistory& place : answer.places)
-    list.push_back(fmt::format("{} in {}", name_in_words(place.place.name), counted(place.looks, "scene")));
-  if (answer.places.size() == 1) reply.number = answer.places.front().looks;
-  const std::optional<SceneRef>& last = answer.places.front().last_view;
-  const std::string when =
-      answer.places.size() == 1 && last ? ", last at " + context.times.text(last->time) : "";
-  reply.text = fmt::format("{}{}.", list_in_words(list), when);
+  const PlaceContentsHistory* looked_at = nullptr;
+  for (const PlaceContentsHistory& place : answer.places) {
+    if (place.looks == 0 && answer.places.size() > 1) continue;
+    list.push_back(fmt::format("{} at {}", counted(place.looks, "look"), name_in_words(place.place.name)));
+    looked_at = list.size() == 1 ? &place : nullptr;
+  }
+  if (looked_at != nullptr) reply.number = looked_at->looks;
+  const std::string when = looked_at != nullptr && looked_at->last_look
+                               ? ", the last at " + context.times.text(looked_at->last_look->time)
+                               : "";
+  reply.text = list.empty() ? fmt::format("No look at {}.", answer.asked)
+                            : fmt::format("{}{}.", list_in_words(list), when);
 }
 
 }  // namespace
@@ -523,9 +554,9 @@ void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& contex
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
   std::vector<std::string> list;
-  size_t views = 0;
+  size_t looks = 0;
   for (const PlaceContentsHistory& place : answer.places) {
-    views += place.views;
+    looks += place.looks;
     for (const PastContent& object : place.objects) {
       if (std::ranges::count(reply.objects, object.now.object.id) > 0) continue;
       reply.objects.push_back(object.now.object.id);
@@ -545,10 +576,10 @@ void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& contex
   const std::string seen =
       fmt::format("{} {} seen {}.", list_in_words(list), list.size() > 1 ? "were" : "was", where);
   const Asks asks = context.query.asks;
-  reply.not_known = list.empty() && views == 0;
+  reply.not_known = list.empty() && looks == 0;
   if (asks == Asks::exists || asks == Asks::verdict || asks == Asks::empty) {
     reply.not_known = false;
-    if (list.empty() && views == 0) return believed_contents(answer, context, reply);
+    if (list.empty() && looks == 0) return believed_contents(answer, context, reply);
     const bool is = list.empty() == (asks == Asks::empty);
     reply.verdict = is ? Verdict::yes : Verdict::no;
     reply.text = fmt::format("{}: {}", is ? "Yes" : "No", seen);

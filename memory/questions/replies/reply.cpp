@@ -93,6 +93,11 @@ std::string capitalised(std::string text) {
   return text;
 }
 
+std::string uncapitalised(std::string text) {
+  if (!text.empty() && text[0] >= 'A' && text[0] <= 'Z') text[0] = static_cast<char>(text[0] - 'A' + 'a');
+  return text;
+}
+
 Reply Answer::reply(const ReplyContext& context) const {
   Reply reply;
   if (!model_->write_reply(context, reply)) shorten(to_text(context.times), reply);

@@ -42,6 +42,8 @@ struct ReplyContext {
 
 /// With a capital letter, as a sentence begins; names of objects stay as they are.
 std::string capitalised(std::string text);
+/// Within a sentence.
+std::string uncapitalised(std::string text);
 /// A text in at most `length` characters, cut between words.
 std::string shortened(const std::string& text, size_t length = kMaxReplyLength);
 

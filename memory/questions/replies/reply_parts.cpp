@@ -15,6 +15,22 @@ bool is_there(const ObjectBelief& object) {
          object.probability >= kLikely;
 }
 
+std::string adverb(double probability) {
+  return probability >= kSure ? "" : probability >= kLikely ? "probably " : "perhaps ";
+}
+
+std::string with_probability(bool yes, double probability) {
+  const char* verdict = yes ? "Yes" : "No";
+  return probability >= kSure ? verdict : fmt::format("{}, with {}", verdict, percent(probability));
+}
+
+std::string bounds_text(TimeNs least, std::optional<TimeNs> most) {
+  const std::string lower = duration_text(least), upper = most ? duration_text(*most) : "";
+  if (lower.empty() && upper.empty()) return "Less than a minute";
+  if (upper.empty() || lower == upper) return most ? lower : "At least " + lower;
+  return lower.empty() ? "At most " + upper : fmt::format("At least {}, at most {}", lower, upper);
+}
+
 std::string spot_in_words(const std::optional<PlaceRef>& place, const std::optional<Vector3d>& position) {
   return place ? in_words(*place) : spot_text(place, position);
 }
@@ -66,6 +82,14 @@ std::string without_place(std::string name) {
 
 std::string bare_subject(const ObjectRef& object, const Names& names) {
   return without_place(names.subject(object));
+}
+
+std::string gone_text(const ObjectBelief& object, const Names& names, const TimeWriter& times) {
+  std::string text = names.subject(object.object) + " has gone";
+  if (object.last_seen)
+    text += fmt::format("; it was last seen {} at {}", spot_in_words(object.place, object.position),
+                        times.text(object.last_seen->time));
+  return text + ".";
 }
 
 std::string reason_of(const ObjectBelief& object, const Names& names, const ReplyContext& context) {

@@ -12,6 +12,15 @@ namespace loci::memory::replies {
 
 /// Below this probability an object is more likely somewhere else.
 inline constexpr double kLikely = 0.5;
+/// From this probability on a sentence states it without "probably".
+inline constexpr double kSure = 0.95;
+
+/// "", "probably " or "perhaps ".
+std::string adverb(double probability);
+/// How a verdict on what is believed begins: "Yes", or "Yes, with 70 %" where it is not sure.
+std::string with_probability(bool yes, double probability);
+/// "At least 15 min, at most 2 h 0 min"; `most` unset = not known.
+std::string bounds_text(TimeNs least, std::optional<TimeNs> most);
 
 /// Whether it is likely where it is believed to be, and the last look at its place did not miss it.
 bool is_there(const ObjectBelief& object);
@@ -24,6 +33,8 @@ TimeSpan at_once(TimeNs time);
 std::string without_place(std::string name);
 /// As Names::subject(), likewise.
 std::string bare_subject(const ObjectRef& object, const Names& names);
+/// "The plate has gone; it was last seen on table_1 at 09:30."
+std::string gone_text(const ObjectBelief& object, const Names& names, const TimeWriter& times);
 /// "Because the milk was last seen on table_1 at 20:30."
 std::string reason_of(const ObjectBelief& object, const Names& names, const ReplyContext& context);
 /// The number that a sentence names ("two cups"); 0 = none.

@@ -144,11 +144,10 @@ PlaceContentsHistory contents_history_of(const Snapshot& snapshot, const PlaceRo
   PlaceContentsHistory history{.place = {place.id, place.name, place.container}};
   for (const VisibilityRow& view : snapshot.store().visibility_of_place(place.id)) {
     const SceneRow* scene = snapshot.scene(view.scene);
-    if (scene == nullptr || view.fraction.value_or(0) <= 0 || !is_then(scene->time)) continue;
-    ++history.views;
-    if (*view.fraction >= kMinLook) ++history.looks;
-    if (!history.last_view || history.last_view->time <= scene->time)
-      history.last_view = snapshot.scene_ref(*scene);
+    if (scene == nullptr || view.fraction.value_or(0) < kMinLook || !is_then(scene->time)) continue;
+    ++history.looks;
+    if (!history.last_look || history.last_look->time <= scene->time)
+      history.last_look = snapshot.scene_ref(*scene);
   }
   for (const BeliefRow& belief : snapshot.beliefs()) {
     if (meant && !meant->contains(belief.object)) continue;
@@ -354,15 +353,15 @@ ContentsHistoryAnswer ask(const Store& store, const ContentsHistoryQuestion& que
 std::string to_text(const ContentsHistoryAnswer& answer, const TimeWriter& times) {
   std::vector<std::string> lines;
   for (const PlaceContentsHistory& history : answer.places) {
-    const std::string where = place_text(history.place), views = counted(history.views, "scene");
+    const std::string where = place_text(history.place), looks = counted(history.looks, "look");
     if (history.objects.empty()) {
-      lines.push_back(history.views == 0
+      lines.push_back(history.looks == 0
                           ? fmt::format("What is kept {} is not known: nobody has looked there.", where)
-                          : fmt::format("Nothing was seen {} in the {} that looked there.", where, views));
+                          : fmt::format("Nothing was seen {} in the {} at it.", where, looks));
       continue;
     }
-    lines.push_back(fmt::format("{} {} seen {} ({} looked there):", counted(history.objects.size(), "object"),
-                                history.objects.size() == 1 ? "was" : "were", where, views));
+    lines.push_back(fmt::format("{} {} seen {} ({}):", counted(history.objects.size(), "object"),
+                                history.objects.size() == 1 ? "was" : "were", where, looks));
     for (const PastContent& object : history.objects)
       lines.push_back(fmt::format("  {}: in {} {}, {:.0f} % of all that saw it at a place; {}.",
                                   to_text(object.now.object), counted(object.sightings, "scene"),
@@ -388,10 +387,9 @@ const Record<PastContent>& past_content_record() {
 const Record<PlaceContentsHistory>& place_history_record() {
   static const auto record = Record<PlaceContentsHistory>("PlaceContentsHistory")
                                  .value("place", &PlaceContentsHistory::place)
-                                 .value("views", &PlaceContentsHistory::views)
                                  .value("looks", &PlaceContentsHistory::looks)
                                  .record("objects", &PlaceContentsHistory::objects, past_content_record())
-                                 .record("last_view", &PlaceContentsHistory::last_view, scene_record());
+                                 .record("last_view", &PlaceContentsHistory::last_look, scene_record());
   return record;
 }
 

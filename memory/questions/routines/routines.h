@@ -79,9 +79,8 @@ struct PastContent {
 };
 struct PlaceContentsHistory {
   PlaceRef place = {};
-  size_t views = 0;  ///< scenes that saw any of it
-  size_t looks = 0;  ///< those that saw at least a tenth of it
-  std::optional<SceneRef> last_view = {};
+  size_t looks = 0;  ///< scenes that saw at least a tenth of it
+  std::optional<SceneRef> last_look = {};
   std::vector<PastContent> objects = {};  ///< most sightings first
 };
 struct ContentsHistoryAnswer {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "mapping/base/text/text.h"
 #include "memory/questions/names/related_words.h"
@@ -39,11 +40,13 @@ Verdict verdict_of(const std::vector<Reply>& replies, bool any) {
   return any ? Verdict::no : Verdict::yes;
 }
 
-/// Without "Yes: " and the last point.
+/// Without "Yes: " or "Yes, with 70 %: ", and the last point.
 std::string body_of(const Reply& reply) {
+  static const std::set<std::string> verdicts = {"Yes", "No", "Not observed"};
   std::string text = reply.text;
-  for (const std::string_view head : {"Yes: ", "No: ", "Not observed: "})
-    if (text.starts_with(head)) text.erase(0, head.size());
+  const size_t colon = text.find(": ");
+  if (colon != std::string::npos && verdicts.contains(text.substr(0, text.find_first_of(",:"))))
+    text.erase(0, colon + 2);
   if (text.ends_with('.')) text.pop_back();
   return text;
 }

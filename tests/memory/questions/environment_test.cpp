@@ -98,12 +98,66 @@ TEST_F(Room, OpensWhatHasAJointAsItStoodAtThatTime) {
   const OpensAnswer now = ask(*store_, OpensQuestion{});
   EXPECT_THAT(names(now.parts), ElementsAre("door_1", "drawer_1_front"));
   EXPECT_FALSE(now.parts[0].motion->position);
-  EXPECT_FALSE(now.parts[1].motion->open());
+  EXPECT_EQ(now.parts[1].motion->open(), false);
   EXPECT_EQ(now.parts[1].motion->opened->time, 8 * 3600 * kSecond);
   EXPECT_EQ(now.parts[1].motion->closed->time, 9 * 3600 * kSecond);
   const OpensAnswer then = ask(*store_, OpensQuestion{.as_of = {.at = 8 * 3600 * kSecond}});
-  EXPECT_TRUE(then.parts[1].motion->open());
+  EXPECT_EQ(then.parts[1].motion->open(), true);
   EXPECT_FALSE(then.parts[1].motion->closed);
+}
+
+TEST_F(Room, BetweenLooksThatDifferTheStateIsNotKnown) {
+  const auto reply = [&](const char* part, const char* at, Asks asks) {
+    const Query query{.question = "opens", .arguments = {{"part", part}, {"at", at}}, .asks = asks};
+    return ask(*store_, query).reply({*store_, query, read_as_of(*store_, at, ""), TimeWriter(*store_)});
+  };
+  const Reply between = reply("drawer", "08:30", Asks::open);
+  EXPECT_EQ(between.verdict, Verdict::not_observed);
+  EXPECT_EQ(between.text,
+            "Not observed: drawer_1 was open at 08:00 and closed at 09:00, and nobody looked in between.");
+  EXPECT_EQ(reply("drawer", "08:30", Asks::closed).verdict, Verdict::not_observed);
+  EXPECT_EQ(reply("drawer", "08:00", Asks::open).text, "Yes: drawer_1 was open, as of 08:00.");
+  EXPECT_EQ(reply("drawer", "07:30", Asks::open).verdict, Verdict::not_observed) << "before the first look";
+  EXPECT_EQ(reply("drawer", "now", Asks::open).text, "No: drawer_1 is closed, as of 09:00.");
+  const OpensAnswer open = ask(*store_, OpensQuestion{.state = "open", .as_of = {.at = 30600 * kSecond}});
+  EXPECT_THAT(names(open.parts), testing::IsEmpty());
+  EXPECT_THAT(names(open.not_observed), ElementsAre("door_1", "drawer_1_front"));
+}
+
+TEST_F(Room, BetweenLooksThatAgreeTheStateIsProbable) {
+  store_.reset();
+  {
+    Store store = Store::open_write(file_);
+    SceneTransaction scene(store, store.begin_run("test", "{}"));
+    scene.add_scene(
+        {.time = 12 * 3600 * kSecond, .map = store.maps().at(0).id, .joints = {{"drawer_1_joint", 0.0}}});
+    scene.commit();
+  }
+  store_.emplace(Store::open_read(file_));
+  const Query query{
+      .question = "opens", .arguments = {{"part", "drawer"}, {"at", "10:00"}}, .asks = Asks::open};
+  EXPECT_EQ(ask(*store_, query).reply({*store_, query, {}, TimeWriter(*store_)}).text,
+            "No, probably: drawer_1 was closed, as seen at 09:00 and 12:00.");
+}
+
+TEST_F(Room, WhatNobodyLookedAtIsNotUnopened) {
+  const OpensAnswer unopened = ask(*store_, OpensQuestion{.state = "unopened"});
+  EXPECT_THAT(names(unopened.parts), testing::IsEmpty());
+  EXPECT_THAT(names(unopened.others), ElementsAre("drawer_1_front"));
+  EXPECT_THAT(names(unopened.not_observed), ElementsAre("door_1"));
+  EXPECT_THAT(to_text(unopened, TimeWriter(*store_)),
+              testing::StartsWith("None is unopened.\nNot observed: door_1"));
+  const auto reply = [&](const char* place, const char* kind, Asks asks) {
+    const Query query{.question = "changes", .arguments = {{"place", place}, {"kind", kind}}, .asks = asks};
+    return ask(*store_, query).reply({*store_, query, {}, TimeWriter(*store_)});
+  };
+  for (const Asks asks : {Asks::verdict, Asks::number, Asks::last_time, Asks::objects})
+    EXPECT_EQ(reply("fridge", "opened", asks).text,
+              "Not observed: no look showed whether the fridge was open.");
+  EXPECT_EQ(reply("fridge", "opened", Asks::verdict).verdict, Verdict::not_observed);
+  EXPECT_FALSE(reply("fridge", "opened", Asks::number).number);
+  EXPECT_EQ(reply("fridge", "left", Asks::verdict).text, "Not observed: nobody looked into the fridge then.");
+  EXPECT_EQ(reply("drawer", "opened", Asks::verdict).verdict, Verdict::yes);
 }
 
 TEST_F(Room, AJointStandsAsItWasSeenLastThoughLaterScenesDoNotShowIt) {
@@ -117,7 +171,7 @@ TEST_F(Room, AJointStandsAsItWasSeenLastThoughLaterScenesDoNotShowIt) {
   store_.emplace(Store::open_read(file_));
   const OpensAnswer answer = ask(*store_, OpensQuestion{});
   ASSERT_TRUE(answer.parts[1].motion->position);
-  EXPECT_FALSE(answer.parts[1].motion->open());
+  EXPECT_EQ(answer.parts[1].motion->open(), false);
   EXPECT_EQ(answer.parts[1].motion->seen->time, 9 * 3600 * kSecond);
 }
 

@@ -221,9 +221,22 @@ TEST_F(NaturalLanguage, TheReplyAnswersWhatWasAsked) {
       {"What has been on the table the longest?", "The blue object: 2 h 30 min, from 08:00 to 10:30."},
       {"Where is everything?", "4 objects: 2 on counter_1, 1 on table_1 and 1 in drawer_1."},
       {"Which place has the most objects?", "Counter_1: 2 objects."},
-      {"How often did you look at the counter?", "Counter_1 in 3 scenes, last at 10:30."},
+      {"How often did you look at the counter?", "3 looks at counter_1, the last at 10:30."},
       {"How long has the drawer been empty?", "Not now: the yellow object is in drawer_1."},
       {"How long has the drawer been closed?", "Not known: it was not seen to close."},
+      {"How many objects do you know?", "4: tea cup, blue object, green object and yellow object."},
+      {"How often did the red thing move?",
+       "1 time, the last by 09:30: the tea cup moved from table_1 to counter_1."},
+      {"Why is the red thing not on the table?", "Because the tea cup was last seen on counter_1 at 10:30."},
+      {"Why is the red thing not on the counter?", "But the tea cup is on counter_1."},
+      {"Where was the blue thing before?", "Not known: the blue object was seen nowhere before that."},
+      {"What happened?",
+       "New: yellow object, green object and 2 more; opened or closed: drawer_1; hidden: blue object; moved: "
+       "tea cup."},
+      {"What happened at 8:45?", "Not observed: nobody looked then."},
+      {"What changed between 8:40 and 8:50?", "Not observed: nobody looked then."},
+      {"What was taken from the drawer between 8 and 9?",
+       "Not observed: nobody looked into the drawer then."},
       {"What was moved more than once?", "None known: nothing of the kind was seen 2 times then."},
       {"Was the blue thing on the table at 9?", "Yes: the blue object was on table, seen at 09:00."},
       {"Was the blue thing on the counter at 9?",
@@ -393,6 +406,51 @@ TEST_F(NaturalLanguage, BeforeTheFirstLookNothingWasObserved) {
   const NaturalLanguageAnswer answer = say("Was the tea cup on the table before 7:00?");
   EXPECT_EQ(answer.reply->text, "Not observed: the first look was at 08:00.");
   EXPECT_EQ(answer.reply->verdict, Verdict::not_observed);
+}
+
+TEST_F(NaturalLanguage, WhatWasLookedForAndNotFoundWasNotSeen) {
+  SQLite::Database(file_.string(), SQLite::OPEN_READWRITE)
+      .exec("UPDATE visibility SET status = 'missed' WHERE object = 2 AND scene = 5");
+  const NaturalLanguageAnswer answer = say("Have you seen the blue thing after 9:30?");
+  EXPECT_EQ(answer.reply->verdict, Verdict::no) << text(answer);
+}
+
+TEST_F(NaturalLanguage, WhatTheLastLookMissedIsCountedAsProbable) {
+  store_.reset();
+  {
+    Store store = Store::open_write(file_, {});
+    SceneTransaction scene(store, store.begin_run("test", "{}"));
+    const Id id = scene.add_scene({.time = testing_support::day_time("11:00")});
+    scene.add_visibility({.scene = id, .object = 2, .status = ObjectStatus::missed, .probability = 0.9});
+    scene.add_belief({.object = 2,
+                      .scene = id,
+                      .status = ObjectStatus::missed,
+                      .probability = 0.65,
+                      .place = store.places().at(0).id,
+                      .position = Vector3d(0.7, 0.5, 0.8),
+                      .last_scene = 3,
+                      .color = "blue"});
+    scene.commit();
+  }
+  store_.emplace(Store::open_read(file_));
+  EXPECT_EQ(say("How many blue things are there?").reply->text,
+            "Probably 1: blue object, not seen at the last look.");
+  EXPECT_EQ(say("How many objects are gone?").reply->number, 0U);
+  EXPECT_EQ(say("Is the blue thing on the table?").reply->text,
+            "Not observed: the blue object is probably on table_1, but was not seen at the last look.");
+}
+
+TEST_F(NaturalLanguage, HowLongItIsGoneLiesBetweenTheLooks) {
+  const Query query{
+      .question = "where", .arguments = {{"object", "red"}, {"at", "09:10"}}, .asks = Asks::duration};
+  const AsOf then = at("09:10");
+  const Reply reply = ask(*store_, query).reply({*store_, query, then, TimeWriter(*store_)});
+  EXPECT_EQ(reply.text, "At most 1 h 0 min: the tea cup was last seen at 08:00, and not at 09:00.");
+}
+
+TEST_F(NaturalLanguage, WhatLeftBeforeTheNextLookWasProbablyThere) {
+  EXPECT_EQ(say("Where was the red thing at 8:30?").reply->text,
+            "The tea cup was probably on table_1; it left between 08:00 and 09:00.");
 }
 
 TEST_F(NaturalLanguage, WhatTheLastLookMissedIsNotElsewhere) {
