@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <opencv2/imgproc.hpp>
 
 #include "memory/questions/contents.h"
 #include "memory/questions/events.h"
+#include "memory/questions/location.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
@@ -26,7 +28,7 @@ bool is_of_size(const std::string& by) {
   return by == "bigger" || by == "smaller" || is_of_height(by);
 }
 bool is_of_time(const std::string& by) {
-  return by == "left-before" || by == "moved-before";
+  return by.ends_with("-before");
 }
 
 bool is_of_distance(const std::string& by) {
@@ -71,15 +73,51 @@ std::optional<double> size_of(const Snapshot& snapshot, const Compared& one, boo
   return height ? size->z() : size->prod();
 }
 
-/// The last time that it left or was moved; of several objects the last of all.
-std::optional<TimeSpan> last_change(const Store& store, const std::string& subject, const std::string& kind,
-                                    AsOf as_of) {
+/// The last time that it left, came, was moved or opened; of several objects the last of all.
+std::optional<TimeSpan> last_change(const Store& store, const std::string& subject,
+                                    const ComparisonQuestion& question) {
+  static const std::map<std::string, std::string> kinds = {{"left-before", "left"},
+                                                           {"came-before", "came"},
+                                                           {"moved-before", "handled"},
+                                                           {"opened-before", "opened"}};
+  ChangesQuestion changes{
+      .subject = subject, .place = question.place, .as_of = question.as_of, .kind = kinds.at(question.by)};
+  if (question.by == "opened-before") std::swap(changes.subject, changes.place);
   std::optional<TimeSpan> last;
-  for (const Change& change :
-       ask(store, ChangesQuestion{.subject = subject, .as_of = as_of, .kind = kind}).changes)
+  for (const Change& change : ask(store, changes).changes)
     if (!last || change.time >= last->last)
       last = TimeSpan{change.since.value_or(std::numeric_limits<TimeNs>::min()), change.time};
   return last;
+}
+
+/// When looks saw the place.
+std::vector<TimeNs> looks_at(const Snapshot& snapshot, const std::string& place) {
+  std::vector<TimeNs> times;
+  for (const PlaceRow& row : snapshot.find_places(place))
+    for (const VisibilityRow& view : snapshot.store().visibility_of_place(row.id))
+      if (const SceneRow* scene = snapshot.scene(view.scene);
+          scene != nullptr && view.fraction.value_or(0) >= kMinSeenFraction)
+        times.push_back(scene->time);
+  std::ranges::sort(times);
+  return times;
+}
+
+/// How long it was there: at least from the first to the last sighting of each stay, at most from the look
+/// before to the look after them.
+void set_time_at_place(const Snapshot& snapshot, const ComparisonQuestion& question, Compared& one) {
+  const HistoryAnswer history =
+      ask(snapshot.store(),
+          HistoryQuestion{.subject = one.name, .as_of = question.as_of, .place = question.place});
+  const std::vector<TimeNs> looks = looks_at(snapshot, question.place);
+  const auto seconds = [](TimeNs time) { return static_cast<double>(time) / static_cast<double>(kSecond); };
+  for (const TimeSpan& span : spans_of(history.objects.front().stays)) {
+    const auto first = std::ranges::lower_bound(looks, span.first);
+    const auto after = std::ranges::upper_bound(looks, span.last);
+    const TimeNs earliest = first == looks.begin() ? span.first : *std::prev(first);
+    const TimeNs latest = after == looks.end() ? span.last : *after;
+    one.value = one.value.value_or(0) + seconds(span.last - span.first);
+    one.max_value = one.max_value.value_or(0) + seconds(latest - earliest);
+  }
 }
 
 /// How many there are of what words mean.
@@ -112,6 +150,10 @@ Verdict verdict_of(const ComparisonAnswer& answer) {
   if (answer.by == "distance") return all[1].value ? Verdict::yes : Verdict::not_observed;
   const Compared &a = all[answer.by == "nearer" ? 1 : 0], &b = all[answer.by == "nearer" ? 2 : 1];
   if (!a.value || !b.value) return Verdict::not_observed;
+  if (answer.by == "longer")
+    return *a.value > *b.max_value   ? Verdict::yes
+           : *b.value > *a.max_value ? Verdict::no
+                                     : Verdict::not_observed;
   const bool more =
       answer.by == "bigger" || answer.by == "taller" || answer.by == "more" || answer.by == "more-objects";
   return verdict_of(more ? *a.value > *b.value : *a.value < *b.value);
@@ -126,6 +168,7 @@ std::string value_text(const std::string& by, const Compared& one, const TimeWri
                 : fmt::format("between {} and {}", times.text(one.time->first), times.text(one.time->last));
   }
   if (!one.value) return "not known";
+  if (by == "longer") return "at least " + duration_text(static_cast<TimeNs>(*one.value) * kSecond);
   if (is_of_size(by) && !is_of_height(by)) return fmt::format("{:.2g} l", kLitres * *one.value);
   if (by == "more-objects") return fmt::format("{:.0f}", *one.value);
   if (by == "more") return fmt::format("{:.0f} {}", *one.value, *one.value == 1 ? "object" : "objects");
@@ -145,9 +188,12 @@ std::string statement(const ComparisonAnswer& answer, const std::vector<std::str
     return fmt::format("{} × {}, {} × {}", value(0), names[0], value(1), names[1]);
   if (is_of_height(answer.by))
     return fmt::format("{} is {} high, {} {}", names[0], value(0), names[1], value(1));
-  const std::string verb = answer.by == "left-before"    ? "left"
-                           : answer.by == "moved-before" ? "moved"
-                                                         : "takes up";
+  const std::string verb = answer.by == "left-before"     ? "left"
+                           : answer.by == "came-before"   ? "came"
+                           : answer.by == "moved-before"  ? "moved"
+                           : answer.by == "opened-before" ? "was opened"
+                           : answer.by == "longer"        ? "was there"
+                                                          : "takes up";
   return fmt::format("{} {} {}, {} {}", names[0], verb, value(0), names[1], value(1));
 }
 
@@ -162,6 +208,8 @@ std::vector<std::string> plain_names(const ComparisonAnswer& answer) {
 ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   ComparisonAnswer answer{.by = question.by};
+  if (question.by == "longer" && question.place.empty())
+    throw Error("'longer' compares times at a place", {}, "name it with --place");
   if (question.by == "nearer" && question.than.empty())
     throw Error("'nearer' compares two distances", {}, "name the other object, too (than)");
   std::vector<std::string> subjects = {question.subject, question.with};
@@ -184,11 +232,15 @@ ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question) {
         answer.compared.back().value = distance_to_place(*from, places.front());
       continue;
     }
+    if (question.by == "opened-before") {
+      answer.compared.push_back(
+          {.name = name_in_words(subject), .time = last_change(store, subject, question)});
+      continue;
+    }
     Compared one = compared_object(snapshot, subject);
     if (is_of_size(question.by)) one.value = size_of(snapshot, one, is_of_height(question.by));
-    if (is_of_time(question.by))
-      one.time =
-          last_change(store, subject, question.by == "left-before" ? "left" : "handled", question.as_of);
+    if (question.by == "longer") set_time_at_place(snapshot, question, one);
+    if (is_of_time(question.by)) one.time = last_change(store, subject, question);
     if (is_of_distance(question.by) && !answer.compared.empty())
       one.value = distance_between(snapshot, answer.compared[0], one);
     answer.compared.push_back(std::move(one));
@@ -264,23 +316,25 @@ std::vector<Question> comparison_questions() {
       {.name = "compare",
        .description =
            "Two objects against each other: distance, size, what left or moved first; or two places",
-       .parameters = {{.name = "object",
-                       .type = ParameterType::spot,
-                       .help = "An object; for more a place",
-                       .positional = true,
-                       .required = true},
-                      {.name = "with",
-                       .type = ParameterType::spot,
-                       .help = "The other one; for distances a place, too",
-                       .required = true},
-                      {.name = "than",
-                       .type = ParameterType::spot,
-                       .help = "Nearer than to this object or place"},
-                      {.name = "by",
-                       .help = "What is compared",
-                       .default_text = "distance",
-                       .choices = {"distance", "nearer", "bigger", "smaller", "taller", "shorter",
-                                   "left-before", "moved-before", "more", "more-objects"}}},
+       .parameters =
+           {{.name = "object",
+             .type = ParameterType::spot,
+             .help = "An object; for more a place",
+             .positional = true,
+             .required = true},
+            {.name = "with",
+             .type = ParameterType::spot,
+             .help = "The other one; for distances a place, too",
+             .required = true},
+            {.name = "than", .type = ParameterType::spot, .help = "Nearer than to this object or place"},
+            {.name = "place",
+             .type = ParameterType::place,
+             .help = "That it left, came to or, for longer, was at"},
+            {.name = "by",
+             .help = "What is compared",
+             .default_text = "distance",
+             .choices = {"distance", "nearer", "bigger", "smaller", "taller", "shorter", "left-before",
+                         "came-before", "moved-before", "opened-before", "longer", "more", "more-objects"}}},
        .asks = verdict,
        .examples = {"green --with red", "green --with red --by bigger --json"},
        .answer = format::schema_by<comparison_record>,
@@ -288,6 +342,7 @@ std::vector<Question> comparison_questions() {
          ComparisonQuestion question{.subject = given.text("object"),
                                      .with = given.text("with"),
                                      .than = given.text("than"),
+                                     .place = given.text("place"),
                                      .as_of = given.as_of()};
          if (!given.text("by").empty()) question.by = given.text("by");
          return ask(given.store(), question);
@@ -315,8 +370,21 @@ std::vector<Question> comparison_questions() {
            {"yes: vanish|go|leave|take <object> before<with> [away]", verdict,
             "Did the plate disappear before the bowl?", by("left-before")},
            {"yes: before vanish|go|leave|take <object> than<with> [away]", verdict, "", by("left-before")},
-           {"yes: leave <object> <any> before<with>", verdict, "", by("left-before")},
-           {"yes: vanish|go|leave|take <object> from<any> before<with>", verdict, "", by("left-before")},
+           {"yes: leave <object> <place> before<with>", verdict, "", by("left-before")},
+           {"yes: vanish|go|leave|take|move <object> from<place> before<with> [away]", verdict, "",
+            by("left-before")},
+           {"yes: come <object> before<with>", verdict, "", by("came-before")},
+           {"yes: come <object> <place> before<with>", verdict, "", by("came-before")},
+           {"yes: come|put|bring|move <object> to<place> before<with>", verdict,
+            "Did the cup come to the table before the bowl?", by("came-before")},
+           {"yes: was <object> at<place> before<with>", verdict, "", by("came-before")},
+           {"yes|bare: longer <object> at<place> than<with> [keep|leave]", verdict,
+            "Was the plate on the table longer than the bowl?", by("longer")},
+           {"what: longer at<place> <object> or<with> [keep|leave]", objects, "", by("longer")},
+           {"what: longer <object> or<with> at<place> [keep|leave]", objects, "", by("longer")},
+           {"yes: opened <object> before<with>", verdict, "Was drawer 2 opened before drawer 1?",
+            by("opened-before")},
+           {"yes: did|have open <object> before<with>", verdict, "", by("opened-before")},
            {"yes: move <object> before<with>", verdict, "", by("moved-before")},
            {"yes: before move <object> than<with>", verdict, "", by("moved-before")},
            {"yes: outnumber <object> <with>", verdict, "Do the cups outnumber the pots?", by("more-objects")},

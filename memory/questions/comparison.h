@@ -16,16 +16,20 @@ struct ComparisonQuestion {
   std::string subject = {};  ///< an object; for "more" a place
   std::string with = {};     ///< likewise; of distances also a place: from the nearest point of its outline
   std::string than = {};     ///< "nearer" to `with` than to this
-  /// "distance" between them; whether the first is "nearer", "bigger" (by volume), "smaller", "left-before"
-  /// or "moved-before" (the last time), or whether "more" is on it.
+  /// "distance" between them; whether the first is "nearer", "bigger" (by volume), "smaller", "left-before",
+  /// "came-before", "moved-before" or, of furniture, "opened-before" (the last time), was "longer" at a
+  /// place, or whether "more" is on it.
   std::string by = "distance";
+  std::string place = {};  ///< that it left, came to or was at; empty = any
   AsOf as_of = {};
 };
 struct Compared {
   std::string name = {};  ///< "object_3" or "table_1"
   std::optional<Id> object = {};
-  std::optional<double> value = {};   ///< distance from the first (m), volume (m^3) or number of objects
-  std::optional<TimeSpan> time = {};  ///< when it left or moved
+  /// Distance from the first (m), volume (m^3), number of objects or, at least, time at the place (s).
+  std::optional<double> value = {};
+  std::optional<double> max_value = {};  ///< of the time at the place, by the looks around its sightings
+  std::optional<TimeSpan> time = {};     ///< when it left or moved
 };
 struct ComparisonAnswer {
   std::string by = {};

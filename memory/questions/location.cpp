@@ -288,6 +288,7 @@ std::vector<SentenceForm> where_sentences() {
       {"yes|bare: every together <object> [keep|put|leave]", together},
       {"yes|bare: together <object> [keep|put|leave]", together, "Are the cups in the same place?"},
       {"yes|bare: vanish|go|miss|lose <object> [away|every] -time", gone, "Is the plate gone?"},
+      {"yes: go|miss <object> time [away] -did", gone, "Was the plate gone at four?"},
       {"yes|bare: not there <object> [leave]", gone},
       {"when: see|find <object> [last|lately]", last_time, "When was the last time you saw it?", {}, at},
       {"bare|what: see last <object>", last_time, "Last sighting of the milk?", {}, at},

@@ -35,6 +35,37 @@ std::set<Id> handled_in_period(const Store& store, const ObjectsQuestion& questi
   return objects;
 }
 
+/// Whether it was at one of the places: in a period as looks show it, else as it is believed.
+class AtPlace {
+ public:
+  AtPlace(const Snapshot& snapshot, const ObjectsQuestion& question)
+      : store_(snapshot.store()), question_(question) {
+    for (const PlaceRow& place : snapshot.find_places(question.not_at)) places_.insert(place.id);
+  }
+
+  bool was(const ObjectBelief& object) const {
+    if (!question_.from && !question_.to) return object.place && places_.contains(object.place->id);
+    return std::ranges::any_of(
+        store_.observations_of(object.object.id, question_.as_of, question_.from, question_.to),
+        [&](const ObjectObservation& sighting) {
+          return sighting.observation.place && places_.contains(*sighting.observation.place);
+        });
+  }
+
+ private:
+  const Store& store_;
+  const ObjectsQuestion& question_;
+  std::set<Id> places_;
+};
+
+void keep_elsewhere(const Snapshot& snapshot, const ObjectsQuestion& question, ObjectsAnswer& answer) {
+  const AtPlace at_place(snapshot, question);
+  const bool now = !question.from && !question.to;
+  std::erase_if(answer.objects, [&](const ObjectBelief& object) {
+    return at_place.was(object) || (now && object.status == ObjectStatus::gone);
+  });
+}
+
 }  // namespace
 
 ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question) {
@@ -45,6 +76,10 @@ ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question) {
   else
     for (const Id object : snapshot.find_objects(question.subject))
       answer.objects.push_back(snapshot.object_belief(object));
+  if (!question.not_at.empty()) {
+    keep_elsewhere(snapshot, question, answer);
+    return answer;
+  }
   const auto seen_then = [&](const ObjectBelief& object) {
     return !store.observations_of(object.object.id, question.as_of, question.from, question.to).empty();
   };
@@ -198,19 +233,46 @@ std::vector<SentenceForm> objects_sentences() {
       {"howmany: thing see time", number, "", {}, period},
       {"howmany: <object> [own|leave|keep|room]", number, "How many red objects are there?"},
       {"yes|bare: count<count> <object> [own|have|leave|room|keep]", verdict, "Are there two cups?"},
-      {"what: vanish|go|miss time [thing|away]", objects, "What disappeared today?", no_longer, period},
-      {"what: vanish|go [thing|away]", objects, "", no_longer, period},
-      {"what: which<object> vanish|go [away]", objects, "", no_longer, period},
-      {"what: which<object> miss time", objects, "", no_longer, period},
-      {"howmany: vanish|go|miss [thing|away]", number, "How many objects have disappeared?", no_longer,
-       period},
-      {"howmany: vanish|go|miss <object> [away]", number, "", no_longer, period},
+      {"what: vanish time [thing|away]", objects, "What disappeared today?", no_longer, period},
+      {"what: vanish [thing|away]", objects, "", no_longer, period},
+      {"what: which<object> vanish [away]", objects, "", no_longer, period},
+      {"howmany: vanish [thing|away]", number, "How many objects have disappeared?", no_longer, period},
+      {"howmany: vanish <object> [away]", number, "", no_longer, period},
+      {"what: go|miss time [thing|away]", objects, "What was gone at four?", no_longer, moment_or_period},
+      {"what: go [thing|away]", objects, "", no_longer, moment_or_period},
+      {"what: which<object> go [away]", objects, "", no_longer, moment_or_period},
+      {"what: which<object> miss time", objects, "", no_longer, moment_or_period},
+      {"howmany: go|miss [thing|away]", number, "", no_longer, moment_or_period},
+      {"howmany: go|miss <object> [away]", number, "", no_longer, moment_or_period},
       {"what: not move [thing|take|change|throughout]", objects, "What was not moved today?", unmoved,
        period},
       {"what: not change [thing|location]", objects, "", unmoved, period},
       {"what: not move|change|take which<object> [location|throughout]", objects, "", unmoved, period},
-      {"yes|bare: thing vanish|go [away|new]", exists, "Did anything disappear since noon?", no_longer,
-       period},
+      {"yes|bare: thing vanish [away|new]", exists, "Did anything disappear since noon?", no_longer, period},
+      {"yes|bare: thing go [away|new]", exists, "", no_longer, moment_or_period},
+      {"what: not at<not-at> [thing|stand|see|find|keep|put] -anymore -stays",
+       objects,
+       "Which objects were never on the table?",
+       {},
+       moment_or_period},
+      {"what: not which<object> at<not-at> [stand|see|find|keep|put] -anymore -stays",
+       objects,
+       "",
+       {},
+       moment_or_period},
+      {"howmany: not at<not-at> [thing|stand|see|find|keep|put] -anymore -stays",
+       number,
+       "",
+       {},
+       moment_or_period},
+      {"howmany: not <object> at<not-at> [stand|see|find|keep|put] -anymore -stays",
+       number,
+       "",
+       {},
+       moment_or_period},
+      {"order: show|list|name not at<not-at> [thing|everything] -anymore", objects, "", {}, moment_or_period},
+      {"order: show|list|name not <object> at<not-at> -anymore", objects, "", {}, moment_or_period},
+      {"where: not <object> at<not-at> -anymore", place, "Where is the cup that is not on the table?"},
       {"what: see person time [thing|everything]",
        objects,
        "What did you see between eight and nine?",
@@ -272,6 +334,9 @@ std::vector<Question> object_questions() {
                                "not moved; known: what is there and what has gone",
                        .default_text = "any",
                        .choices = {"gone", "unmoved", "known"}},
+                      {.name = "not-at",
+                       .type = ParameterType::place,
+                       .help = "Only those elsewhere; of a period, those that were not seen there"},
                       count_parameter(),
                       {.name = "unseen-since",
                        .type = ParameterType::time,
@@ -288,7 +353,8 @@ std::vector<Question> object_questions() {
                                     .to = given.to(),
                                     .filter = state == "gone"      ? ObjectFilter::gone
                                               : state == "unmoved" ? ObjectFilter::unmoved
-                                                                   : ObjectFilter::all});
+                                                                   : ObjectFilter::all,
+                                    .not_at = given.text("not-at")});
        },
        .sentences = objects_sentences()},
       {.name = "about",

@@ -29,6 +29,9 @@ struct ObjectsQuestion {
       {};  ///< only those that no scene has seen since then, gone ones included
   std::optional<TimeNs> from = {}, to = {};  ///< only those that were seen in this period
   ObjectFilter filter = ObjectFilter::all;
+  /// Only those that are elsewhere; of a period, those that were not seen at this place in it, whether they
+  /// were seen at all or not.
+  std::string not_at = {};
 };
 struct ObjectsAnswer {
   std::vector<ObjectBelief> objects = {};

@@ -354,6 +354,9 @@ class Judge {
     if (!result.seen_there.empty()) {
       result.verdict = Verdict::yes;
       result.probability = 1;
+      if (coverage_.has_places())
+        result.absent = looks_without_it(
+            PresenceChance(snapshot_.store(), object, question_, snapshot_.as_of(), places_), result);
     } else if (was_forgotten()) {
       result.reason = "what was seen in that time was forgotten on request";
     } else if (coverage_.scenes().empty()) {
@@ -377,7 +380,7 @@ class Judge {
 
   void decide_at_place(Id object, WasObject& result) const {
     const PresenceChance presence(snapshot_.store(), object, question_, snapshot_.as_of(), places_);
-    const std::vector<TimeNs> absent = looks_without_it(presence, result);
+    const std::vector<TimeNs>& absent = result.absent = looks_without_it(presence, result);
     result.probability = presence.chance(absent, result.before, result.after);
     if (!absent.empty() && result.probability <= kMaxChance) {
       result.verdict = Verdict::no;
@@ -533,9 +536,16 @@ std::vector<SentenceForm> was_sentences() {
   return {
       {"yes|bare: was|been|did|had <object> at<place> [leave|keep|before]", verdict,
        "Was the red cup on the table between nine and ten?"},
+      {"yes|bare: was|been|did|had together <object> at<place> [every|leave|keep|put]", together,
+       "Were the cup and the bowl ever on the table together?"},
+      {"yes|bare: was|been|did|had together <object> and<with> at<place> [every|leave|keep|put]",
+       together,
+       "",
+       {{"object", "{object} and {with}"}}},
       {"yes: have see <object> at<place>", verdict},
       {"yes|bare: throughout <object> at<place> [keep|leave|put|go]", throughout,
        "Was the milk on the table all day?"},
+      {"yes|bare: stays <object> at<place> [keep|leave]", lasted, "Did the milk stay on the table?"},
       {"yes: see|find <object> time", verdict, "Did you see the milk this morning?"},
       {"yes: was see <object> -person", verdict},
       {"when: <object> at<place>", summary, "When was the red cup on the table?"},

@@ -35,8 +35,9 @@ struct WasObject {
   std::vector<SceneRef> seen_there = {};
   std::vector<std::pair<SceneRef, std::string>> seen_elsewhere = {};  ///< with the place's name, or ""
   std::vector<PlaceView> views = {};                                  ///< that saw any of the place
-  std::optional<SceneRef> before = {};                                ///< last time it was seen there before
-  std::optional<SceneRef> after = {};                                 ///< first time it was seen there after
+  std::vector<TimeNs> absent = {};      ///< looks that exclude that it was there
+  std::optional<SceneRef> before = {};  ///< last time it was seen there before
+  std::optional<SceneRef> after = {};   ///< first time it was seen there after
 };
 struct WasAnswer {
   std::string asked = {};

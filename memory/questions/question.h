@@ -61,6 +61,7 @@ enum class Asks {
   all,          ///< a verdict on whether all of them are so
   only,         ///< a verdict on whether nothing else is so
   throughout,   ///< a verdict on whether it was so all the time
+  lasted,       ///< a verdict on whether it was so from its beginning on
   together,     ///< a verdict on whether they have one place, colour or size
   most,         ///< which of them most often
   earliest,     ///< which of them first

@@ -258,6 +258,11 @@ bool is_pronoun(const std::string& lemma) {
   return lemma == "it" || lemma == "they" || lemma == "them";
 }
 
+bool is_of_staying(const std::string& word) {
+  static const std::set<std::string> forms = word_set("stay stays stayed remain remains remained");
+  return forms.contains(word);
+}
+
 bool is_order(const std::string& lemma) {
   static const std::set<std::string> verbs = word_set(
       "show list name give describe find bring fetch get put set lay make prepare clean empty wipe stow "

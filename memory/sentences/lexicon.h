@@ -69,6 +69,9 @@ std::string first_lemma(const Words& words);
 /// The first "it", else a "that" that no name follows.
 std::optional<size_t> find_pronoun(const Words& words);
 
+/// "Stayed", "remain": was there, and was so all the time.
+bool is_of_staying(const std::string& word);
+
 void replace_words(Words& words, size_t first, size_t count, const Words& by);
 bool starts_with_words(const Words& words, const Words& head, size_t at = 0);
 /// Words [first, last) with blanks between them.

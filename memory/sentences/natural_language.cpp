@@ -13,6 +13,7 @@
 #include "memory/questions/names/names.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/questions/objects.h"
+#include "memory/questions/presence.h"
 #include "memory/questions/snapshot.h"
 #include "memory/sentences/clauses/absence_clause.h"
 #include "memory/sentences/clauses/contents_clause.h"
@@ -300,17 +301,30 @@ class Conversation {
     NaturalLanguageAnswer event = answer_plainly((condition ? "" : "when ") + clause->event);
     if (!event.reply || !(condition ? event.reply->verdict.has_value() : event.reply->time.has_value()))
       return std::nullopt;
-    // A state that lasts does not name a moment: "while the milk was on the table".
-    if (clause->link == EventClause::Link::at && event.query->question == "was") return std::nullopt;
+    // A state that lasts names a period: "while the milk was on the table". Not where it ended in between.
+    if (const WasAnswer* state = event.answer ? event.answer->get_if<WasAnswer>() : nullptr;
+        state != nullptr && clause->link == EventClause::Link::at && was_interrupted(*state))
+      return std::nullopt;
+    const bool lasts = event.query->question == "was";
     const std::string note = event.reply->text;
     NaturalLanguageAnswer answer = std::move(event);
     if (!condition || answer.reply->verdict == Verdict::yes) {
-      answer = answer_plainly(condition ? clause->question : question_at(*clause, *answer.reply->time));
+      answer =
+          answer_plainly(condition ? clause->question : question_at(*clause, *answer.reply->time, lasts));
       if (!answer.query) return std::nullopt;
       answer.notes.insert(answer.notes.begin(), clause->event + ": " + note);
     }
     answer.sentence = sentence;
     return answer;
+  }
+
+  /// Whether one of the objects was elsewhere between two of its sightings there.
+  static bool was_interrupted(const WasAnswer& state) {
+    return std::ranges::any_of(state.objects, [](const WasObject& object) {
+      return !object.seen_there.empty() && std::ranges::any_of(object.absent, [&](TimeNs time) {
+        return time > object.seen_there.front().time && time < object.seen_there.back().time;
+      });
+    });
   }
 
   /// Each question of the sentence by itself, in plain words; unset when none is understood.
@@ -466,7 +480,7 @@ class Conversation {
 
   /// Whether the names of a reading mean something. The first reading is kept where none does.
   bool try_reading(Query query, NaturalLanguageAnswer& answer) {
-    const bool first = !answer.query;
+    const bool first = !answer.query, then = query.argument("at") == "then";
     std::vector<std::string> notes;
     references_.resolve(query, notes);
     if (query.argument("object") == "one") return false;  // of what was not said
@@ -477,6 +491,7 @@ class Conversation {
     NaturalLanguageAnswer tried{.sentence = answer.sentence};
     try {
       set_answer(query, tried);
+      if (then && tried.reply && tried.reply->verdict == Verdict::no) tried.reply = not_then(*tried.reply);
     } catch (const UnknownName& error) {
       if (first && error.kind() == UnknownName::Kind::place) tried.reply = not_looked_into(query);
       if (first && error.kind() == UnknownName::Kind::object) tried.reply = none_coloured(query);
@@ -495,6 +510,13 @@ class Conversation {
     tried.notes = std::move(notes);
     answer = std::move(tried);
     return answered;
+  }
+
+  /// That something was not so when an object was last seen says nothing of the time before.
+  static Reply not_then(Reply reply) {
+    reply.verdict = Verdict::not_observed;
+    if (reply.text.starts_with("No: ")) reply.text.replace(0, 4, "Not observed: at last ");
+    return reply;
   }
 
   /// What is in a part of the map that no scene has shown from inside; unset for other places.

@@ -70,6 +70,24 @@ void ReferenceResolver::resolve(Query& query, std::vector<std::string>& notes) {
   for (const Parameter& parameter : find_question(query.question)->parameters)
     if (parameter.type == ParameterType::place && query.argument(parameter.name) == "there")
       replace_there(query, parameter, notes);
+  if (query.argument("at") == "then") replace_then(query, notes);
+}
+
+/// "then" is when the object that a spot is named by was last seen.
+void ReferenceResolver::replace_then(Query& query, std::vector<std::string>& notes) const {
+  query.arguments.erase("at");
+  const auto around = argument_of(query, {ParameterType::spot});
+  if (!around || !snapshot_.places_called(*around).empty()) return;
+  try {
+    const Id object = snapshot_.find_objects(snapshot_.head_of(*around).value_or(*around)).front();
+    const auto last = snapshot_.object_belief(object).last_seen;
+    if (!last) return;
+    query.arguments["at"] = format_time(last->time);
+    notes.push_back(fmt::format("at {}, when the {} was last seen",
+                                TimeWriter(snapshot_.store()).text(last->time), *around));
+  } catch (const UnknownName&) {
+    return;  // reported by the answer
+  }
 }
 
 void ReferenceResolver::note_related(const Query& query, std::vector<std::string>& notes) const {

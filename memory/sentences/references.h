@@ -41,6 +41,7 @@ class ReferenceResolver {
   void replace_other(std::string& text, const std::string& kind, std::vector<std::string>& notes) const;
   std::string place_of(const std::string& subject) const;
   void replace_there(Query& query, const Parameter& parameter, std::vector<std::string>& notes) const;
+  void replace_then(Query& query, std::vector<std::string>& notes) const;
   void replace_demonstrative(std::string& text, std::vector<std::string>& notes) const;
 
   Snapshot snapshot_;

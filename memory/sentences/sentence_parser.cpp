@@ -5,6 +5,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/related_words.h"
 #include "memory/sentences/clauses/clause.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/spelling.h"
@@ -174,7 +175,9 @@ Query query_of(const Rule& rule, const Slots& slots) {
 bool add_time(Query& query, const Question& question, SentenceTime time, std::optional<SentencePeriod> period,
               const TimeReader& times) {
   // What happened, or was somewhere, "around eight" may have been seen a little earlier or later.
-  const bool listed = query.asks == Asks::objects || query.asks == Asks::number || query.asks == Asks::exists;
+  const bool listed =
+      (query.asks == Asks::objects || query.asks == Asks::number || query.asks == Asks::exists) &&
+      query.argument("state") != "gone";
   if (period && period->around && listed &&
       (time == SentenceTime::period || time == SentenceTime::moment_or_period)) {
     constexpr TimeNs kAround = 1800 * kSecond;
@@ -203,10 +206,14 @@ bool add_time(Query& query, const Question& question, SentenceTime time, std::op
                            query.arguments.contains("count") || query.arguments.contains("except");
       if (counted) return false;
       // Whether it was seen at all is a question for `was`.
-      const bool verdict = query.asks == Asks::verdict || query.asks == Asks::exists;
+      const bool together = query.asks == Asks::together;
+      const bool verdict = query.asks == Asks::verdict || query.asks == Asks::exists || together;
       if (question.name == "where" && query.asks == Asks::gone) return false;
-      query.question = question.name == "where" && verdict ? "was" : question.over_period;
-      if (query.question == "was") query.asks = Asks::verdict;
+      if (question.name == "where" && verdict)
+        query.question = "was";
+      else if (!question.over_period.empty())
+        query.question = question.over_period;
+      if (query.question == "was" && !together) query.asks = Asks::verdict;
     }
     time = period->moment ? SentenceTime::at : SentenceTime::period;
   }
@@ -219,11 +226,43 @@ bool add_time(Query& query, const Question& question, SentenceTime time, std::op
   return true;
 }
 
-/// "Were there ever two cups on the table" is not about now.
+bool is_past(const Clause& clause) {
+  static const std::set<std::string> past = {"was", "been", "did", "had", "never"};
+  return std::ranges::any_of(clause.marks, [](const std::string& mark) { return past.contains(mark); });
+}
+
+/// "Were there ever two cups on the table" is not about now, "what was the biggest object on the table today"
+/// not about the end of the day.
 bool is_of_unknown_past(const Query& query, const Clause& clause) {
-  const bool past = clause.marks.contains("was") || clause.marks.contains("been") ||
-                    clause.marks.contains("did") || clause.marks.contains("had");
-  return past && !clause.period && query.arguments.contains("count");
+  if (!is_past(clause) || (clause.period && clause.period->moment)) return false;
+  const std::vector<std::string> object = words_of(query.argument("object"));
+  const bool biggest_there = query.question == "objects" && !object.empty() &&
+                             is_superlative(object.front()) &&
+                             (std::ranges::count(object, "on") > 0 || std::ranges::count(object, "in") > 0);
+  return biggest_there || (!clause.period && query.arguments.contains("count"));
+}
+
+/// "Has the cup been in the same place" asks whether it stayed, not whether several were together.
+bool is_of_one_place(const Query& query, const Clause& clause) {
+  const std::string object = query.argument("object");
+  const bool several =
+      object.find(" and ") != std::string::npos || object.ends_with('s') || clause.concepts.contains("every");
+  return query.asks == Asks::together && is_past(clause) && !several;
+}
+
+/// The time of a clause. "Which cup was on the table" asks for all that was seen there, not for what is
+/// there now.
+std::optional<SentencePeriod> time_of(const Clause& clause, const Query& query, SentenceTime time) {
+  static const std::set<Asks> over_time = {Asks::objects, Asks::number, Asks::verdict, Asks::exists,
+                                           Asks::together};
+  // "Has it been put back" asks for now.
+  if (clause.period || !is_past(clause) || clause.concepts.contains("put") ||
+      time != SentenceTime::moment_or_period)
+    return clause.period;
+  const bool asked =
+      query.question == "where" ? query.asks == Asks::together : over_time.contains(query.asks);
+  if (!asked) return {};
+  return SentencePeriod{"", query.arguments.contains("not-at") ? "now" : ""};
 }
 
 bool same(const Query& a, const Query& b) {
@@ -245,9 +284,11 @@ std::vector<Query> parse_readings(const std::vector<Clause>& clauses, const Time
       const auto slots = match(rule, clause);
       if (!slots) continue;
       Query query = query_of(rule, *slots);
-      if (is_of_unknown_past(query, clause)) continue;
-      if (add_time(query, *rule.question, rule.form->time.value_or(rule.question->time), clause.period,
-                   times) &&
+      if (is_of_unknown_past(query, clause) || is_of_one_place(query, clause)) continue;
+      // What was beside an object has no period: it was so when the object was last seen.
+      if (query.question == "near" && is_past(clause) && !clause.period) query.arguments["at"] = "then";
+      const SentenceTime time = rule.form->time.value_or(rule.question->time);
+      if (add_time(query, *rule.question, time, time_of(clause, query, time), times) &&
           std::ranges::none_of(queries, [&](const Query& one) { return same(one, query); }))
         queries.push_back(std::move(query));
     }
@@ -297,8 +338,10 @@ std::optional<Query> bare_follow_up(const std::string& mood, const Query& last) 
   Query query = last;
   if (const auto asks = of_changes.find(mood); asks != of_changes.end() && last.question == "changes")
     return query.asks = asks->second, query;
+  if (mood == "when" && last.question == "was") return query.asks = Asks::summary, query;
   const auto asks = of_stay.find(mood);
-  const bool stays = last.question == "where" || last.question == "on" || last.question == "in";
+  const bool stays = last.question == "where" || last.question == "on" || last.question == "in" ||
+                     (last.question == "was" && !last.argument("place").empty());
   if (asks == of_stay.end() || !stays || !last.arguments.contains("object") || last.arguments.contains("at"))
     return std::nullopt;
   const std::string place = last.question == "where" ? "there" : last.argument("place");
@@ -313,8 +356,9 @@ std::vector<Query> parse_follow_up(const std::vector<Clause>& clauses, const Que
   if (question == nullptr || clauses.empty()) return {};
   const Clause& clause = clauses.front();
   Query query = last;
-  const bool doubted =
-      std::ranges::all_of(clause.concepts, [](const std::string& one) { return one == "why"; });
+  const bool doubted = std::ranges::all_of(clause.concepts, [&](const std::string& one) {
+    return one == "why" || (one == "not" && clause.mood == "why");
+  });
   const bool that =
       clause.phrases.empty() || (clause.phrases.size() == 1 && clause.phrases[0].text == "that");
   if (doubted && that) {

@@ -42,11 +42,13 @@ class PeriodReader {
 
   std::optional<SentencePeriod> read() const {
     if (auto period = read_last()) return period;
+    if (auto period = read_length()) return period;
     if (auto period = read_whole()) return period;
     if (auto period = read_throughout()) return period;
     if (auto period = read_next_to()) return period;
     const std::string& head = words_[first_];
-    if (head == "between" || head == "from") return read_between(head == "between" ? "and" : "to");
+    if (head == "between") return read_between("and");
+    if (head == "from") return spanning(read_between("to"));
     static const WordSet begins = {"since", "after"}, ends = {"until", "till", "before", "by", "to"};
     const bool up_to =
         starts_with_words(words_, {"up", "to"}, first_) || starts_with_words(words_, {"up", "until"}, first_);
@@ -82,7 +84,25 @@ class PeriodReader {
     if (last_ - first == 2) amount = (amount == "hour" ? "an " : "a ") + amount;
     if (amount == "half hour") amount = "half an hour";
     if (!times_.try_read(amount + " ago")) return std::nullopt;
-    return SentencePeriod{amount + " ago", ""};
+    SentencePeriod period{amount + " ago", ""};
+    period.spans = words_[first_] == "for";
+    return period;
+  }
+
+  /// "Has it been there for two hours", "for more than an hour": since so long ago.
+  std::optional<SentencePeriod> read_length() const {
+    const bool perfect = words_[0] == "has" || words_[0] == "have";
+    if (!perfect || words_[first_] != "for") return std::nullopt;
+    size_t first = first_ + 1;
+    for (const Words& least : {Words{"more", "than"}, {"at", "least"}, {"over"}})
+      if (starts_with_words(words_, least, first)) first += least.size();
+    if (first >= last_ || !times_.try_read(join(first, last_) + " ago")) return std::nullopt;
+    return spanning(SentencePeriod{join(first, last_) + " ago", ""});
+  }
+
+  static std::optional<SentencePeriod> spanning(std::optional<SentencePeriod> period) {
+    if (period) period->spans = true;
+    return period;
   }
 
   /// "all day", "throughout the morning", "at any time today".
@@ -159,8 +179,10 @@ class PeriodReader {
     const std::string text = join(first, last_);
     const TimeSpan span = times_.read(text);
     const bool is_long = span.last - span.first >= kLongSpan;
-    if (begins) return SentencePeriod{head == "after" && is_long ? format_time(span.last) : text, ""};
-    return SentencePeriod{"", head == "before" && is_long ? format_time(span.first) : text};
+    SentencePeriod period{"", head == "before" && is_long ? format_time(span.first) : text};
+    if (begins) period = {head == "after" && is_long ? format_time(span.last) : text, ""};
+    period.spans = head == "since" || head == "until" || head == "till";
+    return period;
   }
 
   std::optional<SentencePeriod> read_moment() const {
@@ -196,8 +218,9 @@ void normalize_times(Words& words) {
         {"(up to|until|till|up until) now", ""},
         {"(so|thus) far|to date|until today", ""},
         {"as (of|at)", "at"},
-        {"(at|in) any (point|time|stage)|at (some|one) (point|time|stage)|at all|at any (point|time) in time",
-         ""},
+        {"at all", ""},
+        {"(at|in) any (point|time|stage)|at (some|one) (point|time|stage)|at any (point|time) in time",
+         "ever"},
         {"earlier (today|on today|in the day)", "today"},
         {"some time today|sometime today|in the course of (the|this) day|over the day|(during|in) the day",
          "today"},

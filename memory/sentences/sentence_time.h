@@ -13,6 +13,7 @@ struct SentencePeriod {
   std::string from, to;     ///< "" = open
   bool moment = false;      ///< one short time
   bool throughout = false;  ///< "the whole day": all of it
+  bool spans = false;       ///< "since nine", "until nine", "from nine to ten": all of it, of what lasts
   bool around = false;      ///< "around nine"
 };
 

@@ -361,6 +361,7 @@ constexpr Compound kCompounds[] = {
     {"[at] (the|a) same (place|spot|location|position)", "together"},
     {"in (the|one) same (place|spot|location|position|drawer)", "together"},
     {"side by side", "together"},
+    {"at (the|one) (same|very same) (time|moment)|simultaneously|at one time|at once", "together"},
     {"(the|a|one) (same|identical) (colour|color)|alike in (colour|color)", "samecolour"},
     {"(the|a|one) (same|identical) (size|sizes)|equally (big|large)", "samesize"},
     {"more than one", "two"},

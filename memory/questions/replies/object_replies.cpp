@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "memory/questions/location.h"
 #include "memory/questions/names/names.h"
@@ -424,38 +425,219 @@ std::optional<UnseenMoment> unseen_moment(const WasAnswer& answer, const Snapsho
   return told;
 }
 
-/// No where one look shows otherwise; yes where the first and the last look at the place saw it.
-Verdict throughout(const WasObject& object) {
-  const bool missed = std::ranges::any_of(
-      object.views, [](const PlaceView& view) { return view.spot == SpotStatus::seen_empty; });
-  if (missed || !object.seen_elsewhere.empty()) return Verdict::no;
-  if (object.seen_there.empty() || object.views.empty()) return Verdict::not_observed;
-  const bool first = object.before || object.seen_there.front().time <= object.views.front().scene.time;
-  const bool last = object.after || object.seen_there.back().time >= object.views.back().scene.time;
-  return first && last ? Verdict::yes : Verdict::not_observed;
+/// Whether an object was there all the time of a period, as looks show it.
+struct Lasting {
+  Verdict verdict = Verdict::not_observed;
+  std::vector<SceneRef> seen = {};          ///< there
+  std::optional<TimeNs> absent = {};        ///< a look that excludes that it was there
+  std::string elsewhere = {};               ///< "on table_1", where that look saw it elsewhere
+  std::optional<TimeNs> elsewhere_to = {};  ///< the last look that saw it there
+};
+
+/// Whether the sighting next to a period was at the place, too; where there is none, `otherwise`.
+bool goes_on(const std::optional<ObjectObservation>& next, const std::optional<SceneRef>& there,
+             bool otherwise) {
+  return next ? there && next->association.scene == there->scene : otherwise;
 }
 
-void all_the_time(const WasAnswer& answer, const std::string& name, const std::string& where,
-                  const ReplyContext& context, Reply& reply) {
-  reply.verdict = Verdict::no;
-  const WasObject* best = &answer.objects.front();
-  for (const WasObject& one : answer.objects) {
-    const Verdict verdict = throughout(one);
-    if (verdict == Verdict::no || reply.verdict == Verdict::yes) continue;
-    reply.verdict = verdict;
-    best = &one;
+/// What there is to say of it from the beginning of its stay on: with an open end its first sighting there,
+/// else the first after which it was nowhere else until its last one.
+TimeNs begin_of_stay(const WasObject& object, bool open_end) {
+  TimeNs begin = object.seen_there.front().time;
+  for (const SceneRef& scene : object.seen_there)
+    if (!open_end &&
+        std::ranges::any_of(object.absent, [&](TimeNs time) { return time > begin && time < scene.time; }))
+      begin = scene.time;
+  return begin;
+}
+
+void set_absence(const WasObject& object, TimeNs begin, Lasting& lasting) {
+  const auto absent = std::ranges::find_if(object.absent, [&](TimeNs time) { return time >= begin; });
+  if (absent == object.absent.end()) return;
+  lasting.absent = *absent;
+  lasting.verdict = Verdict::no;
+  const std::string* place = nullptr;
+  for (const auto& [scene, name] : object.seen_elsewhere) {
+    if (scene.time < begin || name.empty()) continue;
+    if (place == nullptr) {
+      place = &name;
+      lasting.elsewhere = name;
+      lasting.absent = scene.time;
+    }
+    if (name == *place) lasting.elsewhere_to = scene.time;
   }
-  const size_t looks = best->seen_there.size();
-  if (*reply.verdict == Verdict::yes)
-    reply.text =
-        fmt::format("Yes: {} was seen {} {}, in {}.", name, where,
-                    context.times.span_text(best->seen_there.front().time, best->seen_there.back().time),
-                    counted(looks, "look"));
-  else if (*reply.verdict == Verdict::no)
-    reply.text = fmt::format("No: {} was not {} all the time.", name, where);
+}
+
+/// When it was found to have gone after a sighting, by the end of the period.
+std::optional<TimeNs> gone_after(TimeNs sighting, Id object, TimeNs end, const ReplyContext& context) {
+  for (const BeliefRow& row : context.store.belief_history(object, {end, context.as_of.known_at}, sighting))
+    if (row.status == ObjectStatus::gone && row.clock.valid_from > sighting) return row.clock.valid_from;
+  return {};
+}
+
+/// No where one look excludes it. Yes where the sightings reach over both ends of the period, or it is
+/// believed to be there still.
+Lasting lasting_of(const WasAnswer& answer, const WasObject& object, const ReplyContext& context) {
+  Lasting lasting{.verdict = object.seen_there.empty() ? object.verdict : Verdict::not_observed};
+  const bool open_begin = context.query.asks == Asks::lasted && !object.seen_there.empty();
+  const TimeNs begin = open_begin ? begin_of_stay(object, context.query.argument("to").empty()) : answer.from;
+  std::ranges::copy_if(object.seen_there, std::back_inserter(lasting.seen),
+                       [&](const SceneRef& scene) { return scene.time >= begin; });
+  set_absence(object, begin, lasting);
+  if (lasting.absent || lasting.seen.empty()) return lasting;
+  lasting.absent = gone_after(lasting.seen.back().time, object.object.id, answer.to, context);
+  if (lasting.absent) return lasting.verdict = Verdict::no, lasting;
+  const Store& store = context.store;
+  const Id id = object.object.id;
+  const AsOf known{{}, context.as_of.known_at};
+  const bool first_look =
+      object.views.empty() || object.views.front().scene.time >= lasting.seen.front().time;
+  const auto belief = store.belief(id, known);
+  const bool there_now = belief && belief->status != ObjectStatus::gone &&
+                         belief->status != ObjectStatus::missed && belief->probability >= kLikely;
+  const bool from_start =
+      open_begin || lasting.seen.front().time <= answer.from ||
+      goes_on(store.last_observation_before(id, answer.from, {}, known), object.before, first_look);
+  const bool to_end =
+      lasting.seen.back().time >= answer.to ||
+      goes_on(store.first_observation_after(id, answer.to, {}, known), object.after, there_now);
+  if (from_start && to_end) lasting.verdict = Verdict::yes;
+  return lasting;
+}
+
+/// "it was on table_1 from 08:20 to 15:00", "it was not there at 15:00"
+std::string absence_text(const Lasting& lasting, const TimeWriter& times) {
+  if (lasting.elsewhere.empty()) return fmt::format("it was not there at {}", times.text(*lasting.absent));
+  return fmt::format("it was seen at {} {}", name_in_words(lasting.elsewhere),
+                     times.span_text(*lasting.absent, *lasting.elsewhere_to));
+}
+
+void all_the_time(const WasAnswer& answer, const Names& names, const std::string& where,
+                  const ReplyContext& context, Reply& reply) {
+  const WasObject* best = nullptr;
+  Lasting lasting;
+  const auto rank = [](const Lasting& one) {  // one of several that was there all the time decides
+    return std::pair(one.verdict == Verdict::yes            ? 2
+                     : one.verdict == Verdict::not_observed ? 1
+                                                            : 0,
+                     one.seen.size());
+  };
+  for (const WasObject& one : answer.objects) {
+    Lasting other = lasting_of(answer, one, context);
+    if (best != nullptr && rank(other) <= rank(lasting)) continue;
+    best = &one;
+    lasting = std::move(other);
+  }
+  reply.objects = {best->object.id};
+  reply.verdict = lasting.verdict;
+  const std::string name = bare_subject(best->object, names);
+  const std::string seen =
+      lasting.seen.empty()
+          ? ""
+          : fmt::format("{} was seen {} {}, in {}", name, where,
+                        context.times.span_text(lasting.seen.front().time, lasting.seen.back().time),
+                        counted(lasting.seen.size(), "look"));
+  if (lasting.verdict == Verdict::yes)
+    reply.text = fmt::format("Yes: {}.", seen);
+  else if (lasting.verdict == Verdict::no)
+    reply.text = fmt::format("No: {} was not {} all the time: {}.", name, where,
+                             lasting.absent ? absence_text(lasting, context.times) : best->reason);
   else
-    reply.text =
-        fmt::format("Not observed all the time: {} was seen {} in {}.", name, where, counted(looks, "look"));
+    reply.text = seen.empty() ? fmt::format("Not observed: {}.", best->reason)
+                              : fmt::format("Not observed: {}, not all the time.", seen);
+}
+
+using PlaceSpans = std::map<Id, std::vector<TimeSpan>>;  ///< when something was at places
+
+PlaceSpans spans_at_places(const WasAnswer& answer, const std::vector<Id>& objects,
+                           const ReplyContext& context) {
+  PlaceSpans spans;
+  for (const Id object : objects)
+    for (const ObjectHistory& history : ask(context.store, HistoryQuestion{.subject = object_name(object),
+                                                           .from = answer.from,
+                                                           .to = answer.to,
+                                                           .as_of = context.as_of,
+                                                           .place = answer.place})
+                                            .objects)
+      for (const Stay& stay : history.stays)
+        if (stay.place)
+          for (const TimeSpan& span : spans_of({stay}))
+            if (const TimeSpan then{std::max(span.first, answer.from), std::min(span.last, answer.to)};
+                then.first <= then.last)
+              spans[stay.place->id].push_back(then);
+  return spans;
+}
+
+/// When both were at one place.
+PlaceSpans common(const PlaceSpans& some, const PlaceSpans& others) {
+  PlaceSpans both;
+  for (const auto& [place, spans] : some)
+    if (const auto found = others.find(place); found != others.end())
+      for (const TimeSpan& one : spans)
+        for (const TimeSpan& other : found->second)
+          if (const TimeSpan span{std::max(one.first, other.first), std::min(one.last, other.last)};
+              span.first <= span.last)
+            both[place].push_back(span);
+  return both;
+}
+
+/// "the cup and the spoon": of each name one of its objects; "the cups": all of them.
+std::vector<std::vector<Id>> members_of(const std::string& subject, const Snapshot& snapshot) {
+  std::vector<std::vector<Id>> members;
+  const std::string joint = " and ";
+  for (size_t begin = 0, end = 0; end != std::string::npos; begin = end + joint.size()) {
+    end = subject.find(joint, begin);
+    members.push_back(
+        snapshot.find_objects(subject.substr(begin, end == std::string::npos ? end : end - begin)));
+  }
+  // "The red cup and the other cups": each object once.
+  for (std::vector<Id>& some : members)
+    for (const std::vector<Id>& one : members)
+      if (one.size() == 1 && some.size() > 1) std::erase(some, one.front());
+  if (members.size() > 1) return members;
+  std::vector<std::vector<Id>> each;
+  for (const Id id : members.front()) each.push_back({id});
+  return each;
+}
+
+/// Whether they were at one place at one time, by the sightings between which each stayed there. That none
+/// shows them together is not observed: looks see a part of the time.
+void at_one_time(const WasAnswer& answer, const Names& names, const std::string& where,
+                 const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  std::optional<PlaceSpans> together;
+  std::vector<std::string> list, each;
+  const auto members = members_of(context.query.argument("object"), snapshot);
+  reply.objects.clear();
+  for (const std::vector<Id>& one : members) {
+    const PlaceSpans spans = spans_at_places(answer, one, context);
+    together = together ? common(*together, spans) : spans;
+    reply.objects.push_back(one.front());
+    list.push_back(bare_subject(snapshot.object_ref(one.front()), names));
+    for (const auto& [place, times] : spans)
+      each.push_back(fmt::format("{}: {} {}", list.back(), in_words(*snapshot.place_ref(place)),
+                                 context.times.span_text(times.front().first, times.back().last)));
+  }
+  const std::string subject = context.query.argument("object");
+  const bool one_name = subject.find(" and ") == std::string::npos;
+  const std::string all = one_name && list.size() > 1 ? "the " + subject : list_in_words(list, 4);
+  if (members.size() < 2) {
+    reply.not_known = true;
+    reply.text = fmt::format("Not known: only one such object, {}, is known.", all);
+  } else if (!together->empty()) {
+    const auto& [place, spans] = *together->begin();
+    const PlaceRef at = *snapshot.place_ref(place);
+    reply.verdict = Verdict::yes;
+    reply.places = {at.name};
+    reply.time = spans.front();
+    reply.text = fmt::format("Yes: {} were {} together, {}.", all, in_words(at),
+                             context.times.span_text(spans.front().first, spans.front().last));
+  } else {
+    reply.verdict = Verdict::not_observed;
+    reply.text = fmt::format("Not observed: {} were never seen {} together.", all,
+                             answer.place.empty() ? "at one place" : where);
+  }
+  for (size_t i = 0; i < std::min(each.size(), kMaxEvidenceLines); ++i) reply.evidence.push_back(each[i]);
 }
 
 }  // namespace
@@ -473,9 +655,13 @@ void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& re
       answer.place.empty() ? "seen" : (answer.container ? "in " : "on ") + name_in_words(answer.place);
   reply.objects = {object.object.id};
   const Asks asks = context.query.asks;
-  if (asks == Asks::throughout) {
-    all_the_time(answer, name, where, context, reply);
-  } else if (asks != Asks::verdict) {
+  if (asks == Asks::together) {
+    at_one_time(answer, names, where, context, reply);
+    return;
+  }
+  if (asks == Asks::throughout || asks == Asks::lasted) {
+    all_the_time(answer, names, where, context, reply);
+  } else if (asks != Asks::verdict && asks != Asks::reason) {
     std::vector<SceneRef> there;
     for (const WasObject& one : answer.objects)
       there.insert(there.end(), one.seen_there.begin(), one.seen_there.end());
@@ -561,16 +747,45 @@ std::string none_in_words(const ObjectsAnswer& answer, const Names& names) {
                           : fmt::format("None surely; perhaps {}.", list_in_words(doubtful));
 }
 
+/// Whether there is a scene in the period of a query.
+bool looked_then(const ReplyContext& context) {
+  const TimeReader times(context.store);
+  const std::string from = context.query.argument("from"), to = context.query.argument("to");
+  const auto first = from.empty() ? std::nullopt : std::optional(times.read(from).first);
+  const auto last = to.empty() ? std::nullopt : std::optional(times.read(to).last);
+  return !context.store.scenes(context.as_of, first, last).empty();
+}
+
+/// Elsewhere than at a place, now or over a period.
+std::string elsewhere_in_words(const std::vector<ObjectBelief>& there, const ReplyContext& context,
+                               const Snapshot& snapshot, const std::string& list) {
+  const std::string name = context.query.argument("not-at");
+  const std::string place =
+      (snapshot.find_places(name).front().container ? "in " : "on ") + name_in_words(name);
+  const bool over = !context.query.argument("from").empty() || !context.query.argument("to").empty();
+  if (there.empty()) return fmt::format("None that is known{}.", over ? ": each was seen there" : "");
+  return fmt::format("{} {} {}: {}.", there.size(), over ? "not seen" : "not", place, list);
+}
+
+/// What the last look at its place missed has perhaps gone.
+std::string missed_in_words(const std::vector<ObjectBelief>& missed, bool gone, Asks asks, const Names& names,
+                            const std::string& list) {
+  return fmt::format("{} {}, not seen at the last look.", gone ? "Perhaps" : "Probably",
+                     asks == Asks::objects && missed.size() == 1
+                         ? names.subject(missed[0].object)
+                         : fmt::format("{}: {}", missed.size(), list));
+}
+
 }  // namespace
 
 void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
   const auto given = [&](const char* name) { return context.query.arguments.contains(name); };
-  const bool any_time = given("unseen-since") || given("state") || given("from") || given("to");
+  const bool in_period = given("from") || given("to");
+  const bool any_time = given("unseen-since") || given("state") || in_period;
   const std::string state = context.query.argument("state");
   const bool gone = state == "gone";
-  // What the last look at its place missed has perhaps gone.
   std::vector<ObjectBelief> there, missed;
   for (const ObjectBelief& object : answer.objects)
     if (object.status == ObjectStatus::missed && (gone || (!any_time && object.probability >= kLikely)))
@@ -587,7 +802,12 @@ void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply
   };
   const Asks asks = context.query.asks;
   reply.number = there.size();
-  if (!there.empty()) {
+  reply.not_known = there.empty() && missed.empty() && in_period && !looked_then(context);
+  if (reply.not_known) {
+    reply.text = "Not observed: nobody looked then.";
+  } else if (given("not-at")) {
+    reply.text = elsewhere_in_words(there, context, snapshot, names_in(there));
+  } else if (!there.empty()) {
     reply.text = asks == Asks::objects && there.size() == 1 && missed.empty()
                      ? names.subject(there[0].object) + "."
                      : fmt::format("{}: {}{}.", there.size(), names_in(there),
@@ -595,19 +815,16 @@ void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply
   } else if (!missed.empty()) {
     reply.number = gone ? 0 : missed.size();
     reply.probability = missed.front().probability;
-    const std::string list = asks == Asks::objects && missed.size() == 1
-                                 ? names.subject(missed[0].object)
-                                 : fmt::format("{}: {}", missed.size(), names_in(missed));
-    reply.text = fmt::format("{} {}, not seen at the last look.", gone ? "Perhaps" : "Probably", list);
+    reply.text = missed_in_words(missed, gone, asks, names, names_in(missed));
   } else {
     reply.text = any_time ? fmt::format("None{}.", state.empty() ? " seen then" : " is known to be " + state)
-                          : fmt::format("None now: {} gone.", counted(answer.objects.size(), "object"));
+                          : none_in_words(answer, names);
   }
   if (asks == Asks::summary && !there.empty() && there.size() < answer.objects.size())
     reply.text = fmt::format("{} of {} {} likely where {} seen last: {}.", there.size(),
                              answer.objects.size(), there.size() == 1 ? "is" : "are",
                              there.size() == 1 ? "it was" : "they were", names_in(there));
-  if (asks == Asks::verdict || asks == Asks::exists) {
+  if ((asks == Asks::verdict || asks == Asks::exists) && !reply.not_known) {
     const size_t wanted = std::max<size_t>(1, wanted_count(context.query));
     reply.verdict = there.size() >= wanted                   ? Verdict::yes
                     : there.size() + missed.size() >= wanted ? Verdict::not_observed

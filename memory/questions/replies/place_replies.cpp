@@ -354,12 +354,13 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
   }
   const std::string only = context.query.argument("object");
   const std::vector<Id> asked = only.empty() ? std::vector<Id>{} : snapshot.find_objects(only);
+  const std::string be = std::string(" ") + is_or_was(context, list.size());
   const std::string found =
       fmt::format("{} {}.",
-                  !list.empty()       ? list_in_words(list) + (list.size() > 1 ? " are" : " is")
-                  : asked.size() == 1 ? names.subject(snapshot.object_ref(asked[0])) + " is not"
-                  : only.empty()      ? "nothing is"
-                                      : fmt::format("no '{}' is", only),
+                  !list.empty()       ? list_in_words(list) + be
+                  : asked.size() == 1 ? names.subject(snapshot.object_ref(asked[0])) + be + " not"
+                  : only.empty()      ? "nothing" + be
+                                      : fmt::format("no '{}'{}", only, be),
                   relation_in_words(answer, around, context.times));
   const BeliefRow* belief = object ? snapshot.belief(*object) : nullptr;
   const bool hides = answer.relation == Relation::under || answer.relation == Relation::behind;

@@ -108,6 +108,7 @@ class ClauseReader {
     joint_.clear();
     if (clause_.concepts.empty() && !clause_.phrases.empty()) clause_.marks.insert("subject");
     (kLight.contains(one) ? clause_.marks : clause_.concepts).insert(one);
+    if (is_of_staying(word())) clause_.marks.insert("stays");
     return true;
   }
 
@@ -147,6 +148,7 @@ class ClauseReader {
         return true;
       case WordClass::empty:
         close();
+        if (one == "anymore") clause_.marks.insert(one);
         return true;
       case WordClass::relation:
         return take_relation();
@@ -321,6 +323,7 @@ class ClauseReader {
         return true;
       }
     }
+    if (word() == "never") clause_.marks.insert("never");
     if (word() == "different" && (next_is_name || lemma(1) == "thing")) return true;
     if (word() == "always" && clause_.mood != "where") one = "throughout";
     if (one == "every" && (clause_.mood == "what" || clause_.mood == "howmany" || clause_.mood == "order"))
@@ -429,12 +432,30 @@ std::optional<Clause> with_coordination(const Clause& clause) {
   return joined.phrases.size() < clause.phrases.size() ? std::optional(joined) : std::nullopt;
 }
 
+/// "Was the cup on the table …", "did it stay there …": whether a state lasted, not whether it ever was.
+bool asks_for_lasting_state(const Clause& clause) {
+  static const WordSet lasting = {"keep", "leave"}, others = {"any", "there", "person", "see", "find"};
+  const auto is_subject = [](const Phrase& phrase) { return phrase.relation.empty(); };
+  const auto is_place = [](const Phrase& phrase) { return kAtRelations.contains(phrase.relation); };
+  return (clause.mood == "yes" || clause.mood == "bare") && !clause.marks.contains("may") &&
+         std::ranges::none_of(others, [&](const std::string& one) { return clause.marks.contains(one); }) &&
+         std::ranges::all_of(clause.concepts,
+                             [&](const std::string& one) { return lasting.contains(one); }) &&
+         std::ranges::any_of(clause.phrases, is_subject) && std::ranges::any_of(clause.phrases, is_place);
+}
+
 std::optional<Clause> read_clause(Words words, const WordSet& concepts, const TimeReader& times) {
   const auto period = cut_time(words, times);
   if (period) strip_surroundings(words);
   if (words.empty() && !period) return std::nullopt;  // "And at noon?" is a time only
+  const bool ever = std::ranges::count(words, "ever") > 0;
   auto clause = ClauseReader(tokens_of(words), concepts).read();
-  if (!clause || !period) return clause;
+  if (!clause) return clause;
+  // "Is it staying there" asks for now.
+  const bool stays = clause->marks.contains("stays") && !clause->marks.contains("is");
+  if (!ever && (stays || (period && period->spans)) && asks_for_lasting_state(*clause))
+    clause->concepts.insert(period && !period->from.empty() ? "throughout" : "stays");
+  if (!period) return clause;
   clause->period = period;
   clause->marks.insert("time");
   // "Was it there all day" is more than "was it there today", "was it moved all day" is not.

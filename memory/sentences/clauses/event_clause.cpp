@@ -19,6 +19,8 @@ const std::map<std::string, Link>& links() {
   return all;
 }
 
+constexpr TimeNs kMoment = 120 * kSecond;  ///< a state that lasts longer names a period
+
 /// "the drawer was opened": a name or a person, then a verb.
 bool is_clause(const Words& words) {
   if (words.size() < 2) return false;
@@ -76,7 +78,7 @@ std::optional<EventClause> find_event_clause(const std::string& sentence, const 
   return EventClause{link, joined(question, " "), joined(event, " ")};
 }
 
-std::string question_at(const EventClause& clause, const TimeSpan& event) {
+std::string question_at(const EventClause& clause, const TimeSpan& event, bool lasts) {
   const Words words = words_of(clause.question);
   const bool state = words.front() == "where" || std::ranges::count(words, "was") > 0 ||
                      std::ranges::count(words, "were") > 0 || std::ranges::count(words, "is") > 0;
@@ -88,7 +90,9 @@ std::string question_at(const EventClause& clause, const TimeSpan& event) {
     case Link::before:
       return clause.question + (state && !seen_over ? " at " : " before ") + before;
     case Link::at:
-      return clause.question + " at " + after;
+      return clause.question + (lasts && event.last - event.first >= kMoment
+                                    ? " between " + before + " and " + after
+                                    : " at " + after);
     case Link::condition:
       break;
   }

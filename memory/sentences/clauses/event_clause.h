@@ -21,6 +21,7 @@ struct EventClause {
 std::optional<EventClause> find_event_clause(const std::string& sentence, const Snapshot& snapshot);
 
 /// The question at the time of its event: a state at that moment, what happened from then or until then.
-std::string question_at(const EventClause& clause, const TimeSpan& event);
+/// `lasts`: it was so from the first to the last time, and did not happen at some time between them.
+std::string question_at(const EventClause& clause, const TimeSpan& event, bool lasts);
 
 }  // namespace loci::memory

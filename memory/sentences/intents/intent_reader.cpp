@@ -46,9 +46,13 @@ struct Delexicalised {
 std::string text_of(const SentencePeriod& period) {
   if (period.throughout && period.from != period.to) return "throughout " + period.from + " and " + period.to;
   if (period.throughout) return "all " + (period.from == "today" ? "day" : words_of(period.from).back());
-  if (period.from.empty()) return "before " + period.to;
-  if (period.to.empty()) return "since " + period.from;
-  if (period.from != period.to) return "between " + period.from + " and " + period.to;
+  if (period.from.empty()) return (period.spans ? "until " : "before ") + period.to;
+  if (period.to.empty() && !period.spans && period.from.ends_with(" ago"))
+    return "in the last " + period.from.substr(0, period.from.size() - 4);
+  if (period.to.empty()) return (period.spans ? "since " : "after ") + period.from;
+  if (period.from != period.to)
+    return (period.spans ? "from " : "between ") + period.from + (period.spans ? " to " : " and ") +
+           period.to;
   static const std::set<std::string> complete = {"this", "today", "yesterday", "last",
                                                  "now",  "the",   "tonight"};
   const std::string first = words_of(period.from).front();
@@ -174,7 +178,8 @@ bool restricts(const std::string& lemma) {
   static const std::set<std::string> restricting = word_set(
       "second third fourth two three four five six half spare once twice only every both first last most "
       "least more fewer less than other else except without never again repeated before afterwards since "
-      "newsince until between during within back or tomorrow predict closed open empty full fresh new "
+      "newsince until between during within back or together longer tomorrow predict closed open empty full "
+      "fresh new "
       "breakfast lunch dinner supper noon midday midnight morning afternoon evening night tonight "
       "colour shape size weight material "
       "will should howlong howmany howmuch howsure howfar howbig howoften when where why who whose which");
@@ -209,11 +214,26 @@ bool drops_relation(const std::string& form, const Tokens& tokens) {
   return false;
 }
 
+bool has_event(const Tokens& tokens) {
+  static const std::set<std::string> events = {"move", "change", "happen", "come", "vanish", "take", "open"};
+  return std::ranges::any_of(tokens.lemmas, [](const std::string& one) { return events.contains(one); });
+}
+
 /// Whether a form asks what happened, which may be at any time of a period.
 bool asks_for_event(const std::string& form) {
-  static const std::set<std::string> events = {"move", "change", "happen", "come", "vanish", "take", "open"};
-  const Tokens tokens = tokens_of(words_of(lower_case(form), " ?,."));
-  return std::ranges::any_of(tokens.lemmas, [](const std::string& one) { return events.contains(one); });
+  return has_event(tokens_of(words_of(lower_case(form), " ?,.")));
+}
+
+/// Whether a form denies what was done, and the sentence that something was so: "what was never on PLACE" is
+/// not "what never left PLACE".
+bool denies_event_for_state(const Tokens& of_form, const Tokens& tokens) {
+  static const std::set<std::string> more = {"leave", "go", "put", "lose"};
+  const auto has = [&](const Tokens& some) {
+    return has_event(some) ||
+           std::ranges::any_of(some.lemmas, [](const std::string& one) { return more.contains(one); });
+  };
+  return std::ranges::count(of_form.lemmas, "not") > 0 && std::ranges::count(tokens.lemmas, "not") > 0 &&
+         has(of_form) && !has(tokens);
 }
 
 /// Whether the sentence denies what the form does not: "no OBJECT", "neither OBJECT", "what was not moved".
@@ -221,6 +241,7 @@ bool drops_negation(const std::string& form, const Tokens& tokens) {
   static const std::set<std::string> none = {"no", "neither"};
   static const std::set<std::string> denying = {"not", "gone", "missing", "unmoved", "without"};
   const Tokens of_form = tokens_of(words_of(lower_case(form), " ?,."));
+  if (denies_event_for_state(of_form, tokens)) return true;
   if (std::ranges::any_of(of_form.words, [](const std::string& word) { return denying.contains(word); }) ||
       std::ranges::count(of_form.lemmas, "not") > 0)
     return false;
@@ -235,12 +256,23 @@ bool drops_negation(const std::string& form, const Tokens& tokens) {
   return false;
 }
 
+/// "What is on PLACE?" as "What was on PLACE?"
+std::string in_past(const std::string& form) {
+  std::string result = form;
+  for (const auto& [present, past] :
+       {std::pair("Is ", "Was "), {"Are ", "Were "}, {" is ", " was "}, {" are ", " were "}})
+    if (const size_t at = result.find(present); at != std::string::npos)
+      return result.replace(at, std::string_view(present).size(), past);
+  return result;
+}
+
 std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std::string& time) {
   const Tokens tokens = intent_tokens(sentence.words);
   const IntentReading best = best_intent(trained_intents(), tokens);
   const std::string& form = trained_intents().forms[best.form];
   // "What was on the table" without a time is not what is on it now.
-  const bool past = time.empty() && std::ranges::count(tokens.lemmas, "was") > 0;
+  const bool past_then = std::ranges::count(tokens.lemmas, "was") > 0;
+  const bool past = time.empty() && past_then;
   const bool present = form.starts_with("Is ") || form.find(" is ") != std::string::npos ||
                        form.find(" are ") != std::string::npos;
   const bool placed =
@@ -260,10 +292,13 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
     return std::nullopt;
   // "Is it on the table or on the counter?" asks for one of them.
   const bool choice = form == "Is OBJECT on PLACE?" && sentence.places[0].find(" or ") != std::string::npos;
-  const std::string asked = sentence.throughout && stays ? "Was OBJECT on PLACE?"
-                            : choice                     ? "Where is OBJECT?"
-                            : past && contents           ? "What has been on PLACE?"
-                                                         : form;
+  const bool lasts = stays && std::ranges::any_of(sentence.words, is_of_staying);
+  const std::string asked = lasts                          ? "Did OBJECT stay on PLACE?"
+                            : sentence.throughout && stays ? "Was OBJECT on PLACE?"
+                            : choice                       ? "Where is OBJECT?"
+                            : past && contents             ? "What has been on PLACE?"
+                            : past_then && present         ? in_past(form)
+                                                           : form;
   return PlainQuestion{filled(asked, sentence, time), true, best.probability, sentence.known};
 }
 

@@ -223,6 +223,8 @@ bool apply_all(const std::vector<Pattern>& patterns, Words& words, const IsName&
 const std::vector<Pattern>& meanings() {
   static const std::vector<Pattern> all = {
       {"have|has|had|would <x> by now", "have <x>"},
+      {"^ what|which <x> on|in|at <p:name> together|along with <y:name> $",
+       "what <x> on <p> when <y> was on <p>"},
       // "What was it that I put on the table?"
       {"what is|was it that? i|we|you had <x>", "what was <x>"},
       {"^ what is|was it that? i|we|you|someone|somebody <x>", "what did someone <x>"},

@@ -45,5 +45,15 @@ TEST_F(Comparison, WhatNeverLeftIsNotKnownToHaveLeftFirst) {
   EXPECT_EQ(compare("blue", "green", "left-before").verdict, Verdict::not_observed);
 }
 
+TEST_F(Comparison, StaysAreComparedByTheLooksAroundThem) {
+  const auto longer = [&](const char* a, const char* b) {
+    return ask(*store_, ComparisonQuestion{.subject = a, .with = b, .by = "longer", .place = "table_1"})
+        .verdict;
+  };
+  EXPECT_EQ(longer("blue", "red"), Verdict::not_observed) << "both may have stayed until 9:00";
+  EXPECT_EQ(longer("blue", "green"), Verdict::not_observed) << "never seen there";
+  EXPECT_THROW(compare("blue", "red", "longer"), Error);
+}
+
 }  // namespace
 }  // namespace loci::memory

@@ -395,6 +395,50 @@ TEST_F(NaturalLanguage, ANegationIsNotPassedOver) {
   EXPECT_FALSE(say("Which items never changed their surface?").reply);
 }
 
+TEST_F(NaturalLanguage, WhatLastedIsAnsweredByAllLooks) {
+  const auto verdict = [&](const char* sentence) { return say(sentence).reply->verdict; };
+  EXPECT_EQ(verdict("Has the tea cup been on the counter since 8:00?"), Verdict::no);
+  EXPECT_EQ(verdict("Has the tea cup been on the counter since 9:30?"), Verdict::yes);
+  EXPECT_EQ(verdict("Did the tea cup stay on the table?"), Verdict::no);
+  EXPECT_EQ(verdict("Did the green box stay on the counter?"), Verdict::yes);
+  EXPECT_EQ(verdict("Was the tea cup on the table until 8:30?"), Verdict::not_observed) << "gone by 9:00";
+  EXPECT_EQ(verdict("Was the tea cup on the table from 8:00 to 9:30?"), Verdict::no);
+  EXPECT_EQ(verdict("Was the tea cup on the table between 8:00 and 9:30?"), Verdict::yes);
+  EXPECT_THAT(say("Did the tea cup stay on the table?").reply->text, HasSubstr("at counter_1 from 09:30"));
+}
+
+TEST_F(NaturalLanguage, TogetherIsAtOnePlaceAtOneTime) {
+  EXPECT_EQ(say("Were the tea cup and the green box ever on the counter together?").reply->verdict,
+            Verdict::yes);
+  EXPECT_EQ(say("Were the tea cup and the green box ever on the table at the same time?").reply->verdict,
+            Verdict::not_observed);
+  const NaturalLanguageAnswer answer = say("What was on the table together with the tea cup?");
+  ASSERT_TRUE(answer.reply) << text(answer);
+  EXPECT_THAT(answer.reply->objects, testing::Contains(2));
+}
+
+TEST_F(NaturalLanguage, WhatWasNeverThereIsNotWhatNeverLeft) {
+  EXPECT_THAT(say("Which objects were never on the table?").reply->objects,
+              testing::UnorderedElementsAre(3, 4));
+  EXPECT_THAT(say("What was not on the table at 9:40?").reply->objects, testing::UnorderedElementsAre(1, 3));
+}
+
+TEST_F(NaturalLanguage, AMomentIsNoPeriodWithoutALook) {
+  EXPECT_EQ(say("What was gone at 9:10?").reply->objects, std::vector<Id>{1});
+  EXPECT_EQ(say("Was the tea cup gone at 9:10?").reply->verdict, Verdict::yes);
+  EXPECT_EQ(say("Was the tea cup gone at 8:10?").reply->verdict, Verdict::no);
+}
+
+TEST_F(NaturalLanguage, AQuestionWordAloneAsksMoreOfWhatWasAsked) {
+  const auto after = [&](const char* question, const char* follow_up) {
+    return ask(*store_, NaturalLanguageQuestion{{question, follow_up}, {}}).at(1);
+  };
+  EXPECT_TRUE(after("Was the tea cup on the counter?", "When?").reply->time);
+  EXPECT_TRUE(after("Was the tea cup on the counter?", "How long?").reply->duration);
+  EXPECT_TRUE(after("Was the tea cup on the counter?", "Since when?").reply->time);
+  EXPECT_TRUE(after("Was the tea cup in the drawer?", "Why not?").reply);
+}
+
 TEST_F(NaturalLanguage, WhatRestrictsBesideAQuestionIsNotPassedOver) {
   EXPECT_FALSE(say("How many things are there altogether, red thing?").reply);
   EXPECT_FALSE(say("I need the tea cup that is not on the table, where is it?").reply);

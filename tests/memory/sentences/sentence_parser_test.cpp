@@ -69,9 +69,9 @@ TEST(Sentences, TelegraphicOnesAreUnderstood) {
 
 TEST(Sentences, WhatRestrictsIsNeverPassedOver) {
   for (const char* sentence :
-       {"Where is the milk not?", "What is not on the table?",
-        "Where was the jam when the drawer was opened?", "Where will the milk be?",
-        "Where is the nearest shop?", "How much milk is on the table?",
+       {"Where is the milk not?", "What is not on the table anymore?",
+        "What was the biggest object on the table today?", "Where was the jam when the drawer was opened?",
+        "Where will the milk be?", "Where is the nearest shop?", "How much milk is on the table?",
         "Where is the cup that was on the table?", "Where is the cup except for the milk?",
         "Is the milk almost on the table?", "Can you open the drawer?"})
     EXPECT_FALSE(parse_sentence(sentence, kTimes)) << sentence;
@@ -100,6 +100,77 @@ TEST(Sentences, QuantifiersAndComparisonsAreTakenIntoAccount) {
   EXPECT_EQ(asks("Are the cups in the same place?"), Asks::together);
   EXPECT_EQ(asks("Until what time was the milk on the table?"), Asks::until);
   EXPECT_EQ(asks("Which object was moved most often?"), Asks::most);
+}
+
+TEST(Sentences, WhatSpansATimeAsksForAllOfIt) {
+  const auto expect_asks = [](Asks asks, const std::vector<const char*>& sentences) {
+    for (const char* sentence : sentences) {
+      const auto query = parse_sentence(sentence, kTimes);
+      ASSERT_TRUE(query) << sentence;
+      EXPECT_EQ(query->question, "was") << sentence;
+      EXPECT_EQ(query->asks, asks) << sentence;
+    }
+  };
+  expect_asks(
+      Asks::throughout,
+      {"Has the cup been in the drawer since this morning?", "Was the box on the counter from 8 to 12?",
+       "Was the cup kept in the drawer from nine till noon?", "Has the milk been on the table for two hours?",
+       "Has the milk been on the table for more than an hour?",
+       "Was the box on the counter the whole time between 8 and 12?",
+       "Did the milk remain on the table all day?"});
+  expect_asks(Asks::lasted,
+              {"Did the milk stay on the counter?", "Was the bowl on the table until 6 pm?",
+               "Has the bowl remained on the table?", "Did the bowl stay on the table till noon?"});
+  expect_asks(
+      Asks::verdict,
+      {"Was the cup on the table between nine and ten?", "Has the cup ever been in the drawer since noon?",
+       "Was the cup at any time in the drawer since noon?", "Has the cup been on the table in the last hour?",
+       "Was the cup on the table before noon?"});
+  EXPECT_EQ(parse_sentence("Has the cup been moved since noon?", kTimes)->asks, Asks::verdict);
+  EXPECT_FALSE(parse_sentence("Has the cup been in the same place since noon?", kTimes));
+}
+
+TEST(Sentences, WhatWasNotThereIsWhatWasElsewhere) {
+  expect_commands({
+      {"Which objects were never on the table?", "objects --not-at table --to now"},
+      {"What has never been in the drawer?", "objects --not-at drawer --to now"},
+      {"What wasn't on the table at 8?", "objects --at 8 --not-at table"},
+      {"What is not on the table?", "objects --not-at table"},
+      {"Which cups are not on the counter?", "objects cups --not-at counter"},
+      {"What never left the table?", "contents-history table --state stayed"},
+      {"What did not stay on the table?", "contents-history table --state gone"},
+      {"Where is the cup that is not on the table?", "objects cup --not-at table"},
+  });
+}
+
+TEST(Sentences, ThePastIsNotAnsweredByThePresent) {
+  expect_commands({
+      {"Which cup was on the table?", "contents-history table --object cup"},
+      {"Which boxes were on the table?", "contents-history table --object boxes"},
+      {"How many cups were on the table?", "contents-history table --object cups"},
+      {"What was next to the plate?", "near plate --at then"},
+      {"What was gone at 4 pm?", "objects --at '4 pm' --state gone"},
+      {"How many objects were gone at 4 pm?", "objects --at '4 pm' --state gone"},
+      {"Was the plate gone at 4 pm?", "where plate --at '4 pm'"},
+      {"When was the last time something was on the shelf?", "contents-history shelf"},
+  });
+}
+
+TEST(Sentences, EventsAndStaysAreCompared) {
+  expect_commands({
+      {"Was drawer 2 opened before drawer 1?", "compare 'drawer 2' --by opened-before --with 'drawer 1'"},
+      {"Did the cup come to the table before the bowl?",
+       "compare cup --by came-before --place table --with bowl"},
+      {"Was the plate on the table before the bowl?",
+       "compare plate --by came-before --place table --with bowl"},
+      {"Was the plate on the table longer than the bowl?",
+       "compare plate --by longer --place table --with bowl"},
+      {"Which left the table first, the plate or the bowl?",
+       "changes --kind left --object 'plate or bowl' --place table"},
+      {"Were the cup and the bowl ever on the table together?", "was 'cup and bowl' on table"},
+      {"Were the cup and the bowl on the table at the same time?", "was 'cup and bowl' on table"},
+  });
+  EXPECT_EQ(parse_sentence("Were the cups ever on the counter together?", kTimes)->asks, Asks::together);
 }
 
 TEST(Sentences, WhatSurroundsAQuestionIsNoPartOfIt) {
@@ -167,7 +238,8 @@ TEST(Sentences, TwoObjectsAreAtOnePlaceNowOrWereSeenTogether) {
       {"Are the oil and the tea in the same place?", "where 'oil and tea'"},
       {"Were the oil and the tea ever seen together?", "co-occurrence oil --with tea"},
       {"Did the apple disappear earlier than the plate?", "compare apple --by left-before --with plate"},
-      {"Did the plate leave the table before the bowl?", "compare plate --by left-before --with bowl"},
+      {"Did the plate leave the table before the bowl?",
+       "compare plate --by left-before --place table --with bowl"},
   });
 }
 
