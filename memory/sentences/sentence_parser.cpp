@@ -337,6 +337,16 @@ std::vector<Query> parse_follow_up(const std::vector<Clause>& clauses, const Que
     query.arguments["kind"] = shuts ? "closed" : "opened";
     return {query};
   }
+  // "Is the bowl?" after "What is on the table?"
+  const bool listed = (last.question == "on" || last.question == "in") && !last.arguments.contains("object");
+  const bool named = clause.phrases.size() == 1 && clause.phrases[0].relation.empty() &&
+                     !is_pronoun(clause.phrases[0].text) && !is_furniture(clause.phrases[0].text) &&
+                     clause.phrases[0].text.find('_') == std::string::npos;
+  if (listed && named && clause.concepts.empty() && (leans || clause.mood == "yes")) {
+    query.arguments["object"] = clause.phrases[0].text;
+    query.asks = Asks::verdict;
+    return {query};
+  }
   if (!leans || !clause.concepts.empty() || clause.phrases.size() > 1) return {};
   if (clause.phrases.empty()) {
     if (!clause.period) return {};
