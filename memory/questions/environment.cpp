@@ -413,13 +413,31 @@ RoomAnswer ask(const Store& store, const RoomQuestion& question) {
   return answer;
 }
 
+namespace {
+
+/// "cupboards", "any cabinet".
+bool is_cupboard(const std::string& asked) {
+  std::string word = asked.substr(asked.rfind(' ') + 1);
+  if (word.ends_with('s')) word.pop_back();
+  return word == "cabinet" || furniture_called(word) == "cabinet";
+}
+
+}  // namespace
+
 OpensAnswer ask(const Store& store, const OpensQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   OpensAnswer answer{
       .asked = question.part,
       .state = question.state,
       .parts = asked_parts(snapshot, all_parts(snapshot, map_of(snapshot).get()), question.part)};
-  std::erase_if(answer.parts, [](const EnvironmentPart& part) { return !part.motion; });
+  const auto keep_moving = [&] {
+    std::erase_if(answer.parts, [](const EnvironmentPart& part) { return !part.motion; });
+  };
+  keep_moving();
+  if (answer.parts.empty() && is_cupboard(question.part)) {  // what opens of it are doors
+    answer.parts = asked_parts(snapshot, all_parts(snapshot, map_of(snapshot).get()), "door");
+    keep_moving();
+  }
   add_motions(snapshot, answer.parts);
   add_contents(snapshot, answer.parts);
   if (question.state == "unopened") {

@@ -125,7 +125,8 @@ std::optional<Id> most_of(const std::vector<Id>& objects, SizeMeasure measure, s
   std::vector<std::tuple<bool, double, Id>> ranked;
   for (const Id id : objects) {
     const BeliefRow& row = *snapshot.belief(id);
-    if (row.size) ranked.emplace_back(row.status == ObjectStatus::gone, -measure(*row.size), id);
+    const bool away = row.status == ObjectStatus::gone || row.status == ObjectStatus::missed;
+    if (row.size) ranked.emplace_back(away, -measure(*row.size), id);
   }
   std::ranges::stable_sort(ranked, {}, [](const auto& one) { return std::pair(get<0>(one), get<1>(one)); });
   return rank < ranked.size() ? std::optional(get<2>(ranked[rank])) : std::nullopt;
@@ -408,7 +409,8 @@ std::vector<Snapshot::Candidate> Snapshot::search_named(const std::string& word,
       for (const Id id : objects)
         if (!(classed.contains(id) && classes.contains(meaning))) found.push_back({id, class_name});
     };
-    take(store_.objects_annotated(meaning, kClassType, false, as_of_), "");
+    const bool only_noun = is_color_word(meaning) && meaning != word;  // "oranges"
+    if (!only_noun) take(store_.objects_annotated(meaning, kClassType, false, as_of_), "");
     take(store_.objects_annotated(meaning, kClassType, true, as_of_), meaning);
   }
   return found;

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/names.h"
 
 namespace loci::memory {
 namespace {
@@ -64,7 +65,7 @@ void ReferenceResolver::remember_place(const Query& query, const Reply& reply) {
   const auto place = argument_of(query, {ParameterType::place, ParameterType::part});
   if (place) last_place_ = *place;
   const bool answers = place ? snapshot_.places_meant(*place).size() > 1 : reply.objects.empty();
-  if (answers && reply.places.size() == 1) last_place_ = reply.places[0];
+  if (answers && reply.places.size() == 1) last_place_ = name_in_words(reply.places[0]);
 }
 
 void ReferenceResolver::remember(const std::string& subject, const std::string& place) {

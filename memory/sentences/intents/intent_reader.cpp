@@ -218,6 +218,21 @@ bool asks_for_event(const std::string& form) {
   return std::ranges::any_of(tokens.lemmas, [](const std::string& one) { return events.contains(one); });
 }
 
+/// Whether the sentence asks what somebody did, or does usually, and the form for a state of now or for once:
+/// "what did I put away", "when do we usually open PLACE".
+bool drops_deed(const std::string& form, const Tokens& tokens) {
+  static const std::set<std::string> habits = {"usually", "usual", "keep", "belong"};
+  const auto says = [&](const char* lemma) { return std::ranges::count(tokens.lemmas, lemma) > 0; };
+  const Tokens of_form = tokens_of(words_of(lower_case(form), " ?,."));
+  const bool habit =
+      std::ranges::any_of(of_form.lemmas, [](const std::string& one) { return habits.contains(one); });
+  const bool opens = says("open") || says("opened") || says("close");
+  if (says("usually") && opens && !habit) return true;
+  const bool state = form.starts_with("What is ") && form.find("OBJECT") == std::string::npos &&
+                     form.find("PLACE") == std::string::npos;
+  return state && says("did") && says("someone") && !asks_for_event(form);
+}
+
 /// Whether the sentence denies what the form does not: "no OBJECT", "neither OBJECT", "what was not moved".
 bool drops_negation(const std::string& form, const Tokens& tokens) {
   static const std::set<std::string> none = {"no", "neither"};
@@ -258,7 +273,8 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   // "How many?" says too little.
   if (tokens.lemmas.size() < 2 || best.probability < kMinProbability || form == kNoIntent)
     return std::nullopt;
-  if (!is_covered(best, tokens) || drops_relation(form, tokens) || drops_negation(form, tokens))
+  if (!is_covered(best, tokens) || drops_relation(form, tokens) || drops_negation(form, tokens) ||
+      drops_deed(form, tokens))
     return std::nullopt;
   // "Is it on the table or on the counter?" asks for one of them.
   const bool choice = form == "Is OBJECT on PLACE?" && sentence.places[0].find(" or ") != std::string::npos;
