@@ -76,7 +76,8 @@ const std::vector<Rule>& rules() {
 /// Lemmas that rules name, and those that none may pass over.
 const std::set<std::string>& grammar_concepts() {
   static const std::set<std::string> all = [] {
-    std::set<std::string> result = {"not", "every", "everything", "thing", "quantity", "future", "room"};
+    std::set<std::string> result = {"not",      "every",  "everything", "thing",
+                                    "quantity", "future", "room",       "hide"};
     for (const Rule& rule : rules()) {
       for (const auto& required : rule.required) result.insert(required.begin(), required.end());
       result.insert(rule.optional.begin(), rule.optional.end());

@@ -56,9 +56,9 @@ TEST(Sentences, WrappersAsNothing) {
 
 TEST(Sentences, WhatWasOpenedOrClosedNeedsNoNameOfAPart) {
   expect_commands({
-      {"What was opened today?", "changes --kind opened --between today today"},
-      {"Was anything opened today?", "changes --kind opened --between today today"},
-      {"What did I open this morning?", "changes --kind opened --between 'this morning' 'this morning'"},
+      {"What was opened today?", "changes --between today today --kind opened"},
+      {"Was anything opened today?", "changes --between today today --kind opened"},
+      {"What did I open this morning?", "changes --between 'this morning' 'this morning' --kind opened"},
       {"What was closed last?", "changes --kind closed"},
       {"What was opened first?", "changes --kind opened"},
       {"Which drawer was opened first?", "changes --kind opened --place drawer"},
@@ -82,7 +82,7 @@ TEST(Sentences, RelationsOfTwoAndToAnything) {
       {"What is between the cup and the box?", "near cup --relation between --with box"},
       {"Is the pot between the cup and the box?", "near cup --object pot --relation between --with box"},
       {"Is the cup behind something?", "near cup --relation in-front"},
-      {"Is the box on top of anything?", "near box --relation under"},
+      {"Is the box in front of anything?", "near box --relation behind"},
       {"Which box is nearer to the pot?", "near pot --count 1 --object box --radius '10 m'"},
       {"Which object is farthest from the pot?", "near pot --order farthest --radius '10 m'"},
   });
