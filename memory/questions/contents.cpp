@@ -79,7 +79,8 @@ const Record<PlaceContents>& place_contents_record() {
   return record;
 }
 
-constexpr std::array<std::pair<const char*, Relation>, 7> kRelations = {{{"near", Relation::near},
+constexpr std::array<std::pair<const char*, Relation>, 8> kRelations = {{{"near", Relation::near},
+                                                                         {"between", Relation::between},
                                                                          {"on", Relation::on},
                                                                          {"under", Relation::under},
                                                                          {"left", Relation::left},
@@ -97,7 +98,8 @@ std::string name_of(Relation relation) {
 }
 
 bool depends_on_view(Relation relation) {
-  return relation != Relation::near && relation != Relation::on && relation != Relation::under;
+  return relation == Relation::left || relation == Relation::right || relation == Relation::behind ||
+         relation == Relation::in_front;
 }
 
 /// What the point may be, one answer for each: of objects that are called so those that have not gone, else
@@ -154,6 +156,7 @@ class RelationTest {
   /// Error where the view decides and is not known.
   RelationTest(const Snapshot& snapshot, const NearAnswer& answer) : relation_(answer.relation) {
     if (const auto around = object_id(answer.around)) around_ = snapshot.belief(*around);
+    if (const auto with = object_id(answer.with)) with_ = snapshot.belief(*with);
     if (!depends_on_view(relation_)) return;
     const SceneRow* scene = answer.seen ? snapshot.scene(answer.seen->scene) : nullptr;
     if (scene == nullptr || !scene->map_from_camera)
@@ -167,6 +170,7 @@ class RelationTest {
 
   bool holds(const BeliefRow& belief, const Vector3d& offset) const {
     if (relation_ == Relation::near) return true;
+    if (relation_ == Relation::between) return is_between(belief, offset);
     if (relation_ == Relation::on) return around_ != nullptr && stands_on(belief, *around_);
     if (relation_ == Relation::under) return around_ != nullptr && stands_on(*around_, belief);
     if (around_ != nullptr && around_->place != belief.place) return false;
@@ -178,8 +182,19 @@ class RelationTest {
   }
 
  private:
+  /// Over the line between the two, or beside it.
+  bool is_between(const BeliefRow& belief, const Vector3d& offset) const {
+    constexpr double kBeside = 0.2;
+    if (around_ == nullptr || with_ == nullptr || &belief == with_ || belief.object == with_->object ||
+        belief.place != around_->place)
+      return false;
+    const Vector2d line = (*with_->position - *around_->position).head<2>();
+    const double along = offset.head<2>().dot(line) / line.squaredNorm();
+    return along > 0 && along < 1 && (offset.head<2>() - along * line).norm() <= kBeside;
+  }
+
   Relation relation_;
-  const BeliefRow* around_ = nullptr;
+  const BeliefRow *around_ = nullptr, *with_ = nullptr;
   Vector2d forward_ = Vector2d::Zero();  ///< from the camera, over the floor
 };
 
@@ -193,11 +208,34 @@ void add_near(const Snapshot& snapshot, const NearQuestion& question,
     if (!belief.position || object_name(object) == answer.around) continue;
     Vector3d offset = *belief.position - answer.point;
     if (answer.level) offset.z() = 0;
-    if (offset.norm() <= question.radius_m && relation.holds(belief, offset))
+    if (offset.norm() <= answer.radius_m && relation.holds(belief, offset))
       answer.objects.push_back({snapshot.object_belief(belief), offset.norm()});
   }
   std::ranges::stable_sort(answer.objects, {}, &NearObject::distance_m);
+  if (question.farthest && answer.objects.size() > 1)
+    answer.objects.erase(answer.objects.begin(), answer.objects.end() - 1);
   if (question.count > 0 && answer.objects.size() > question.count) answer.objects.resize(question.count);
+}
+
+/// Each with every other object that `with` means at the same place; Error where there is none.
+std::vector<NearAnswer> with_others(const Snapshot& snapshot, const std::vector<NearAnswer>& answers,
+                                    const std::string& with) {
+  std::vector<NearAnswer> pairs;
+  for (const NearAnswer& answer : answers) {
+    const auto around = object_id(answer.around);
+    for (const Id other : around ? snapshot.find_objects(with) : std::vector<Id>{}) {
+      const BeliefRow &one = *snapshot.belief(*around), &two = *snapshot.belief(other);
+      const bool there = one.status != ObjectStatus::gone && two.status != ObjectStatus::gone;
+      if (other == *around || !there || !two.position || !one.place || one.place != two.place) continue;
+      pairs.push_back(answer);
+      pairs.back().with = object_name(other);
+      pairs.back().radius_m = (*two.position - *one.position).norm();
+    }
+  }
+  if (pairs.empty())
+    throw Error(fmt::format("the {} and the {} are not known to be at one place",
+                            answers.empty() ? "one" : answers.front().asked, with));
+  return pairs;
 }
 
 }  // namespace
@@ -268,6 +306,8 @@ NearAnswer ask(const Store& store, const NearQuestion& question) {
   std::vector<NearAnswer> answers =
       located(snapshot, question.subject,
               {.asked = question.subject, .radius_m = question.radius_m, .relation = question.relation});
+  const bool between = question.relation == Relation::between;
+  if (between) answers = with_others(snapshot, answers, question.with);
   for (NearAnswer& answer : answers) {
     add_near(snapshot, question, meant, answer);
     // Of several boxes the one with something on it is meant.
@@ -302,6 +342,7 @@ const Record<NearAnswer>& near_record() {
           .value("point", &NearAnswer::point)
           .value("radius", &NearAnswer::radius_m)
           .value("around", [](const NearAnswer& answer) { return unless_empty(answer.around); })
+          .value("with", [](const NearAnswer& answer) { return unless_empty(answer.with); })
           .value("level", [](const NearAnswer& answer) { return if_true(answer.level); })
           .value("relation", [](const NearAnswer& answer) { return name_of(answer.relation); })
           .record(
@@ -403,14 +444,18 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
 
 std::vector<SentenceForm> near_sentences() {
   using enum Asks;
-  const std::map<std::string, std::string> on_top = {{"relation", "on"}};
-  const std::map<std::string, std::string> one = {{"count", "1"}, {"radius", "10 m"}};
+  const std::map<std::string, std::string> on_top = {{"relation", "on"}}, between = {{"relation", "between"}};
+  const std::map<std::string, std::string> one = {{"count", "1"}, {"radius", "10 m"}},
+                                           farthest = {{"radius", "10 m"}, {"order", "farthest"}};
   std::vector<SentenceForm> forms = {
       {"what: nearest near<around> [thing]", objects, "Which object is nearest to the pot?", one},
       {"what: nearest <around> [thing]", objects, "", one},
       {"what: nearest to<around> [thing]", objects, "", one},
-      {"what: nearest which<object> near<around>", objects, "", one},
-      {"what: nearest which<object> to<around>", objects, "", one},
+      {"what: nearest|nearer which<object> near<around>", objects, "", one},
+      {"what: nearest|nearer which<object> to<around>", objects, "", one},
+      {"what: farthest from<around> [thing|away]", objects, "Which object is farthest from the pot?",
+       farthest},
+      {"what: farthest which<object> from<around> [away]", objects, "", farthest},
       {"what: near<around> [thing|stand|else|put|leave|see|keep|find]", objects, "What is near the red cup?"},
       {"what: else near<around> [thing|stand]", objects, "What else is there beside the red cup?"},
       {"order: show|list|name near<around> [thing|everything]", objects},
@@ -421,10 +466,27 @@ std::vector<SentenceForm> near_sentences() {
       {"yes|bare: thing near<around> [stand]", exists, "Is there anything next to the milk?"},
       {"yes|bare: <object> near<around> [stand|put|keep]", verdict, "Is the oil next to the pot?"},
       {"yes|bare: there|any <object> near<around> [stand]", exists},
+      {"what: between<around> and<with> [thing|stand]", objects, "What is between the cup and the pot?",
+       between},
+      {"yes|bare: thing between<around> and<with> [stand]", exists, "", between},
+      {"yes|bare: there|any <object> between<around> and<with> [stand]", exists, "", between},
+      {"yes|bare: <object> between<around> and<with> [stand]", verdict, "", between},
       {"what|yes|bare: pos<around> [thing|stand|see|find]", agent},
       {"yes|bare: <any> pos<around> [stand]", agent},
       {"what: which<any> pos<around> [stand]", agent},
   };
+  // "Is the cup behind something?" asks whether anything is in front of it.
+  for (const auto& [word, inverse] : std::map<std::string, std::string>{{"behind", "in-front"},
+                                                                        {"infront", "behind"},
+                                                                        {"leftof", "right"},
+                                                                        {"rightof", "left"},
+                                                                        {"near", "near"},
+                                                                        {"on", "under"},
+                                                                        {"under", "on"}})
+    forms.push_back({fmt::format("yes: something <around> {}<any> [put|keep]", word),
+                     exists,
+                     "",
+                     {{"relation", inverse}}});
   for (const auto& [word, relation] : std::map<std::string, std::string>{{"behind", "behind"},
                                                                          {"infront", "in-front"},
                                                                          {"leftof", "left"},
@@ -510,17 +572,26 @@ std::vector<Question> contents_questions() {
              .help = "Only so many, the nearest",
              .default_text = "all",
              .min = 1},
+            {.name = "order",
+             .help = "farthest: only the one that is farthest away",
+             .default_text = "nearest",
+             .choices = {"nearest", "farthest"}},
+            {.name = "with",
+             .type = ParameterType::object,
+             .help = "Of --relation between: the other object"},
             only_object_parameter()},
        .examples = {"red --radius 0.4", "2.0,1.0,0.8 --radius 1 --json"},
        .answer = format::schema_by<near_record>,
        .run = [](const Arguments& given) -> Answer {
          NearQuestion question{.subject = given.text("around"), .as_of = given.as_of()};
          question.only = given.text("object");
+         question.with = given.text("with");
          question.relation = relation_called(given.text("relation"));
-         // Whether this is left of that does not end at half a metre.
-         const bool anywhere = depends_on_view(question.relation) && !question.only.empty();
+         // What is left of it does not end at half a metre.
+         const bool anywhere = depends_on_view(question.relation);
          question.radius_m = given.length("radius").value_or(anywhere ? 10 : question.radius_m);
          question.count = static_cast<size_t>(given.number("count").value_or(0));
+         question.farthest = given.text("order") == "farthest";
          return ask(given.store(), question);
        },
        .sentences = near_sentences()},

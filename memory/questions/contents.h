@@ -45,17 +45,19 @@ Json to_json(const ContentsAnswer& answer);
 
 // ---- near
 
-/// Where an object is of what is asked about. The last four are quarters of the horizontal plane, as the
-/// camera saw it in the last scene that showed it.
-enum class Relation { near, on, under, left, right, behind, in_front };
+/// Where an object is of what is asked about. `between` is beside the line from it to another. The last four
+/// are quarters of the horizontal plane, as the camera saw it in the last scene that showed it.
+enum class Relation { near, on, under, between, left, right, behind, in_front };
 
 struct NearQuestion {
   std::string subject = {};  ///< "1.2,0.4" or "1.2,0.4,0.9" (map frame, metres), an object or a place
   double radius_m = 0.5;
   AsOf as_of = {};
   std::string only = {};  ///< only these objects; empty = all
+  std::string with = {};  ///< of `between`: the other object
   Relation relation = Relation::near;
-  size_t count = 0;  ///< only so many, the nearest; 0 = all
+  size_t count = 0;       ///< only so many, the nearest; 0 = all
+  bool farthest = false;  ///< only the one that is farthest away
 };
 struct NearObject {
   ObjectBelief object = {};
@@ -64,6 +66,7 @@ struct NearObject {
 struct NearAnswer {
   std::string asked = {};
   std::string around = {};  ///< what the point is: "object_3", "table_1" or "" for coordinates
+  std::string with = {};    ///< of `between`: the other object, "object_4"
   Vector3d point = Vector3d::Zero();
   bool level = false;  ///< the point has no height
   double radius_m = 0;

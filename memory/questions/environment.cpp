@@ -17,6 +17,7 @@
 #include "mapping/world/kinematics.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
+#include "memory/questions/names/related_words.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
@@ -212,6 +213,11 @@ std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& pa
   take([&](const EnvironmentPart& part) {
     return part.class_name == joined || part.class_name + "s" == joined;
   });
+  if (found.empty() && name.ends_with("ves"))  // "shelves"
+    return parts_called(parts, name.substr(0, name.size() - 3) + "f");
+  const std::string singular = name.ends_with('s') ? name.substr(0, name.size() - 1) : name;
+  if (const std::string other = furniture_called(singular); found.empty() && !other.empty())
+    return parts_called(parts, other);
   if (const size_t space = name.find(' '); found.empty() && space != std::string::npos) {
     found = parts_called(parts, name.substr(space + 1));
     if (const auto level = level_called(name.substr(0, space))) keep_level(*level, found);
@@ -462,13 +468,31 @@ RoomAnswer ask(const Store& store, const RoomQuestion& question) {
   return answer;
 }
 
+namespace {
+
+/// "cupboards", "any cabinet".
+bool is_cupboard(const std::string& asked) {
+  std::string word = asked.substr(asked.rfind(' ') + 1);
+  if (word.ends_with('s')) word.pop_back();
+  return word == "cabinet" || furniture_called(word) == "cabinet";
+}
+
+}  // namespace
+
 OpensAnswer ask(const Store& store, const OpensQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   OpensAnswer answer{
       .asked = question.part,
       .state = question.state,
       .parts = asked_parts(snapshot, all_parts(snapshot, map_of(snapshot).get()), question.part)};
-  std::erase_if(answer.parts, [](const EnvironmentPart& part) { return !part.motion; });
+  const auto keep_moving = [&] {
+    std::erase_if(answer.parts, [](const EnvironmentPart& part) { return !part.motion; });
+  };
+  keep_moving();
+  if (answer.parts.empty() && is_cupboard(question.part)) {  // what opens of it are doors
+    answer.parts = asked_parts(snapshot, all_parts(snapshot, map_of(snapshot).get()), "door");
+    keep_moving();
+  }
   add_motions(snapshot, answer.parts);
   add_contents(snapshot, answer.parts);
   if (question.state.empty()) return answer;
@@ -579,6 +603,7 @@ std::vector<Question> environment_questions() {
                      {"what: furniture [know|room]"},
                      {"where: <part> [room|location]", Asks::place, "Where is the table?"},
                      {"howbig: <part>", Asks::property, "How big is the table?"},
+                     {"howlong: <part> -was -have -do -did -had -there -stand -time -see", Asks::property},
                      {"what: which<part> empty [every|leave]", Asks::objects, "Which drawers are empty?",
                       empty},
                      {"howmany: empty <part>", Asks::number, "", empty},

@@ -306,6 +306,34 @@ std::vector<SentenceForm> sentences_of_all(const ChangeVerbs& change) {
   return forms;
 }
 
+/// Which parts were opened or closed, how many, whether and when any was; of all of them the first and the
+/// last. What is open or closed at a time is a question for `opens`.
+std::vector<SentenceForm> sentences_of_parts() {
+  using enum Asks;
+  std::vector<SentenceForm> forms;
+  for (const auto& [kind, verb] : {std::pair("opened", "opened was|did|have|had|been|time"),
+                                   {"opened", "open did|have|had|person"},
+                                   {"closed", "close was|did|have|had|been"}}) {
+    const std::map<std::string, std::string> so = {{"kind", kind}};
+    const auto add = [&](const std::string& form, Asks asks) {
+      forms.push_back({fmt::format(fmt::runtime(form), verb), asks, "", so});
+    };
+    for (const auto& [order, asks] : {std::pair("first", earliest), {"last", latest}})
+      for (const char* which : {"[thing]", "which<place>"})
+        add(fmt::format("what: {} {{}} {}", order, which), asks);
+    add("what: mostoften {} [thing]", most);
+    add("what: {} [thing]", objects);
+    add("howmany: {} [thing]", number);
+    add("yes|bare: thing {} [back]", verdict);
+    add("when: thing {} [last]", last_time);
+    add("when: first thing {}", first_time);
+  }
+  forms.push_back({"what: which<place> close did|have|had|been|person", objects, "", {{"kind", "closed"}}});
+  forms.push_back({"what: last opened [thing]", latest, "What was opened last?", {{"kind", "opened"}}});
+  forms.push_back({"howmany: opened <place>", objects, "", {{"kind", "opened"}}});
+  return forms;
+}
+
 std::vector<SentenceForm> changes_sentences() {
   using enum Asks;
   const auto kind = [](const char* name) { return std::map<std::string, std::string>{{"kind", name}}; };
@@ -447,6 +475,7 @@ std::vector<SentenceForm> changes_sentences() {
                                     {"left", "vanish|go|take", "from<place>", "[away|every]"},
                                     {"relocated", "move", "at<place>", "[away|back|every]"}})
     for (SentenceForm& form : sentences_of_all(change)) forms.push_back(std::move(form));
+  for (SentenceForm& form : sentences_of_parts()) forms.push_back(std::move(form));
   return forms;
 }
 

@@ -286,7 +286,9 @@ std::vector<SentenceForm> objects_sentences() {
        objects,
        "What is the biggest object on the table?",
        {{"object", "{object} on {place}"}}},
-      {"what: which<any> most<object>", objects},
+      {"what: thing most<object>", objects},
+      {"what: which<kind> most<object>", objects, "", {{"object", "{object} {kind}"}}},
+      {"what: coloured<object> [thing]", objects, "What is green?"},
   };
 }
 
@@ -310,6 +312,12 @@ std::vector<SentenceForm> about_sentences() {
        about("size")},
       {"what|bare|order: size <object> [have|tell|give]", property, "", about("size")},
       {"howbig: <object>", property, "How big is the bowl?", about("size")},
+      {"howlong: <object> -was -have -do -did -had -there -stand -time -see", property, "", about("size")},
+      {"yes: coloured<value> <object> [every] -there", verdict, "Is the pot grey?", about("colour")},
+      {"yes|bare: differentcolour <object> [have|of|every]",
+       verdict,
+       "Do the boxes have different colours?",
+       {{"property", "colour"}, {"value", "different"}}},
       {"howoften: see <object>", number, "How often was the bowl seen?", about("sightings")},
       {"what: shape|class|kind|brand <object> [of|thing]"},
       {"what: like look <object>"},
@@ -364,7 +372,10 @@ std::vector<Question> object_questions() {
                       {.name = "property",
                        .help = "What the reply to a sentence is about",
                        .default_text = "all",
-                       .choices = {"colour", "size", "owner", "sightings"}}},
+                       .choices = {"colour", "size", "owner", "sightings"}},
+                      {.name = "value",
+                       .help = "Whether the colour is this one, or differs between them: different",
+                       .default_text = "any"}},
        .examples = {"red", "object_1 --json"},
        .answer = format::schema_by<about_record>,
        .run = [](const Arguments& given) -> Answer {

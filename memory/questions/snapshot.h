@@ -112,6 +112,10 @@ class Snapshot {
   std::vector<Id> find_exactly(const std::string& subject) const;
   /// The words of a name in lower case, without those that mean any object.
   std::vector<std::string> significant_words(const std::string& subject) const;
+  /// Whether an object is called so, and not only of that colour: an orange.
+  bool is_labelled(Id object, const std::string& name) const;
+  /// Whether a word names objects: a colour does only where something is called so.
+  bool is_noun(const std::string& name) const;
   /// What is called so, and what is related to it in meaning.
   std::vector<Id> find_by_word(const std::string& word) const;
   const std::vector<Id>& find_named(const std::string& word) const;

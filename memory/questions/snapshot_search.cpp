@@ -118,18 +118,26 @@ void order_objects(std::vector<Id>& objects, const Snapshot& snapshot) {
   std::sort(objects.begin(), objects.end(), [&](Id a, Id b) { return key(a) < key(b); });
 }
 
-/// Of objects the one with most of something; of those that are there when there are any. Unset when no size
-/// is known.
-std::optional<Id> most_of(const std::vector<Id>& objects, SizeMeasure measure, const Snapshot& snapshot) {
-  std::optional<Id> most;
-  std::pair<bool, double> best;
+/// Of objects the one with most of something, or next to it by its rank from 0; those that are there come
+/// first. Unset when there is none of that rank with a known size.
+std::optional<Id> most_of(const std::vector<Id>& objects, SizeMeasure measure, size_t rank,
+                          const Snapshot& snapshot) {
+  std::vector<std::tuple<bool, double, Id>> ranked;
   for (const Id id : objects) {
     const BeliefRow& row = *snapshot.belief(id);
-    if (!row.size) continue;
-    const std::pair<bool, double> value = {row.status != ObjectStatus::gone, measure(*row.size)};
-    if (!most || value > best) most = id, best = value;
+    const bool away = row.status == ObjectStatus::gone || row.status == ObjectStatus::missed;
+    if (row.size) ranked.emplace_back(away, -measure(*row.size), id);
   }
-  return most;
+  std::ranges::stable_sort(ranked, {}, [](const auto& one) { return std::pair(get<0>(one), get<1>(one)); });
+  return rank < ranked.size() ? std::optional(get<2>(ranked[rank])) : std::nullopt;
+}
+
+/// From 0: of "second" in "second biggest" 1.
+size_t rank_called(const std::string& word) {
+  static const std::map<std::string, size_t> ranks = {{"second", 1}, {"2nd", 1},    {"third", 2},
+                                                      {"3rd", 2},    {"fourth", 3}, {"4th", 3}};
+  const auto found = ranks.find(word);
+  return found == ranks.end() ? 0 : found->second;
 }
 
 /// What a colour and a noun mean where nothing is called so: the only one of that noun in a colour that is
@@ -237,8 +245,19 @@ std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
     found = find_named(with_underscores(word));
   const std::vector<std::string> related = names_related_to(word, !found.empty());
   for (const std::string& name : related)
-    for (const Id id : find_named(name)) found.push_back(id);
+    for (const Id id : find_named(name))
+      if (!is_color_word(name) || is_labelled(id, name)) found.push_back(id);
   return related.empty() ? found : unique(std::move(found));
+}
+
+bool Snapshot::is_labelled(Id object, const std::string& name) const {
+  return lower_case(object_ref(object).label.value_or("")) == name;
+}
+
+bool Snapshot::is_noun(const std::string& name) const {
+  if (!is_color_word(lower_case(name))) return true;
+  const std::vector<Id>& called = find_named(lower_case(name));
+  return std::ranges::any_of(called, [&](Id id) { return is_labelled(id, lower_case(name)); });
 }
 
 std::vector<std::string> Snapshot::names_related_to(const std::string& word) const {
@@ -258,7 +277,8 @@ std::vector<std::string> Snapshot::names_related_to(const std::string& word, boo
   if (related.empty() && !known) {
     std::set<std::string> annotated;
     for (std::string& value : store_.annotation_values())
-      if (value.find_first_of(" ,0123456789") == std::string::npos) annotated.insert(std::move(value));
+      if (value.find_first_of(" ,0123456789") == std::string::npos && is_noun(value))
+        annotated.insert(std::move(value));
     related = related_names(word, annotated);
   }
   // What is called so is meant by it, and what else is of that kind where it is a word for kinds.
@@ -389,7 +409,8 @@ std::vector<Snapshot::Candidate> Snapshot::search_named(const std::string& word,
       for (const Id id : objects)
         if (!(classed.contains(id) && classes.contains(meaning))) found.push_back({id, class_name});
     };
-    take(store_.objects_annotated(meaning, kClassType, false, as_of_), "");
+    const bool only_noun = is_color_word(meaning) && meaning != word;  // "oranges"
+    if (!only_noun) take(store_.objects_annotated(meaning, kClassType, false, as_of_), "");
     take(store_.objects_annotated(meaning, kClassType, true, as_of_), meaning);
   }
   return found;
@@ -463,12 +484,19 @@ std::string Snapshot::hint_for(const std::vector<std::string>& words, size_t unk
 
 std::optional<Id> Snapshot::find_superlative(const std::vector<std::string>& words) const {
   for (size_t i = 0; i < words.size(); ++i) {
+    if (const auto degree = unmeasured().find(words[i]); degree != unmeasured().end())
+      throw Error(fmt::format("{} of objects is not measured", degree->second), file());
     const auto superlative = superlatives().find(words[i]);
     if (superlative == superlatives().end()) continue;
+    const size_t rank = i > 0 ? rank_called(words[i - 1]) : 0;
     std::vector<std::string> rest = words;
-    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
-    auto most = most_of(find_objects(phrase(rest, 0)), superlative->second, *this);
-    if (!most) throw UnknownName(UnknownName::Kind::object, "no size is known of any of them", file(), "");
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i - (rank > 0 ? 1 : 0)),
+               rest.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    auto most = most_of(find_objects(phrase(rest, 0)), superlative->second, rank, *this);
+    if (!most)
+      throw UnknownName(UnknownName::Kind::object,
+                        rank > 0 ? "there are not so many of them" : "no size is known of any of them",
+                        file(), "");
     return most;
   }
   return std::nullopt;

@@ -19,6 +19,9 @@ namespace {
 constexpr TimeNs kLatest = kMaxTime - 50 * kDay;
 constexpr TimeNs kEarliest = -kLatest;
 
+/// An hour so little before the first scene is that of the same half of the day.
+constexpr TimeNs kBeforeFirst = 30 * kMinute;
+
 std::optional<int> number_of(std::string_view text) {
   int value = 0;
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -284,15 +287,9 @@ std::optional<TimeSpan> TimeReader::try_read(std::string_view text) const {
   const auto words = words_of(lower_case(text));
   if (const auto moment = moment_of(words, last_scene, zone_)) return TimeSpan{*moment, *moment};
   if (const auto span = TimePhrase(words, zone_.local(last_scene)).read()) {
-    // "A quarter past three" is in the afternoon where the memory begins after that of the morning.
-    std::vector<std::string> afternoon = words;
-    afternoon.emplace_back("pm");
-    const bool spoken = text.find_first_of(":-") == std::string_view::npos;
-    if (spoken && first_scene_ && in_utc(*span).last < *first_scene_)
-      if (const auto later = TimePhrase(afternoon, zone_.local(last_scene)).read();
-          later && later->first > span->first && in_utc(*later).first <= last_scene)
-        return in_utc(*later);
-    return in_utc(*span);
+    const auto afternoon = afternoon_of(text);
+    const bool before_all = first_scene_ && in_utc(*span).last < *first_scene_ - kBeforeFirst;
+    return before_all && afternoon ? *afternoon : in_utc(*span);
   }
   const std::string whole(text);
   if (whole.size() < 11 || !is_date(whole.substr(0, 10))) return std::nullopt;
@@ -311,6 +308,24 @@ std::optional<TimeSpan> TimeReader::try_read(std::string_view text) const {
   } catch (const Error&) {
     return std::nullopt;
   }
+}
+
+std::optional<TimeSpan> TimeReader::afternoon_of(std::string_view text) const {
+  const TimeNs now = zone_.local(std::clamp(last_scene_, kEarliest, kLatest));
+  std::vector<std::string> words = words_of(lower_case(text));
+  const auto span = TimePhrase(words, now).read();
+  words.emplace_back("pm");
+  const auto later = TimePhrase(words, now).read();
+  const bool spoken = text.find_first_of(":-") == std::string_view::npos;
+  if (!spoken || !span || !later || later->first <= span->first) return std::nullopt;
+  const TimeSpan afternoon = {zone_.first_moment(later->first), zone_.last_moment(later->last)};
+  return afternoon.first <= last_scene_ ? std::optional(afternoon) : std::nullopt;
+}
+
+bool TimeReader::may_be_other_half(std::string_view text) const {
+  const auto taken = try_read(text), afternoon = afternoon_of(text);
+  if (!taken || !afternoon || !first_scene_) return false;
+  return taken->first != afternoon->first && afternoon->last >= *first_scene_;
 }
 
 int local_hour(TimeNs time, const TimeZone& zone) {

@@ -20,8 +20,9 @@ struct TimeSpan {
 /// 12 to 18, "evening" = 18 to 24, "night" = 22 to 6,
 /// "breakfast" = 5 to 11, "lunch" = 11 to 15, "dinner" and "supper" = 17 to 23), or both ("yesterday
 /// morning", "last Monday at nine"); "last night"; "20 minutes ago", "two hours ago", "half an hour ago";
-/// "now". An hour without its half of the day ("three") is in the afternoon where the memory begins later
-/// than that and ends after it. Today and now are those of the memory's last scene, in the memory's zone.
+/// "now". An hour without its half of the day ("three") is in the morning, and in the afternoon where
+/// the memory begins more than half an hour later than that of the morning and ends after that of the
+/// afternoon. Today and now are those of the memory's last scene, in the memory's zone.
 class TimeReader {
  public:
   explicit TimeReader(const Store& store);
@@ -34,8 +35,14 @@ class TimeReader {
   std::optional<TimeNs> first_scene() const { return first_scene_; }
   /// Unset when it is not a time.
   std::optional<TimeSpan> try_read(std::string_view text) const;
+  /// Whether an hour without its half of the day is taken as that of the morning and the memory knows that of
+  /// the afternoon, too.
+  bool may_be_other_half(std::string_view text) const;
 
  private:
+  /// Of an hour without its half of the day; unset for other times, and where the memory ends before it.
+  std::optional<TimeSpan> afternoon_of(std::string_view text) const;
+
   std::optional<TimeNs> first_scene_ = {};  ///< unset = not known
   TimeNs last_scene_;
   TimeZone zone_;

@@ -81,6 +81,10 @@ class Conversation {
   NaturalLanguageAnswer answer(const std::string& sentence) {
     const std::string named = snapshot_.with_names_joined(joined(words_of(sentence), " "));
     const std::vector<Id> spoken_of = references_.last_objects();
+    if (auto among = answer_of_them(named)) {
+      among->sentence = sentence;
+      return *among;
+    }
     NaturalLanguageAnswer answer = answer_text(named);
     if (!answer.reply)
       if (auto respelled = answer_respelled(named)) answer = std::move(*respelled);
@@ -107,6 +111,32 @@ class Conversation {
     if (answer.reply || names.size() < 3) return answer;  // a choice of two has another form
     const std::string without_choice = without_mark(with_choice(sentence, " "));  // "which is the biggest"
     return answer_text(fmt::format("{} of {}", without_choice, joined(names, ", ")));
+  }
+
+  /// "How many of them are boxes?" asks of what the last answer named; unset for other sentences, and where
+  /// it asks for more than which of them.
+  std::optional<NaturalLanguageAnswer> answer_of_them(const std::string& sentence) {
+    const std::vector<Id> them = references_.last_objects();
+    const std::string whole = without_partitive(sentence);
+    if (whole.empty() || them.empty()) return std::nullopt;
+    NaturalLanguageAnswer answer = answer_text(whole);
+    if (!answer.reply) return std::nullopt;
+    const Asks asks = answer.query->asks;
+    if (asks != Asks::objects && asks != Asks::number && asks != Asks::exists) return std::nullopt;
+    const std::vector<std::string> object = words_of(answer.query->argument("object"));
+    if (!object.empty() && is_superlative(object.front())) {
+      std::vector<std::string> names;
+      for (const Id id : them) names.push_back(object_name(id));
+      answer.query->arguments["object"] += " " + joined(names, " or ");
+      Query query = *answer.query;
+      NaturalLanguageAnswer most{.sentence = sentence};
+      try_reading(std::move(query), most);
+      answer = std::move(most);
+    } else if (!answer.reply->not_known || !answer.reply->objects.empty()) {
+      answer.reply = among(*answer.reply, them, asks, snapshot_);
+    }
+    if (answer.reply) references_.remember(*answer.query, *answer.reply);
+    return answer;
   }
 
   /// A question and what is said around it.
@@ -146,6 +176,8 @@ class Conversation {
     NaturalLanguageAnswer answer = answer_or_rephrase(elided ? elided->question : meant);
     if (elided && answer.reply) add_more(elided->more, answer);
     if (elided && !answer.query) answer = answer_or_rephrase(meant);
+    if (!answer.reply)
+      if (auto both = answer_both(meant)) return *both;
     return answer;
   }
 
@@ -158,8 +190,21 @@ class Conversation {
       return std::nullopt;
     if (!first.reply || !second.reply) return std::nullopt;
     first.reply = compared(*comparison, *first.reply, *second.reply, snapshot_);
-    references_.remember(*first.query, first.reply->objects);
+    references_.remember(*first.query, *first.reply);
     last_ = first.query;
+    return first;
+  }
+
+  /// "Is the spoon on the table and the cup in the drawer?": yes where both are so.
+  std::optional<NaturalLanguageAnswer> answer_both(const std::string& sentence) {
+    const auto halves = two_statements(sentence);
+    if (!halves) return std::nullopt;
+    NaturalLanguageAnswer first = answer_or_rephrase(halves->first),
+                          second = answer_or_rephrase(halves->second);
+    for (const NaturalLanguageAnswer* half : {&first, &second})
+      if (!half->reply || !half->reply->verdict) return std::nullopt;
+    first.reply = combined({*first.reply, *second.reply}, {{*first.query, *second.query}, "and"});
+    first.notes.insert(first.notes.end(), second.notes.begin(), second.notes.end());
     return first;
   }
 
@@ -173,7 +218,7 @@ class Conversation {
     try_reading(absence->came, came);
     left.reply =
         absence_reply(*left.reply->time, came.reply ? came.reply->time : std::nullopt, times_.now(), writer_);
-    references_.remember(*left.query, left.reply->objects);
+    references_.remember(*left.query, *left.reply);
     last_ = left.query;
     return left;
   }
@@ -258,7 +303,7 @@ class Conversation {
       }
     }
     if (!answer.query) return answer;
-    references_.remember(*answer.query, answer.reply ? answer.reply->objects : std::vector<Id>{});
+    references_.remember(*answer.query, answer.reply.value_or(Reply{}));
     last_ = answer.query;
     return answer;
   }
@@ -501,6 +546,7 @@ class Conversation {
       tried.why_not =
           NoAnswer{"not_possible", fmt::format("Not possible: {}.", error.message()), error.hint()};
     }
+    note_hours(query, notes);
     references_.note_places(query, notes);
     references_.note_related(query, notes);
     const bool answered =
@@ -517,6 +563,17 @@ class Conversation {
     reply.verdict = Verdict::not_observed;
     if (reply.text.starts_with("No: ")) reply.text.replace(0, 4, "Not observed: at last ");
     return reply;
+  }
+
+  /// Which half of the day an hour is taken for, where both were observed.
+  void note_hours(const Query& query, std::vector<std::string>& notes) const {
+    std::string noted;
+    for (const char* name : {"at", "from", "to", "unseen-since"}) {
+      const std::string time = query.argument(name);
+      if (time.empty() || time == noted || !times_.may_be_other_half(time)) continue;
+      notes.push_back(fmt::format("'{}' is taken as {}", time, writer_.text(times_.read(time).first)));
+      noted = time;
+    }
   }
 
   /// What is in a part of the map that no scene has shown from inside; unset for other places.

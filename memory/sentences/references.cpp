@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/names.h"
 
 namespace loci::memory {
 namespace {
@@ -33,15 +34,42 @@ bool is_reference(const std::string& word) {
   return kPronouns.contains(word) || word == "there" || word == "one" || word == "ones";
 }
 
-void ReferenceResolver::remember(const Query& query, const std::vector<Id>& objects) {
-  last_objects_ = objects;
-  if (const auto subject = argument_of(query, {ParameterType::object, ParameterType::spot}))
+void ReferenceResolver::remember(const Query& query, const Reply& reply) {
+  last_objects_ = reply.objects;
+  remember_objects(query);
+  remember_place(query, reply);
+}
+
+/// What the question names, or what answers it: "What moved last?" Of several of one name the one that the
+/// answer named.
+void ReferenceResolver::remember_objects(const Query& query) {
+  constexpr size_t kMaxNamed = 5;
+  std::vector<std::string> names;
+  for (const Id id : last_objects_) names.push_back(object_name(id));
+  const auto subject = argument_of(query, {ParameterType::object, ParameterType::spot});
+  referent_.clear();
+  if (!subject && !names.empty()) {
+    last_subject_ = names.size() <= kMaxNamed ? joined(names, " and ") : "";
+  } else if (subject) {
     last_subject_ = *subject;
-  if (const auto place = argument_of(query, {ParameterType::place, ParameterType::part}))
-    last_place_ = *place;
+    const bool by_name = names.size() == 1 && query.arguments.contains("object");
+    if (by_name && snapshot_.means_objects(*subject)) {
+      const std::vector<Id> called = snapshot_.find_objects(*subject);
+      if (called.size() > 1 && std::ranges::count(called, last_objects_[0]) > 0) referent_ = names[0];
+    }
+  }
+}
+
+/// "The drawer" is the one that the answer named, where it named one.
+void ReferenceResolver::remember_place(const Query& query, const Reply& reply) {
+  const auto place = argument_of(query, {ParameterType::place, ParameterType::part});
+  if (place) last_place_ = *place;
+  const bool answers = place ? snapshot_.places_meant(*place).size() > 1 : reply.objects.empty();
+  if (answers && reply.places.size() == 1) last_place_ = name_in_words(reply.places[0]);
 }
 
 void ReferenceResolver::remember(const std::string& subject, const std::string& place) {
+  referent_.clear();
   if (!subject.empty()) last_subject_ = subject;
   if (!place.empty()) last_place_ = place;
 }
@@ -57,13 +85,17 @@ void ReferenceResolver::resolve(Query& query, std::vector<std::string>& notes) {
     const size_t end = std::min(last_subject_.find(" on "), last_subject_.find(" in "));
     if (text == "other one" || text == "other" || text == "other ones")
       replace_other(text, last_subject_.substr(0, end), notes);
-    else if (text.starts_with("other ") && !last_objects_.empty())
+    else if (text.starts_with("other "))
       replace_other(text, text.substr(text.find(' ') + 1), notes);
     if (kPronouns.contains(text) && is_place(parameter.type) && !last_place_.empty()) {
       notes.push_back(fmt::format("'{}' is taken as {}", text, last_place_));
       text = last_place_;
     }
     const bool one = (text == "one" || text == "ones") && !last_subject_.empty();
+    if (kPronouns.contains(text) && !referent_.empty()) {
+      notes.push_back(fmt::format("'{}' is taken as {}", text, referent_));
+      text = referent_;
+    }
     if (one || kPronouns.contains(text)) replace_pronoun(text, notes);
     if (text.starts_with("this ") || text.starts_with("that ")) replace_demonstrative(text, notes);
   }
@@ -149,6 +181,10 @@ void ReferenceResolver::replace_other(std::string& text, const std::string& kind
         text = object_name(object);
         return;
       }
+    if (text == "other " + kind) {
+      notes.push_back(fmt::format("the answer before named each '{0}': '{1}' is taken as '{0}'", kind, text));
+      text = kind;
+    }
   } catch (const UnknownName&) {
     return;  // reported by the answer
   }

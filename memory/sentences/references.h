@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "memory/questions/question.h"
+#include "memory/questions/replies/reply.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {
@@ -21,7 +22,7 @@ class ReferenceResolver {
       : snapshot_(store, as_of), last_subject_(about ? object_name(*about) : "") {}
 
   /// Keeps what the last sentence was about and what its answer named.
-  void remember(const Query& query, const std::vector<Id>& objects);
+  void remember(const Query& query, const Reply& reply);
   /// Keeps what was spoken of without being asked for; "" = as before.
   void remember(const std::string& subject, const std::string& place);
   /// What was spoken of last; "" = nothing.
@@ -45,7 +46,11 @@ class ReferenceResolver {
   void replace_demonstrative(std::string& text, std::vector<std::string>& notes) const;
 
   Snapshot snapshot_;
+  void remember_objects(const Query& query);
+  void remember_place(const Query& query, const Reply& reply);
+
   std::string last_subject_, last_place_;
+  std::string referent_ = {};  ///< which of that name the last answer named; "" = no one of them
   std::vector<Id> last_objects_;
 };
 

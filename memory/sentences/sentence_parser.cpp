@@ -77,7 +77,8 @@ const std::vector<Rule>& rules() {
 /// Lemmas that rules name, and those that none may pass over.
 const std::set<std::string>& grammar_concepts() {
   static const std::set<std::string> all = [] {
-    std::set<std::string> result = {"not", "every", "everything", "thing", "quantity", "future", "room"};
+    std::set<std::string> result = {"not",      "every",  "everything", "thing",
+                                    "quantity", "future", "room",       "hide"};
     for (const Rule& rule : rules()) {
       for (const auto& required : rule.required) result.insert(required.begin(), required.end());
       result.insert(rule.optional.begin(), rule.optional.end());
@@ -379,6 +380,16 @@ std::vector<Query> parse_follow_up(const std::vector<Clause>& clauses, const Que
   if (leans && clause.phrases.empty() && (shuts || opens) && last.question == "changes" &&
       last.arguments.contains("kind")) {
     query.arguments["kind"] = shuts ? "closed" : "opened";
+    return {query};
+  }
+  // "Is the bowl?" after "What is on the table?"
+  const bool listed = (last.question == "on" || last.question == "in") && !last.arguments.contains("object");
+  const bool named = clause.phrases.size() == 1 && clause.phrases[0].relation.empty() &&
+                     !is_pronoun(clause.phrases[0].text) && !is_furniture(clause.phrases[0].text) &&
+                     clause.phrases[0].text.find('_') == std::string::npos;
+  if (listed && named && clause.concepts.empty() && (leans || clause.mood == "yes")) {
+    query.arguments["object"] = clause.phrases[0].text;
+    query.asks = Asks::verdict;
     return {query};
   }
   if (!leans || !clause.concepts.empty() || clause.phrases.size() > 1) return {};

@@ -64,10 +64,11 @@ constexpr Lemma kLemmas[] = {
     {"keep", "keeps kept keeping store stores stored storing storage"},
     {"stand",
      "stands stood standing lie lies lying lain sit sits sat sitting rest rests rested resting stay stays "
-     "stayed staying remain remains remained remaining located situated positioned hide hides hid hidden "
-     "hiding reside resides resided residing spent spend spends perched perching lurking lurk lurks dwell "
+     "stayed staying remain remains remained remaining located situated positioned "
+     "reside resides resided residing spent spend spends perched perching lurking lurk lurks dwell "
      "dwells laying present remaining sits parked hang hangs hanging linger lingered waiting "
      "visible available findable locatable"},
+    {"hide", "hides hid hidden hiding"},
     {"belong", "belongs belonged live lives lived"},
     {"contain", "contains contained containing hold holds held holding include includes"},
     {"happen",
@@ -104,6 +105,7 @@ constexpr Lemma kLemmas[] = {
     {"alone", ""},
     {"nolonger", ""},
     {"nearest", "closest"},
+    {"farthest", "furthest"},
     {"nearer", "closer"},
     {"bigger", "larger greater"},
     {"taller", "higher"},
@@ -164,7 +166,7 @@ constexpr Compound kCompounds[] = {
     {"what (certainty|confidence|probability|likelihood|chance|odds) (do|would|can|could|did|have) you "
      "(assign|give|attach|put|attribute|estimate|have|see) [to|on|for|in|that|of]",
      "howsure"},
-    {"how (big|large|small|tall|high|wide|heavy|broad)", "howbig"},
+    {"how (big|large|small|tall|high|wide|broad|thick|thin)", "howbig"},
     {"how (far|wide) open", "howfar open"},
     {"how (far|close) (apart|away)", "howfar apart"},
     {"(how far|how close)", "howfar"},
@@ -314,6 +316,9 @@ constexpr Compound kCompounds[] = {
     {"(do|does) someone (have|need) to (close|shut)", "are open"},
     {"(do|does) (i|we|you) (have|need) to (close|shut)", "are open"},
     {"(nearest|closest) (to|from|by)", "nearest near"},
+    {"(most distant|farthest away|furthest away)", "farthest"},
+    {"different (colours|colors)|(a|another) different (colour|color)", "differentcolour"},
+    {"back (where|to where) (it|they) (was|were|is|are|belong|belongs|came from|go|goes)", "back"},
     {"(out of|off of|away from)", "from"},
     {"[back] (into|onto)", "into"},
     {"in front of", "infront"},
@@ -403,7 +408,7 @@ constexpr ClassWords kClasses[] = {
      "favorite wrong shortly after whenever wherever whoever whichever predict forecast compute calculate "
      "translate spell switch turn press call ring text email send order pay reboot restart charge update "
      "install download repair fix refill knock knocked hit kick throw threw thrown walk run jump drive fly "
-     "swim wear smell taste hear listen watch marry die born win score vote phone dial remind schedule "
+     "swim wear smell taste hear listen watch marry die born win score vote dial remind schedule "
      "cancel pause shop but plus minus times divided equals percent degrees temperature president capital "
      "riddle "
      "recipe poem story firmware battery wifi internet volume alarm timer"},
@@ -478,7 +483,8 @@ const char* const kHouseholdWords =
     // How they are.
     "red green blue yellow black white grey gray brown beige pink purple cyan silver golden violet big small "
     "large little tall short long flat round square wooden plastic metal ceramic biggest largest smallest "
-    "tallest shortest longest littlest highest medium tiny huge empty full upper lower top bottom left "
+    "tallest shortest longest littlest highest widest narrowest thinnest thickest flattest broadest tiniest "
+    "heaviest lightest oldest newest medium tiny huge empty full upper lower top bottom left "
     "middle";
 
 const char* const kOtherWords =

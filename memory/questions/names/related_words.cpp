@@ -98,15 +98,42 @@ const std::map<std::string, SizeMeasure>& superlatives() {
   const SizeMeasure bulk = [](const Vector3d& size) { return size.prod(); };
   const SizeMeasure thrift = [](const Vector3d& size) { return -size.prod(); };
   const SizeMeasure height = [](const Vector3d& size) { return size.z(); };
+  const SizeMeasure lowness = [](const Vector3d& size) { return -size.z(); };
   const SizeMeasure length = [](const Vector3d& size) { return size.maxCoeff(); };
+  const SizeMeasure width = [](const Vector3d& size) { return std::max(size.x(), size.y()); };
+  const SizeMeasure narrowness = [](const Vector3d& size) { return -std::max(size.x(), size.y()); };
+  const SizeMeasure thickness = [](const Vector3d& size) { return size.minCoeff(); };
+  const SizeMeasure thinness = [](const Vector3d& size) { return -size.minCoeff(); };
+  // Of two the bigger one is the biggest.
   static const std::map<std::string, SizeMeasure> words = {
-      {"biggest", bulk},   {"largest", bulk},   {"smallest", thrift}, {"littlest", thrift},
-      {"tallest", height}, {"highest", height}, {"longest", length}};
+      {"biggest", bulk},        {"bigger", bulk},       {"largest", bulk},         {"larger", bulk},
+      {"hugest", bulk},         {"smallest", thrift},   {"smaller", thrift},       {"littlest", thrift},
+      {"tiniest", thrift},      {"tallest", height},    {"taller", height},        {"highest", height},
+      {"shortest", lowness},    {"shorter", lowness},   {"flattest", lowness},     {"flatter", lowness},
+      {"longest", length},      {"longer", length},     {"widest", width},         {"wider", width},
+      {"broadest", width},      {"broader", width},     {"narrowest", narrowness}, {"narrower", narrowness},
+      {"thickest", thickness},  {"thicker", thickness}, {"thinnest", thinness},    {"thinner", thinness},
+      {"slimmest", narrowness}, {"slimmer", narrowness}};
+  return words;
+}
+
+const std::map<std::string, std::string>& unmeasured() {
+  static const std::map<std::string, std::string> words = [] {
+    std::map<std::string, std::string> all;
+    for (const auto& [property, degrees] :
+         {std::pair("the weight", "heaviest heavier lightest"),
+          {"the age", "oldest older youngest newest newer"},
+          {"the price", "cheapest cheaper dearest priciest"},
+          {"the temperature", "hottest hotter coldest colder warmest warmer"},
+          {"the taste", "tastiest sweetest sourest"}})
+      for (const std::string& degree : words_of(degrees)) all[degree] = property;
+    return all;
+  }();
   return words;
 }
 
 bool is_superlative(const std::string& word) {
-  return superlatives().contains(word);
+  return superlatives().contains(word) || unmeasured().contains(word);
 }
 
 bool is_color_word(const std::string& word) {

@@ -55,6 +55,11 @@ std::string happened(const Change& change, const Names& names) {
   }
 }
 
+/// The object or the part that changed.
+std::string changed(const Change& change, const Names& names) {
+  return change.object ? without_place(names.of(*change.object)) : joint_in_words(change);
+}
+
 // ---- whether a change would have been seen
 
 /// The joints of a part, and of the places of that name; "" = of all parts.
@@ -135,8 +140,8 @@ std::string none_text(const Query& query) {
   const std::string kind = query.argument("kind"), place = name_in_words(query.argument("place"));
   if (const std::string times = query.argument("times"); !times.empty())
     return fmt::format("nothing of the kind was seen {} times", times);
-  return kind == "opened"                           ? place + " was not opened"
-         : kind == "closed"                         ? place + " was not closed"
+  return kind == "opened" ? (place.empty() ? "nothing was opened" : place + " was not opened")
+         : kind == "closed" ? (place.empty() ? "nothing was closed" : place + " was not closed")
          : kind == "handled" || kind == "relocated" ? "no move was seen"
          : kind == "left"                           ? "nothing was seen to leave"
          : kind == "came"                           ? "nothing was seen to come"
@@ -226,19 +231,26 @@ void at_one_end(const ChangesAnswer& answer, const Names& names, const ReplyCont
   const TimeNs time = first ? answer.changes.front().time : answer.changes.back().time;
   std::vector<std::string> list;
   reply.objects.clear();
-  for (const Change& change : answer.changes)
-    if (change.object && std::abs(change.time - time) < kTogether &&
-        std::ranges::count(reply.objects, change.object->id) == 0) {
+  reply.places.clear();
+  for (const Change& change : answer.changes) {
+    const std::string name = changed(change, names);
+    if (std::abs(change.time - time) >= kTogether || std::ranges::count(list, name) > 0) continue;
+    list.push_back(name);
+    if (change.object)
       reply.objects.push_back(change.object->id);
-      list.push_back(without_place(names.of(*change.object)));
-    }
+    else
+      reply.places.push_back(change.place ? change.place->name : name);
+  }
   reply.text = fmt::format("{}, by {}.", list_in_words(list), context.times.text(time));
 }
 
 /// "How many objects were moved?", not "How often was it moved?"
 bool counts_objects(const Query& query) {
-  static const std::set<std::string> kinds = {"came", "left", "relocated"};
-  return query.argument("object").empty() && kinds.contains(query.argument("kind"));
+  static const std::set<std::string> of_objects = {"came", "left", "relocated"},
+                                     of_parts = {"opened", "closed"};
+  const std::string kind = query.argument("kind");
+  return query.argument("object").empty() &&
+         (of_objects.contains(kind) || (of_parts.contains(kind) && query.argument("place").empty()));
 }
 
 /// The time of the last scene with a person in view from before a change was seen to that moment.
@@ -307,7 +319,7 @@ void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& r
   const Change& last = last_of(answer.changes);
   std::vector<std::string> list;
   for (const Change& change : answer.changes) {
-    const std::string name = change.object ? without_place(names.of(*change.object)) : joint_in_words(change);
+    const std::string name = changed(change, names);
     if (change.object && std::ranges::count(reply.objects, change.object->id) == 0)
       reply.objects.push_back(change.object->id);
     if (std::ranges::count(list, name) > 0) continue;
@@ -315,6 +327,10 @@ void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& r
     if (!change.object) reply.places.push_back(change.place ? change.place->name : name);
   }
   const std::string what = happened(last, names);
+  const Asks one_of = context.query.asks;
+  if (!last.object && last.place &&
+      (one_of == Asks::verdict || one_of == Asks::last_time || one_of == Asks::ago))
+    reply.places = {last.place->name};
   switch (context.query.asks) {
     case Asks::verdict:
       reply.verdict = Verdict::yes;
@@ -351,8 +367,8 @@ void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& r
       break;
     case Asks::number:
       if (counts_objects(context.query)) {
-        reply.number = reply.objects.size();
-        reply.text = fmt::format("{}: {}.", reply.objects.size(), list_in_words(list));
+        reply.number = list.size();
+        reply.text = fmt::format("{}: {}.", list.size(), list_in_words(list));
         break;
       }
       reply.number = answer.changes.size();

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <iterator>
+#include <set>
 
 #include "memory/questions/location.h"
 #include "memory/questions/names/names.h"
@@ -882,16 +884,56 @@ void compare_looks(const std::vector<AboutObject>& objects, const std::string& p
   add_sightings(beliefs, names, context, reply);
 }
 
+/// How often each of several was seen.
+void all_sightings(const AboutAnswer& answer, const Names& names, const ReplyContext& context, Reply& reply) {
+  std::vector<std::string> list;
+  std::vector<ObjectBelief> beliefs;
+  for (const AboutObject& one : answer.objects) {
+    reply.objects.push_back(one.now.object.id);
+    beliefs.push_back(one.now);
+    list.push_back(
+        fmt::format("{} in {}", names.subject(one.now.object), counted(one.now.sightings, "scene")));
+  }
+  reply.text = fmt::format("Seen: {}.", list_in_words(list, 3));
+  add_sightings(beliefs, names, context, reply);
+}
+
+/// Whether all of them have the colour that is asked about, or whether their colours differ. What has gone
+/// counts only where all have.
+void judge_colour(const AboutAnswer& answer, const ReplyContext& context, const Names& names, Reply& reply) {
+  std::vector<AboutObject> there;
+  std::ranges::copy_if(answer.objects, std::back_inserter(there),
+                       [](const AboutObject& one) { return one.now.status != ObjectStatus::gone; });
+  const std::vector<AboutObject>& objects = there.empty() ? answer.objects : there;
+  std::set<std::string> colours;
+  bool known = true;
+  for (const AboutObject& one : objects) {
+    known = known && one.now.object.color;
+    colours.insert(lower_case(one.now.object.color.value_or("")));
+  }
+  compare_looks(objects, "colour", context, names, reply);
+  const std::string value = context.query.argument("value");
+  const bool is = value == "different"
+                      ? colours.size() > 1
+                      : colours.size() == 1 && colours.contains(value == "gray" ? "grey" : value);
+  reply.not_known = !known;
+  reply.verdict = !known ? Verdict::not_observed : is ? Verdict::yes : Verdict::no;
+  reply.text = fmt::format("{}: {}", !known ? "Not known" : is ? "Yes" : "No", reply.text);
+}
+
 }  // namespace
 
 void write_reply(const AboutAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
+  if (context.query.arguments.contains("value")) return judge_colour(answer, context, names, reply);
   const AboutObject& first = answer.objects.front();
   const ObjectRef& object = first.now.object;
   const std::string property = context.query.argument("property"), name = names.subject(object);
   if ((property == "colour" || property == "size") && answer.objects.size() > 1)
     return compare_looks(answer.objects, property, context, names, reply);
+  if (property == "sightings" && answer.objects.size() > 1)
+    return all_sightings(answer, names, context, reply);
   reply.objects = {object.id};
   if (property == "owner") {
     const auto owner = std::ranges::find(first.facts, "owner", &Fact::key);

@@ -1,6 +1,7 @@
 // The replies about places: what is there, near it, and usually there.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
@@ -121,6 +122,25 @@ std::optional<std::string> elsewhere(const ContentsAnswer& answer, const Snapsho
   return text;
 }
 
+/// Whether the sentence asks about each of them: "both cups", "the cups".
+bool means_all(const ContentsAnswer& answer, const ReplyContext& context) {
+  const bool plural = !answer.subject.empty() && is_plural(words_of(answer.subject).back());
+  return context.query.asks == Asks::all ||
+         (context.query.asks == Asks::verdict && plural && wanted_count(context.query) == 0);
+}
+
+/// What the name means and has not gone; of "the cups" those that are likely where they are believed to be.
+std::vector<ObjectBelief> all_meant(const ContentsAnswer& answer, const ReplyContext& context,
+                                    const Snapshot& snapshot) {
+  std::vector<ObjectBelief> all;
+  for (const Id id : snapshot.find_objects(answer.subject)) {
+    const ObjectBelief object = snapshot.object_belief(id);
+    if (context.query.asks == Asks::all ? object.status != ObjectStatus::gone : is_there(object))
+      all.push_back(object);
+  }
+  return all;
+}
+
 /// Whether all objects that were asked about are there ("both cups"), or nothing else ("only the milk").
 Verdict quantified(const ContentsAnswer& answer, const Contents& contents, const Snapshot& snapshot,
                    const ReplyContext& context) {
@@ -128,9 +148,8 @@ Verdict quantified(const ContentsAnswer& answer, const Contents& contents, const
   for (const ObjectBelief& object : contents.sure) there.insert(object.object.id);
   if (there.empty()) return verdict_of(answer, contents);
   std::set<Id> wanted;
-  if (context.query.asks == Asks::all) {
-    for (const Id id : snapshot.find_objects(answer.subject))
-      if (snapshot.belief(id)->status != ObjectStatus::gone) wanted.insert(id);
+  if (context.query.asks != Asks::only) {
+    for (const ObjectBelief& object : all_meant(answer, context, snapshot)) wanted.insert(object.object.id);
   } else {
     const ContentsAnswer everything = ask(context.store, ContentsQuestion{answer.asked, context.as_of});
     for (const ObjectBelief& object : all_contents(everything, context).sure) wanted.insert(object.object.id);
@@ -141,7 +160,7 @@ Verdict quantified(const ContentsAnswer& answer, const Contents& contents, const
 void contents_verdict(const ContentsAnswer& answer, const Contents& contents, const Snapshot& snapshot,
                       const Names& names, const ReplyContext& context, Reply& reply) {
   const Asks asks = context.query.asks;
-  const bool quantifies = asks == Asks::all || asks == Asks::only;
+  const bool all = means_all(answer, context), quantifies = all || asks == Asks::only;
   Verdict verdict =
       quantifies ? quantified(answer, contents, snapshot, context) : verdict_of(answer, contents);
   if (verdict == Verdict::yes && contents.sure.size() < wanted_count(context.query)) verdict = Verdict::no;
@@ -149,6 +168,10 @@ void contents_verdict(const ContentsAnswer& answer, const Contents& contents, co
   if (!contents.sure.empty()) {
     const std::vector<std::string> list = names_of(contents.sure, names);
     why = fmt::format("{} {} {}", list_in_words(list), is_or_was(context, list.size()), contents.where);
+    for (const ObjectBelief& other : all ? all_meant(answer, context, snapshot) : std::vector<ObjectBelief>{})
+      if (std::ranges::count(contents.sure, other.object.id, [](const auto& one) { return one.object.id; }) ==
+          0)
+        why += fmt::format("; {} {} not", names.subject(other.object), is_or_was(context));
   } else if (asks == Asks::verdict || (asks == Asks::empty && !answer.subject.empty())) {
     if (const auto other = elsewhere(answer, snapshot, names, reply)) {
       verdict = Verdict::no;
@@ -293,7 +316,8 @@ void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Repl
 namespace {
 
 /// "behind the pot, as seen at 20:30:01".
-std::string relation_in_words(const NearAnswer& answer, const std::string& around, const TimeWriter& times) {
+std::string relation_in_words(const NearAnswer& answer, const std::string& around, const std::string& with,
+                              const TimeWriter& times) {
   const auto as_seen = [&](const char* relation) {
     return fmt::format("{} {}{}", relation, around,
                        answer.seen ? ", as seen at " + times.text(answer.seen->time) : "");
@@ -305,6 +329,8 @@ std::string relation_in_words(const NearAnswer& answer, const std::string& aroun
       return "on " + around;
     case Relation::under:
       return "under " + around;
+    case Relation::between:
+      return fmt::format("between {} and {}", around, with);
     case Relation::left:
       return as_seen("left of");
     case Relation::right:
@@ -326,8 +352,8 @@ void write_hidden(const NearAnswer& answer, const std::string& around, const Bel
     reply.places = {place->name};
     reply.text = fmt::format("Not seen: {} hides what is under it; it is {}.", around, in_words(*place));
   } else {
-    reply.text =
-        fmt::format("Not seen: nothing is known to be {}.", relation_in_words(answer, around, context.times));
+    reply.text = fmt::format("Not seen: nothing is known to be {}.",
+                             relation_in_words(answer, around, "", context.times));
   }
 }
 
@@ -343,6 +369,8 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
                              : object                ? names.subject(snapshot.object_ref(*object))
                              : answer.around.empty() ? point_text(answer.point)
                                                      : answer.around;
+  const auto other = object_id(answer.with);
+  const std::string with = other ? names.subject(snapshot.object_ref(*other)) : "";
   std::vector<std::string> list;
   for (const NearObject& near : answer.objects) {
     if (!is_there(near.object) || std::ranges::count(context.except, near.object.object.id) > 0) continue;
@@ -361,7 +389,7 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
                   : asked.size() == 1 ? names.subject(snapshot.object_ref(asked[0])) + be + " not"
                   : only.empty()      ? "nothing" + be
                                       : fmt::format("no '{}'{}", only, be),
-                  relation_in_words(answer, around, context.times));
+                  relation_in_words(answer, around, with, context.times));
   const BeliefRow* belief = object ? snapshot.belief(*object) : nullptr;
   const bool hides = answer.relation == Relation::under || answer.relation == Relation::behind;
   if (belief != nullptr && belief->status == ObjectStatus::gone && !none_of_several) {
@@ -385,9 +413,11 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
   } else if (context.query.asks == Asks::verdict || context.query.asks == Asks::exists) {
     reply.verdict = list.empty() ? Verdict::no : Verdict::yes;
     reply.text = fmt::format("{}: {}", list.empty() ? "No" : "Yes", found);
-  } else if (!context.query.argument("count").empty() && list.size() == 1) {
-    reply.text = fmt::format("{} is nearest to {}, {:.0f} cm away.", list[0], around,
-                             100 * answer.objects[0].distance_m);
+  } else if (const bool farthest = context.query.argument("order") == "farthest";
+             list.size() == 1 && (farthest || !context.query.argument("count").empty())) {
+    reply.text =
+        fmt::format("{} is {} {}, {:.0f} cm away.", list[0], farthest ? "farthest from" : "nearest to",
+                    around, 100 * answer.objects[0].distance_m);
   } else {
     reply.text = found;
   }
@@ -396,6 +426,50 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
 // ---- usual, contents-history
 
 namespace {
+
+/// Where it is most often: several where it was seen as often at each.
+std::vector<PlaceRef> tied_places(const UsualObject& object) {
+  std::vector<PlaceRef> places;
+  for (const UsualPlace& place : object.places)
+    if (place.sightings == object.places.front().sightings) places.push_back(place.place);
+  return places;
+}
+
+/// "on counter_1", "on counter_1 or on table_1".
+std::string usual_spot(const UsualObject& object) {
+  std::vector<std::string> spots;
+  for (const PlaceRef& place : tied_places(object)) spots.push_back(in_words(place));
+  return fmt::format("{}", fmt::join(spots, " or "));
+}
+
+/// Those of a name that were seen at a place; what has gone only where all have.
+std::vector<const UsualObject*> seen_at_places(const UsualAnswer& answer) {
+  std::vector<const UsualObject*> seen, there;
+  for (const UsualObject& object : answer.objects) {
+    if (object.places.empty()) continue;
+    seen.push_back(&object);
+    if (object.now.status != ObjectStatus::gone) there.push_back(&object);
+  }
+  return there.empty() ? seen : there;
+}
+
+/// The usual place of each of several.
+void usual_places(const std::vector<const UsualObject*>& objects, const Names& names,
+                  const ReplyContext& context, Reply& reply) {
+  std::vector<std::string> list;
+  for (const UsualObject* object : objects) {
+    const UsualPlace& first = object->places.front();
+    reply.objects.push_back(object->now.object.id);
+    for (const PlaceRef& place : tied_places(*object))
+      if (std::ranges::count(reply.places, place.name) == 0) reply.places.push_back(place.name);
+    list.push_back(fmt::format("{}: usually {}", names.subject(object->now.object), usual_spot(*object)));
+    reply.evidence.push_back(fmt::format("{}: {} in {}, {:.0f} % of its sightings, last at {}",
+                                         names.of(object->now.object), in_words(first.place),
+                                         counted(first.sightings, "scene"), 100 * first.share,
+                                         context.times.text(first.last.time)));
+  }
+  reply.text = fmt::format("{}.", fmt::join(list, "; "));
+}
 
 /// Whether an object is where it usually is.
 void is_as_usual(const UsualObject& object, const std::string& name, Reply& reply) {
@@ -418,6 +492,9 @@ void is_as_usual(const UsualObject& object, const std::string& name, Reply& repl
 void write_reply(const UsualAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
+  if (context.query.asks != Asks::verdict && answer.objects.size() > 1)
+    if (const std::vector<const UsualObject*> several = seen_at_places(answer); several.size() > 1)
+      return usual_places(several, names, context, reply);
   const auto best = std::ranges::find_if(answer.objects, [&](const UsualObject& object) {
     return !object.places.empty() || &object == &answer.objects.back();
   });
@@ -433,8 +510,10 @@ void write_reply(const UsualAnswer& answer, const ReplyContext& context, Reply& 
   } else {
     const UsualPlace& first = best->places.front();
     reply.places = {first.place.name};
-    reply.text = fmt::format("{} is usually {} ({:.0f} % of its sightings).", name, in_words(first.place),
-                             100 * first.share);
+    reply.text = fmt::format("{} is usually {} ({:.0f} % of its sightings{}).", name, usual_spot(*best),
+                             100 * first.share, tied_places(*best).size() > 1 ? " each" : "");
+    for (const PlaceRef& other : tied_places(*best))
+      if (std::ranges::count(reply.places, other.name) == 0) reply.places.push_back(other.name);
   }
   for (const UsualPlace& place : best->places)
     reply.evidence.push_back(fmt::format("{}: {}, last at {}", in_words(place.place),

@@ -9,7 +9,7 @@
 #include "mapping/base/text/text.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
-#include "memory/wordnet/wordnet.h"
+#include "memory/questions/replies/reply_parts.h"
 
 namespace loci::memory {
 namespace {
@@ -18,13 +18,6 @@ namespace {
 size_t length_of(std::string_view text) {
   return static_cast<size_t>(
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
-}
-
-/// "tomatoes", and neither "glass" nor "table_1".
-bool is_plural(std::string_view word) {
-  if (!word.ends_with('s')) return false;
-  const std::vector<std::string> bases = wordnet::base_forms(lower_case(word), wordnet::PartOfSpeech::noun);
-  return !bases.empty() && std::ranges::count(bases, lower_case(word)) == 0;
 }
 
 /// A text of many lines as a sentence and its evidence.
@@ -52,7 +45,7 @@ std::string with_agreement(const std::string& text) {
     const size_t end = std::min(text.find(' ', begin), text.size());
     const std::string_view word = std::string_view(text).substr(begin, end - begin);
     const auto plural = plurals.find(word);
-    result += plural != plurals.end() && is_plural(before) ? plural->second : std::string(word);
+    result += plural != plurals.end() && replies::is_plural(before) ? plural->second : std::string(word);
     if (end < text.size()) result += ' ';
     before = word;
     begin = end + 1;

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 
+#include "mapping/base/text/text.h"
 #include "memory/questions/replies/answer_format.h"
+#include "memory/wordnet/wordnet.h"
 
 namespace loci::memory::replies {
 
@@ -33,6 +35,13 @@ std::string bounds_text(TimeNs least, std::optional<TimeNs> most) {
 
 std::string spot_in_words(const std::optional<PlaceRef>& place, const std::optional<Vector3d>& position) {
   return place ? in_words(*place) : spot_text(place, position);
+}
+
+bool is_plural(std::string_view word) {
+  if (!word.ends_with('s')) return false;
+  const std::string lower = lower_case(word);
+  const std::vector<std::string> bases = wordnet::base_forms(lower, wordnet::PartOfSpeech::noun);
+  return !bases.empty() && std::ranges::count(bases, lower) == 0;
 }
 
 const char* is_or_was(const ReplyContext& context, size_t count) {

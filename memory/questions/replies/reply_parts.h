@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "memory/questions/names/names.h"
@@ -26,6 +27,8 @@ std::string bounds_text(TimeNs least, std::optional<TimeNs> most);
 bool is_there(const ObjectBelief& object);
 /// "on table_1", or a point where no place is known.
 std::string spot_in_words(const std::optional<PlaceRef>& place, const std::optional<Vector3d>& position);
+/// "tomatoes", and neither "glass" nor "table_1".
+bool is_plural(std::string_view word);
 /// "is" or "are", and "was" or "were" of a time that was asked about.
 const char* is_or_was(const ReplyContext& context, size_t count = 1);
 TimeSpan at_once(TimeNs time);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/related_words.h"
 #include "memory/sentences/courtesy.h"
 #include "memory/sentences/discourse.h"
 
@@ -12,8 +13,13 @@ namespace {
 using WordSet = std::set<std::string>;
 
 const WordSet kAtRelations = {"on", "in", "at"};
+/// Whether a relation to an object is another relation of that object: "behind" and "in front".
+bool has_inverse(const std::string& relation) {
+  static const WordSet relations = {"behind", "infront", "leftof", "rightof", "under", "near", "on"};
+  return relations.contains(relation);
+}
 /// Verbs that say no more than that something is there, is seen or is known: rules need not name them.
-const WordSet kLight = {"stand", "exist", "see", "find", "know", "think", "get", "sure"};
+const WordSet kLight = {"stand", "hide", "exist", "see", "find", "know", "think", "get", "sure"};
 
 /// "2", "two"; "one" stands for a thing.
 bool is_number(const std::string& word) {
@@ -90,17 +96,37 @@ class ClauseReader {
   }
 
   void close() {
-    static const WordSet superlatives = {"biggest", "largest", "smallest", "tallest", "longest"};
     if (!name_.empty()) {
-      if (relation_.empty() && clause_.mood == "what" && superlatives.contains(name_[0])) relation_ = "most";
+      const bool what = clause_.mood == "what" && relation_.empty();
+      if (what && is_superlative(name_[is_rank(name_[0]) && name_.size() > 1 ? 1 : 0])) relation_ = "most";
+      if (what && name_.size() == 1 && is_color_word(name_[0])) relation_ = "coloured";
       if (!joint_.empty() && relation_.empty()) relation_ = joint_;
+      const bool coloured = clause_.mood == "yes" && name_.size() > 1 && is_color_word(name_.back());
+      const std::string colour = coloured ? name_.back() : "";
+      if (coloured) name_.pop_back();
+      if (is_fruit()) name_ = {"oranges"};
       clause_.phrases.push_back({relation_, join_words(name_, 0, name_.size()), joint_});
-      relation_.clear();  // it stays across articles
+      if (coloured) clause_.phrases.push_back({"coloured", colour});  // "is the pot grey"
+      relation_.clear();                                              // it stays across articles
       joint_.clear();
     }
     name_.clear();
   }
-  void append(const std::string& text) { name_.push_back(text); }
+  void append(const std::string& text) {
+    if (name_.empty()) definite_ = next_ > 0 && is_definite(tokens_.words[next_ - 1]);
+    name_.push_back(text);
+  }
+  static bool is_definite(const std::string& word) {
+    static const WordSet words = {"the", "a", "an", "my", "our", "your"};
+    return words.contains(word);
+  }
+  /// "Second" of "the second biggest box".
+  static bool is_rank(const std::string& word) {
+    static const WordSet ranks = {"second", "2nd", "third", "3rd", "fourth", "4th"};
+    return ranks.contains(word);
+  }
+  /// "An orange" alone is no colour.
+  bool is_fruit() const { return definite_ && name_.size() == 1 && name_[0] == "orange"; }
   bool add_concept(const std::string& one) {
     if (!name_.empty() && name_.back().ends_with("'s")) name_.back().resize(name_.back().size() - 2);
     close();
@@ -117,8 +143,9 @@ class ClauseReader {
     const bool after_person = after_person_;
     if (class_of(one) != WordClass::empty) after_person_ = false;
     // "the purple can", not "the bowl can be"
+    const bool has_verb = clause_.marks.contains("may") || next_word() != "be";
     if (one == "may" && word() == "can" && !name_.empty() && class_of(lemma(1)) != WordClass::person &&
-        next_word() != "be")
+        has_verb)
       return take_name();
     if (word() == "one" && previous() == "may") {  // "where could one see it"
       clause_.marks.insert("person");
@@ -316,6 +343,14 @@ class ClauseReader {
     if (word() == "place" && !began()) one = "put";
     if (word() == "spot" && clause_.marks.contains("person")) one = "see";
     const bool next_is_name = is_name(lemma(1)) && !is_number(lemma(1));
+    if (is_superlative(word()) && next_is_name && class_of(previous()) == WordClass::article)
+      return append(word()), true;  // "the bigger cup"
+    if (one == "thing" && clause_.mood == "yes" && !clause_.phrases.empty() && has_inverse(relation_)) {
+      clause_.phrases.push_back({relation_, word()});  // "is the cup behind something"
+      clause_.marks.insert("something");
+      relation_.clear();
+      return true;
+    }
     if (one == "thing" || one == "everything") {
       const bool phrase = clause_.mood == "order" && class_of(previous()) == WordClass::article;
       if (one == "thing" && (!name_.empty() || phrase)) return append(word()), true;
@@ -386,9 +421,10 @@ class ClauseReader {
   const WordSet& concepts_;
   size_t next_ = 0;
   Clause clause_;
-  Words name_;            ///< the phrase that is open
-  std::string relation_;  ///< of it
-  std::string joint_;     ///< "and" or "or" before it
+  Words name_;             ///< the phrase that is open
+  std::string relation_;   ///< of it
+  std::string joint_;      ///< "and" or "or" before it
+  bool definite_ = false;  ///< an article is before it
   bool after_person_ = false;
 };
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/names.h"
 #include "memory/questions/names/related_words.h"
 
 namespace loci::memory {
@@ -155,6 +156,39 @@ Reply combined(const std::vector<Reply>& replies, const Coordination& coordinati
   }
   all.text = shortened(all.text + joined(bodies, "; ") + ".");
   return all;
+}
+
+std::optional<std::pair<std::string, std::string>> two_statements(const std::string& sentence) {
+  static const std::set<std::string> verbs = {"is", "are", "was", "were"},
+                                     relations = {"on", "in", "under", "behind", "near", "at"};
+  const std::vector<std::string> words = words_of(sentence, " ?!.,");
+  if (words.empty() || !verbs.contains(lower_case(words[0]))) return std::nullopt;
+  const auto joint = std::ranges::find(words, "and");
+  const auto relates = [&](auto first, auto last) {
+    return last - first > 2 &&
+           std::any_of(first + 1, last, [](const std::string& word) { return relations.contains(word); });
+  };
+  if (joint == words.end() || !relates(words.begin(), joint) || !relates(joint + 1, words.end()) ||
+      relations.contains(*(joint + 1)))
+    return std::nullopt;
+  return std::pair(joined({words.begin(), joint}, " ") + "?",
+                   words[0] + " " + joined({joint + 1, words.end()}, " ") + "?");
+}
+
+Reply among(const Reply& reply, const std::vector<Id>& them, Asks asks, const Snapshot& snapshot) {
+  Reply some = reply;
+  std::erase_if(some.objects, [&](Id id) { return std::ranges::count(them, id) == 0; });
+  std::vector<std::string> names;
+  for (const Id id : some.objects) names.push_back(Names(snapshot).of(snapshot.object_ref(id)));
+  const bool none = names.empty();
+  some.number = names.size();
+  if (asks == Asks::exists) some.verdict = none ? Verdict::no : Verdict::yes;
+  const std::string list = none ? "none of them" : list_in_words(names, 5);
+  some.text = asks == Asks::exists            ? fmt::format("{}: {}.", none ? "No" : "Yes", list)
+              : asks == Asks::number && !none ? fmt::format("{}: {}.", names.size(), list)
+                                              : capitalised(list) + ".";
+  if (some.objects.size() < reply.objects.size()) some.evidence.clear();
+  return some;
 }
 
 Reply contrary_of(Reply reply) {

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "memory/questions/question.h"
 #include "memory/questions/replies/reply.h"
+#include "memory/questions/snapshot.h"
 
 namespace loci::memory {
 
@@ -28,6 +31,12 @@ Reply combined(const std::vector<Reply>& replies, const Coordination& coordinati
 /// One reply to several questions of a sentence: a line for each; of each type the first states it, and all
 /// objects and places are stated. Not for no replies.
 Reply in_lines(const std::vector<Reply>& replies);
+
+/// "Is the spoon on the table and the cup in the drawer?" as two questions; unset for other sentences.
+std::optional<std::pair<std::string, std::string>> two_statements(const std::string& sentence);
+
+/// The reply to which objects, how many, or whether any, of these only.
+Reply among(const Reply& reply, const std::vector<Id>& them, Asks asks, const Snapshot& snapshot);
 
 /// The verdict on the contrary of what was asked; other replies as they are.
 Reply contrary_of(Reply reply);

@@ -178,8 +178,8 @@ bool restricts(const std::string& lemma) {
   static const std::set<std::string> restricting = word_set(
       "second third fourth two three four five six half spare once twice only every both first last most "
       "least more fewer less than other else except without never again repeated before afterwards since "
-      "newsince until between during within back or together longer tomorrow predict closed open empty full "
-      "fresh new "
+      "newsince until between during within back or together longer tomorrow predict closed close open opened "
+      "empty full fresh new hide usually "
       "breakfast lunch dinner supper noon midday midnight morning afternoon evening night tonight "
       "colour shape size weight material "
       "will should howlong howmany howmuch howsure howfar howbig howoften when where why who whose which");
@@ -236,6 +236,21 @@ bool denies_event_for_state(const Tokens& of_form, const Tokens& tokens) {
          has(of_form) && !has(tokens);
 }
 
+/// Whether the sentence asks what somebody did, or does usually, and the form for a state of now or for once:
+/// "what did I put away", "when do we usually open PLACE".
+bool drops_deed(const std::string& form, const Tokens& tokens) {
+  static const std::set<std::string> habits = {"usually", "usual", "keep", "belong"};
+  const auto says = [&](const char* lemma) { return std::ranges::count(tokens.lemmas, lemma) > 0; };
+  const Tokens of_form = tokens_of(words_of(lower_case(form), " ?,."));
+  const bool habit =
+      std::ranges::any_of(of_form.lemmas, [](const std::string& one) { return habits.contains(one); });
+  const bool opens = says("open") || says("opened") || says("close");
+  if (says("usually") && opens && !habit) return true;
+  const bool state = form.starts_with("What is ") && form.find("OBJECT") == std::string::npos &&
+                     form.find("PLACE") == std::string::npos;
+  return state && says("did") && says("someone") && !asks_for_event(form);
+}
+
 /// Whether the sentence denies what the form does not: "no OBJECT", "neither OBJECT", "what was not moved".
 bool drops_negation(const std::string& form, const Tokens& tokens) {
   static const std::set<std::string> none = {"no", "neither"};
@@ -288,7 +303,8 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   // "How many?" says too little.
   if (tokens.lemmas.size() < 2 || best.probability < kMinProbability || form == kNoIntent)
     return std::nullopt;
-  if (!is_covered(best, tokens) || drops_relation(form, tokens) || drops_negation(form, tokens))
+  if (!is_covered(best, tokens) || drops_relation(form, tokens) || drops_negation(form, tokens) ||
+      drops_deed(form, tokens))
     return std::nullopt;
   // "Is it on the table or on the counter?" asks for one of them.
   const bool choice = form == "Is OBJECT on PLACE?" && sentence.places[0].find(" or ") != std::string::npos;

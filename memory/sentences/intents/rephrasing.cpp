@@ -509,6 +509,23 @@ std::string with_choice(const std::string& question, const std::string& subject)
   return joined(words, " ");
 }
 
+std::string without_partitive(const std::string& question) {
+  constexpr size_t kMaxBefore = 4;
+  static const std::set<std::string> them = {"them", "those", "these"};
+  Words words = words_and_marks(question);
+  while (!words.empty() && is_mark(words.back())) words.pop_back();
+  if (std::ranges::any_of(words, is_mark)) return "";  // what they are may be said before
+  for (size_t i = 1; i + 1 < words.size() && i <= kMaxBefore; ++i) {
+    const bool ends = i + 2 == words.size();
+    const bool noun = !ends && class_of(lemma_of(words[i + 2])) != WordClass::auxiliary &&
+                      words[i + 1] != "them";  // "of these cups"
+    if (words[i] != "of" || !them.contains(words[i + 1]) || noun) continue;
+    replace_words(words, i, 2, {});
+    return joined(words, " ") + "?";
+  }
+  return "";
+}
+
 bool chooses(const std::string& sentence) {
   const Words words = words_and_marks(sentence);
   for (size_t i = 0; i < words.size(); ++i)

@@ -34,6 +34,8 @@ std::optional<ContraryQuestion> contrary_question(const std::string& sentence);
 
 /// "Which one has moved?", "is there any left?" ask of what was spoken of; "" = nothing was.
 std::string with_choice(const std::string& question, const std::string& subject);
+/// "How many of them are red?" as "how many are red?"; "" for other sentences.
+std::string without_partitive(const std::string& question);
 /// Whether the sentence asks which of what was spoken of: an answer about everything is none.
 bool chooses(const std::string& sentence);
 

@@ -69,7 +69,10 @@ TEST(PeopleTime, AnHourBeforeTheMemoryBeganIsInTheAfternoon) {
   EXPECT_EQ(first("three am"), "03:00");  // said so
   EXPECT_EQ(first("03:00"), "03:00");     // written so
   EXPECT_EQ(first("half past six"), "18:30");
-  EXPECT_EQ(first("seven"), "19:00");
+  EXPECT_EQ(first("seven"), "07:00");  // ten minutes before the first look
+  EXPECT_TRUE(reader.may_be_other_half("eight"));
+  EXPECT_FALSE(reader.may_be_other_half("ten")) << "the memory ends before ten in the evening";
+  EXPECT_FALSE(reader.may_be_other_half("08:00"));
 }
 
 TEST(PeopleTime, RefusesTheRest) {

@@ -64,6 +64,39 @@ TEST_F(NaturalLanguage, WhatIsSaidBeforeAQuestionIsWhatItRefersTo) {
   EXPECT_FALSE(say("If I needed a spade, where would I get one?").reply) << "not what was seen last";
 }
 
+TEST_F(NaturalLanguage, ThemIsWhatTheLastAnswerNamed) {
+  const auto last = [&](const std::vector<std::string>& sentences) {
+    return ask(*store_, NaturalLanguageQuestion{sentences, {}}).back();
+  };
+  const auto none = last({"What is on the table?", "How many of them are green?"});
+  ASSERT_TRUE(none.reply);
+  EXPECT_EQ(none.reply->number, 0U);
+  EXPECT_THAT(last({"What is on the counter?", "Which of them is green?"}).reply->objects,
+              testing::ElementsAre(3));
+  EXPECT_THAT(last({"What is on the counter?", "Are any of them blue?"}).reply->verdict, Verdict::no);
+  EXPECT_THAT(last({"What is on the table?", "Where is it?"}).reply->objects, testing::ElementsAre(2));
+  EXPECT_EQ(last({"What is on the counter?", "Is the blue thing?"}).query->text(),
+            "on counter --object 'blue thing'");
+}
+
+TEST_F(NaturalLanguage, TwoStatementsAreBothJudged) {
+  EXPECT_EQ(say("Is the blue thing on the table and the tea cup on the counter?").reply->verdict,
+            Verdict::yes);
+  EXPECT_EQ(say("Is the blue thing on the table and the tea cup on the table?").reply->verdict, Verdict::no);
+}
+
+TEST_F(NaturalLanguage, WhatNoCameraMeasuresIsNotNamed) {
+  const NaturalLanguageAnswer answer = say("What is the heaviest object?");
+  ASSERT_TRUE(answer.why_not);
+  EXPECT_THAT(answer.why_not->text, HasSubstr("the weight of objects is not measured"));
+}
+
+TEST_F(NaturalLanguage, WhetherSomethingHasAColourIsYesOrNo) {
+  EXPECT_EQ(say("Is the tea cup red?").reply->verdict, Verdict::yes);
+  EXPECT_EQ(say("Is the tea cup white?").reply->verdict, Verdict::no);
+  EXPECT_FALSE(say("Is the tea cup hidden?").reply) << "not whether there is one";
+}
+
 TEST_F(NaturalLanguage, OneOfTwoPlacesHasOneOfEach) {
   const NaturalLanguageAnswer answer = say("Are the blue thing and the tea cup in the same place?");
   EXPECT_EQ(answer.query->text(), "where 'blue thing and tea cup'");

@@ -54,6 +54,60 @@ TEST(Sentences, WrappersAsNothing) {
   });
 }
 
+TEST(Sentences, WhatWasOpenedOrClosedNeedsNoNameOfAPart) {
+  expect_commands({
+      {"What was opened today?", "changes --between today today --kind opened"},
+      {"Was anything opened today?", "changes --between today today --kind opened"},
+      {"What did I open this morning?", "changes --between 'this morning' 'this morning' --kind opened"},
+      {"What was closed last?", "changes --kind closed"},
+      {"What was opened first?", "changes --kind opened"},
+      {"Which drawer was opened first?", "changes --kind opened --place drawer"},
+      {"What can be opened?", "opens"},
+      {"Is anything open?", "opens"},
+  });
+}
+
+TEST(Sentences, AComparativeBeforeANameChoosesOne) {
+  expect_commands({
+      {"Where is the bigger cup?", "where 'bigger cup'"},
+      {"Is the smaller cup on the counter?", "on counter --object 'smaller cup'"},
+      {"What is the second biggest object?", "objects 'second biggest object'"},
+      {"Which object is thinnest?", "objects thinnest"},
+      {"Which box is the shortest?", "objects 'shortest box'"},
+  });
+}
+
+TEST(Sentences, RelationsOfTwoAndToAnything) {
+  expect_commands({
+      {"What is between the cup and the box?", "near cup --relation between --with box"},
+      {"Is the pot between the cup and the box?", "near cup --object pot --relation between --with box"},
+      {"Is the cup behind something?", "near cup --relation in-front"},
+      {"Is the box in front of anything?", "near box --relation behind"},
+      {"Which box is nearer to the pot?", "near pot --count 1 --object box --radius '10 m'"},
+      {"Which object is farthest from the pot?", "near pot --order farthest --radius '10 m'"},
+  });
+}
+
+TEST(Sentences, AColourIsAPropertyAndAnOrangeIsAFruit) {
+  expect_commands({
+      {"Is the pot grey?", "about pot --property colour --value grey"},
+      {"Are all cups red?", "about cups --property colour --value red"},
+      {"Do the boxes have different colours?", "about boxes --property colour --value different"},
+      {"What is green?", "objects green"},
+      {"Do we have an orange?", "where oranges"},
+      {"Is there anything orange?", "where orange"},
+      {"Where is the orange box?", "where 'orange box'"},
+  });
+}
+
+TEST(Sentences, ACanIsANounAfterAVerb) {
+  expect_commands({
+      {"Where could the grey can be?", "where 'grey can'"},
+      {"Where can the grey can be?", "where 'grey can'"},
+      {"Where might the can be?", "where can"},
+  });
+}
+
 TEST(Sentences, TelegraphicOnesAreUnderstood) {
   expect_commands({
       {"where banana", "where banana"},
