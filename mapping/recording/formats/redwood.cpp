@@ -171,7 +171,7 @@ std::optional<Partners> partners_by(const std::function<std::string(const fs::pa
     partners.push_back(is_found ? std::optional(found->second) : std::nullopt);
     count += is_found ? 1 : 0;
   }
-  return by_name.size() == colors.size() && 2 * count > std::max(depths.size(), colors.size())
+  return by_name.size() == colors.size() && 2 * count >= std::max(depths.size(), colors.size())
              ? std::optional(partners)
              : std::nullopt;
 }
