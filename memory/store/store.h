@@ -225,8 +225,8 @@ class Store {
 
   // ---- Objects and their beliefs.
   std::vector<ObjectRow> objects(const AsOf& as_of = {}) const;
-  /// The belief per object as of that time, else the latest scene (see `belief` in the schema), in order of object; objects
-  /// without one are left out.
+  /// The belief per object as of that time, else the latest scene (see `belief` in the schema), in order of
+  /// object; objects without one are left out.
   std::vector<BeliefRow> beliefs(const AsOf& as_of = {}) const;
   std::optional<BeliefRow> belief(Id object, const AsOf& as_of = {}) const;
   /// The stored rows of belief of one object up to `at`, in order of time; with `since`, from the row on that

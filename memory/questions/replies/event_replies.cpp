@@ -140,7 +140,7 @@ std::string none_text(const Query& query) {
   const std::string kind = query.argument("kind"), place = name_in_words(query.argument("place"));
   if (const std::string times = query.argument("times"); !times.empty())
     return fmt::format("nothing of the kind was seen {} times", times);
-  return kind == "opened" ? (place.empty() ? "nothing was opened" : place + " was not opened")
+  return kind == "opened"   ? (place.empty() ? "nothing was opened" : place + " was not opened")
          : kind == "closed" ? (place.empty() ? "nothing was closed" : place + " was not closed")
          : kind == "handled" || kind == "relocated" ? "no move was seen"
          : kind == "left"                           ? "nothing was seen to leave"

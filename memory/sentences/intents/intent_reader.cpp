@@ -178,7 +178,8 @@ bool restricts(const std::string& lemma) {
   static const std::set<std::string> restricting = word_set(
       "second third fourth two three four five six half spare once twice only every both first last most "
       "least more fewer less than other else except without never again repeated before afterwards since "
-      "newsince until between during within back or together longer tomorrow predict closed close open opened "
+      "newsince until between during within back or together longer tomorrow predict closed close open "
+      "opened "
       "empty full fresh new hide usually "
       "breakfast lunch dinner supper noon midday midnight morning afternoon evening night tonight "
       "colour shape size weight material "
