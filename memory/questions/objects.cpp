@@ -288,7 +288,7 @@ std::vector<SentenceForm> objects_sentences() {
        {{"object", "{object} on {place}"}}},
       {"what: thing most<object>", objects},
       {"what: which<kind> most<object>", objects, "", {{"object", "{object} {kind}"}}},
-      {"what: coloured<object> [thing]", objects, "What is green?"},
+      {"what: coloured<object> [thing] -was", objects, "What is green?"},
   };
 }
 
