@@ -61,7 +61,7 @@ TEST(Differences, AreTurnedAroundWhenTheTimesAre) {
 /// A drawer that is pulled along x.
 std::shared_ptr<const mapping::World> world_with_drawer() {
   mapping::World world;
-  world.links = {{.name = "room"}, {.name = "front"}};
+  for (const char* name : {"room", "front"}) world.links.emplace_back().name = name;
   mapping::Joint joint;
   joint.name = "drawer_joint";
   joint.type = mapping::JointType::prismatic;

@@ -214,7 +214,7 @@ std::vector<std::string> words_by_form(size_t forms, const std::vector<IntentSam
     }
   std::vector<std::string> texts;
   for (const std::set<std::string>& of_form : words)
-    texts.push_back(" " + joined(Words(of_form.begin(), of_form.end()), " ") + " ");
+    texts.push_back(fmt::format(" {} ", joined(Words(of_form.begin(), of_form.end()), " ")));
   return texts;
 }
 

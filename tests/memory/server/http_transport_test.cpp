@@ -104,7 +104,7 @@ TEST_F(HttpTransportTest, AnswersAsOverStandardInput) {
         call_of("erase", Json::object()), message_of("tools/delete")}) {
     const httplib::Result result = post(message.dump(), session);
     ASSERT_EQ(status(result), 200) << message;
-    EXPECT_EQ(result->body, server_->reply(message.dump())) << message;
+    EXPECT_EQ(result->body, LineTransport(*server_).reply(message.dump())) << message;
   }
   EXPECT_EQ(error(post(message_of("tools/delete").dump(), session)), -32601);
 }
@@ -223,7 +223,8 @@ TEST_F(HttpTransportTest, SlowClientsDelayNobody) {
 TEST_F(HttpTransportTest, AnswersManyAtOnce) {
   const Json call = call_of("where", {{"object", "object_1"}}),
              words = call_of("ask", {{"question", "What is on table_1?"}});
-  const auto expected = std::pair(server_->reply(call.dump()), server_->reply(words.dump()));
+  LineTransport lines(*server_);
+  const auto expected = std::pair(lines.reply(call.dump()), lines.reply(words.dump()));
   std::vector<std::thread> clients;
   std::vector<int> wrong(8, 0);
   for (int& mistakes : wrong)
