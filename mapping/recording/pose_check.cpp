@@ -21,10 +21,11 @@ constexpr struct {
   double tolerance_share = 0.02;        ///< of the depth, besides
   size_t min_compared = 2000;           ///< pixels that say anything
   double min_share = 0.55;              ///< of poses that fit
-  double no_doubt = 0.85;               ///< of poses for which no other cause is tried
-  double min_gain = 0.15;               ///< of a cause that is named
-  double min_share_then = 0.5;          ///< the same
-  double level = 0.94;                  ///< z of the poses is up within 20 degrees
+  double no_doubt = 0.85;               ///< of poses for which no other cause is tried …
+  double min_overlap = 0.5;     ///< … where views meet: in the wrong unit only those of a camera at rest
+  double min_gain = 1.25;       ///< times as much agrees with a cause that is named
+  double min_share_then = 0.5;  ///< of what is compared then
+  double level = 0.94;          ///< z of the poses is up within 20 degrees
 } kCheck;
 
 struct Pair {
@@ -34,7 +35,7 @@ struct Pair {
 using Pose = std::function<std::optional<Isometry3d>(size_t)>;
 
 struct Counts {
-  size_t compared = 0, agreeing = 0;
+  size_t sampled = 0, compared = 0, agreeing = 0;
   double share() const {
     return compared == 0 ? 0 : static_cast<double>(agreeing) / static_cast<double>(compared);
   }
@@ -80,6 +81,7 @@ class Views {
       for (int u = step / 2; u < from.cols; u += step) {
         const auto depth = static_cast<double>(from.at<float>(v, u));
         if (!(depth > 0)) continue;
+        ++counts.sampled;
         const Vector3d point = to_from_from * camera_.unproject(u, v, depth);
         if (point.z() <= 0) continue;
         const double x = camera_.fx * point.x() / point.z() + camera_.cx,
@@ -158,16 +160,15 @@ std::string direction_text(const Vector3d& direction) {
 }  // namespace
 
 bool PoseAgreement::fits() const {
-  return compared < kCheck.min_compared || (cause.empty() && share >= kCheck.min_share);
+  return cause.empty() && (compared < kCheck.min_compared || share >= kCheck.min_share);
 }
 
 std::string PoseAgreement::text() const {
   if (fits()) return {};
-  std::string line =
-      fmt::format("the poses do not fit the depth: {:.0f} % of it agrees between frames", 100 * share);
-  if (!cause.empty())
-    line += fmt::format(", {:.0f} % if the poses are {} ({})", 100 * share_then, cause, hint);
-  return line;
+  if (cause.empty())
+    return fmt::format("the poses do not fit the depth: {:.0f} % of it agrees between frames", 100 * share);
+  return fmt::format("the poses do not fit the depth: {:.1f} times as much of it agrees if they are {} ({})",
+                     gain, cause, hint);
 }
 
 PoseAgreement check_poses(const Recording& recording) {
@@ -178,15 +179,21 @@ PoseAgreement check_poses(const Recording& recording) {
   const Counts counts = views.counts(given);
   result.compared = counts.compared;
   result.share = counts.share();
-  if (result.share > kCheck.no_doubt) return result;
+  const bool meet =
+      static_cast<double>(counts.compared) > kCheck.min_overlap * static_cast<double>(counts.sampled);
+  if (meet && result.share > kCheck.no_doubt) return result;
+  size_t agreeing = counts.agreeing;
   for (const Cause& cause : causes_for(given)) {
     const Counts then = views.counts(cause.pose);
-    const bool is_better = then.share() > std::max(result.share + kCheck.min_gain, result.share_then) &&
-                           then.share() > kCheck.min_share_then && 2 * then.compared > counts.compared;
+    const double gain =
+        static_cast<double>(then.agreeing) / static_cast<double>(std::max<size_t>(1, counts.agreeing));
+    const bool is_better = gain > kCheck.min_gain && then.agreeing > agreeing &&
+                           then.share() > kCheck.min_share_then && then.compared >= kCheck.min_compared;
     if (!is_better) continue;
+    agreeing = then.agreeing;
     result.cause = cause.text;
     result.hint = cause.hint;
-    result.share_then = then.share();
+    result.gain = gain;
   }
   return result;
 }

@@ -9,12 +9,12 @@ namespace loci::mapping {
 
 /// How well the depth of neighbouring frames agrees under the poses.
 struct PoseAgreement {
-  size_t compared = 0;    ///< pixels that fall into the other frame
-  double share = 0;       ///< of them, those that meet the surface that it measured
-  std::string cause;      ///< what the poses probably are instead: "from the world to the camera"; empty when
-                          ///< nothing that was tried agrees much better
-  std::string hint;       ///< what to do about it
-  double share_then = 0;  ///< of that
+  size_t compared = 0;  ///< pixels that fall into the other frame
+  double share = 0;     ///< of them, those that meet the surface that it measured
+  std::string cause;    ///< what the poses probably are instead: "from the world to the camera"; empty when
+                        ///< nothing that was tried agrees much better
+  std::string hint;     ///< what to do about it
+  double gain = 1;      ///< of that: so many times as much agrees then
 
   bool fits() const;
   /// One line; empty when the poses fit.

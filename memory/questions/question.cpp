@@ -314,10 +314,12 @@ void check_arguments(const std::string& asked, const std::vector<Parameter>& par
       if (parameter.required)
         throw Error(fmt::format("'{}' needs '{}'{}", asked, parameter.name,
                                 parameter.help.empty() ? "" : " (" + parameter.help + ")"));
-      continue;
+      if (given == query.arguments.end()) continue;
     }
-    if (is_name(parameter) && trimmed(given->second).empty())
+    const bool says_something = is_name(parameter) || parameter.type == ParameterType::number;
+    if (says_something && trimmed(given->second).empty())
       throw Error(fmt::format("'{}' of '{}' is empty", parameter.name, asked), {}, parameter.help);
+    if (given->second.empty()) continue;  // as Arguments reads it
     if (parameter.type == ParameterType::number)
       if (const auto number = read_number(given->second); !number || *number < parameter.min)
         throw Error(fmt::format("'{}' is no {}", given->second, parameter.name), {},

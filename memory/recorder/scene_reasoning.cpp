@@ -14,7 +14,8 @@ std::optional<SceneReasoning> load_reasoning(const Store& store, Id scene) {
   try {
     return belief::reasoning_from_bytes(*bytes);
   } catch (const Error& error) {
-    throw Error(error.message(), {store.name(), 0, {}});
+    throw Error(error.message(), {store.name(), 0, {}},
+                "use that version, or perceive the recording again: loci-perceive run RECORDING -m NEW.loci");
   }
 }
 

@@ -259,7 +259,7 @@ bool is_pronoun(const std::string& lemma) {
 }
 
 bool is_of_staying(const std::string& word) {
-  static const std::set<std::string> forms = word_set("stay stays stayed remain remains remained");
+  static const std::set<std::string> forms = word_set("stay stayed remain remained");
   return forms.contains(word);
 }
 

@@ -145,10 +145,10 @@ TEST(Commands, AddNothingToARecording) {
   const fs::path folder = fresh_folder();
   fs::create_directories(folder / "day/frames");
   write_file_atomically(folder / "day/.loci-recording", "frames.csv\n");
-  for (const std::string& command :
-       std::vector<std::string>{"loci-map fuse DAY -o DAY/frames", "loci-map fuse DAY -o DAY/new/scans",
-                                "loci-simulate scan apps/samples/kitchen.urdf -o DAY/frames",
-                                "loci-map export apps/samples/kitchen.urdf --format svg -o DAY/frames.csv"}) {
+  for (const std::string& command : std::vector<std::string>{
+           "loci-map fuse DAY -o DAY/frames", "loci-map fuse DAY -o DAY/new/scans",
+           "loci-simulate scan apps/samples/kitchen.urdf --poses 1.5,1.5,0 -o DAY/frames",
+           "loci-map export apps/samples/kitchen.urdf --format svg -o DAY/frames.csv"}) {
     std::string here = command;
     for (size_t at; (at = here.find("DAY")) != std::string::npos;)
       here.replace(at, 3, (folder / "day").string());

@@ -104,7 +104,7 @@ class Stubs(FolderTest):
         self.assertEqual(sorted(fields), loci.answers.__all__)
         for name, declared in fields.items():
             self.assertEqual(list(declared), list(getattr(loci.answers, name).__annotations__), name)
-        self.assertEqual(fields["WhereAnswer"], {"asked": "str", "objects": "List[LocatedObject]"})
+        self.assertEqual(fields["WhereAnswer"], {"asked": "str", "objects": "List[LocatedObject]", "reply": "Reply"})
         self.assertEqual(fields["LocatedObject"]["place"], "Optional[str]")
 
     def lines_with_mistakes(self, *files):

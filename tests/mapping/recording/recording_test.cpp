@@ -262,7 +262,7 @@ TEST_F(RecordingFiles, BadRowsAreRefusedWithTheirLine) {
   EXPECT_THAT(with_row(images + "0,0,0,,,,"), HasSubstr("the pose is not complete"));
   EXPECT_THAT(with_row("0,-9223372036854775808,,frames/000000_depth.png,,,,,,,"),
               HasSubstr("frames.csv:2: the time stamp is too far off"));
-  EXPECT_THAT(with_row("0,1,,frames/absent.png,,,,,,,"), HasSubstr("absent.png: no such image"));
+  EXPECT_THAT(with_row("0,1,,frames/absent.png,,,,,,,"), HasSubstr("absent.png: no such file"));
   EXPECT_THAT(with_row("0,1,,frames/000000_color.png,,,,,,,"), HasSubstr("16-bit grey"));
   write_file_atomically(rec_ / "frames.csv", "index,time_ns,color,dpth\n");
   EXPECT_THAT(refusal(), HasSubstr("the column 'depth' is missing; did you mean 'dpth'?"));
@@ -293,7 +293,7 @@ TEST_F(RecordingFiles, ATruncatedImageIsNamedWhenOpeningAndCostsItsFrameOnly) {
   EXPECT_TRUE(recording->frame(2).damage.empty());
   for (const char* name : {"000000", "000002"})
     fs::remove(rec_ / "frames" / (std::string(name) + "_depth.png"));
-  EXPECT_THAT(refusal(), HasSubstr("000000_depth.png: no such image"));
+  EXPECT_THAT(refusal(), HasSubstr("000000_depth.png: no such file"));
 }
 
 TEST_F(RecordingFiles, AnImageThatBreaksLaterIsNamedWithItsFrame) {
