@@ -38,7 +38,7 @@ TEST_F(PoseCheck, PosesThatFitRaiseNoDoubt) {
 
 TEST_F(PoseCheck, TheCauseOfPosesThatDoNotFitIsNamed) {
   EXPECT_THAT(check_poses(*with([](Isometry3d& pose) { pose = pose.inverse(); })).text(),
-              HasSubstr("if the poses are from the world to the camera"));
+              HasSubstr("if they are from the world to the camera"));
   EXPECT_THAT(check_poses(*with([](Isometry3d& pose) { pose.translation() *= 1000; })).text(),
               HasSubstr("in millimetres"));
   EXPECT_THAT(check_poses(*with([](Isometry3d& pose) {
