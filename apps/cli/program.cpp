@@ -20,7 +20,7 @@
 #include "apps/cli/aside.h"
 #include "apps/cli/help.h"
 #include "mapping/base/files.h"
-#include "mapping/base/recording_folder.h"
+#include "mapping/base/output_file.h"
 #include "mapping/base/terminal.h"
 #include "mapping/base/text/json.h"
 

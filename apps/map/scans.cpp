@@ -35,9 +35,10 @@ std::unique_ptr<mapping::Recording> open_posed(const std::string& path,
                                                const mapping::RecordingOptions& reading, Session& session) {
   auto recording = mapping::open_recording(path, reading, &session.progress());
   const bool has_poses = recording->info().frames_with_pose > 0;
-  if (const mapping::PoseAgreement agreement = mapping::check_poses(*recording); !agreement.cause.empty())
+  const mapping::PoseAgreement agreement = mapping::check_poses(*recording);
+  if (!agreement.cause.empty())
     throw Error(agreement.text(), {path, 0, {}}, "a map of these poses would be invented");
-  for (const std::string& doubt : mapping::doubts_about_poses(*recording, reading))
+  for (const std::string& doubt : mapping::doubts_about_poses(*recording, agreement, reading))
     session.warnings().add(doubt);
   const Stopwatch watch;
   recording = mapping::with_known_poses(std::move(recording), mapping::PosesFor::mapping,

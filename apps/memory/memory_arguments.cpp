@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include "memory/fleet/fleet_replica.h"
-#include "memory/questions/period.h"
 
 namespace loci::apps {
 

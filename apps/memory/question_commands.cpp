@@ -87,10 +87,9 @@ memory::Query QuestionArguments::query(const memory::Question& question) const {
 
 /// The answer as people read it: one sentence with its evidence, and of a question that inspects the memory
 /// the first lines of what it finds.
-std::string text_of(const memory::Answer& answer, const memory::Question& question,
-                    const memory::Query& query, bool details, const memory::Store& store) {
+std::string text_of(const memory::Reply& reply, const memory::Answer& answer,
+                    const memory::Question& question, bool details, const memory::Store& store) {
   const memory::TimeWriter times(store);
-  const memory::Reply reply = question.reply(store, query, answer);
   if (details) return full_text(reply, answer, times);
   if (question.group == memory::QuestionGroup::ask) return to_text(reply);
   const std::string all = answer.to_text(times);
@@ -113,8 +112,9 @@ Command question_command(const memory::Question& question) {
                   const memory::Store store = open_memory(arguments->memory, session);
                   const memory::Query query = arguments->query(question);
                   const memory::Answer answer = question.ask(store, query);
-                  session.answer(text_of(answer, question, query, arguments->details, store),
-                                 full_json(question.reply(store, query, answer), answer));
+                  const memory::Reply reply = question.reply(store, query, answer);
+                  session.answer(text_of(reply, answer, question, arguments->details, store),
+                                 full_json(reply, answer));
                 };
               },
           .group = to_text(question.group)};
@@ -142,8 +142,9 @@ Command digest_command() {
       if (!arguments->page.empty())
         write_output(arguments->page, digest_page(store, answer.get<memory::DigestAnswer>()),
                      session.outputs());
-      session.answer(text_of(answer, question, query, arguments->question.details, store),
-                     full_json(question.reply(store, query, answer), answer));
+      const memory::Reply reply = question.reply(store, query, answer);
+      session.answer(text_of(reply, answer, question, arguments->question.details, store),
+                     full_json(reply, answer));
     };
   };
   return command;

@@ -9,7 +9,6 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/output_file.h"
-#include "mapping/base/regular_file.h"
 
 namespace loci {
 

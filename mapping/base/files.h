@@ -6,6 +6,9 @@
 
 namespace loci {
 
+/// Throws Error unless a regular file is there: a pipe may never say anything, a device never end.
+void require_regular_file(const std::filesystem::path& path);
+
 /// The whole file as bytes. Throws Error when it does not exist or cannot be read.
 std::string read_file(const std::filesystem::path& path);
 

@@ -15,7 +15,6 @@
 #include <system_error>
 
 #include "mapping/base/error.h"
-#include "mapping/base/recording_folder.h"
 #include "mapping/base/temporary_folder.h"
 
 namespace loci {

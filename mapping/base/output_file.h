@@ -31,6 +31,13 @@ bool written_by_loci(const std::filesystem::path& file);
 /// after resolving symbolic links, and by device and inode.
 void refuse_inputs(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs);
 
+/// A recording that loci wrote names its files in this one, a line each.
+inline constexpr const char* kRecordingManifest = ".loci-recording";
+
+/// Throws Error when `output` lies within one of the folders, or within a recording that loci wrote: its
+/// files belong together, and nothing is added to them.
+void refuse_within(const std::filesystem::path& output, const std::vector<std::filesystem::path>& recordings);
+
 /// Throws Error when OutputFile would refuse to write `path`. For commands that find out late what they
 /// write.
 void check_output(const std::filesystem::path& path, const OutputOptions& options);

@@ -8,7 +8,6 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
-#include "mapping/base/regular_file.h"
 #include "mapping/image/codecs.h"
 
 namespace loci::mapping {

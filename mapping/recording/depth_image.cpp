@@ -7,8 +7,8 @@
 #include <string>
 
 #include "mapping/base/error.h"
+#include "mapping/base/files.h"
 #include "mapping/base/load_symbol.h"
-#include "mapping/base/regular_file.h"
 #include "mapping/base/text/text.h"
 #include "mapping/image/image_io.h"
 #include "mapping/recording/depth/codecs.h"

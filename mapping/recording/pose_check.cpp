@@ -198,14 +198,19 @@ PoseAgreement check_poses(const Recording& recording) {
   return result;
 }
 
-std::vector<std::string> doubts_about_poses(const Recording& recording, const RecordingOptions& options) {
+std::vector<std::string> doubts_about_poses(const Recording& recording, const PoseAgreement& agreement,
+                                            const RecordingOptions& options) {
   if (recording.info().frames_with_pose == 0) return {};
-  if (const std::string text = check_poses(recording).text(); !text.empty()) return {text};
+  if (const std::string text = agreement.text(); !text.empty()) return {text};
   if (options.up != "auto" || !recording.info().levelled) return {};
   const std::optional<Vector3d> up = find_up(recording);
   if (!up || up->z() > kCheck.level) return {};
   return {fmt::format("z of the poses is not up as the images show: up looks like {} (if so, give --up={})",
                       direction_text(*up), direction_text(*up))};
+}
+
+std::vector<std::string> doubts_about_poses(const Recording& recording, const RecordingOptions& options) {
+  return doubts_about_poses(recording, check_poses(recording), options);
 }
 
 }  // namespace loci::mapping

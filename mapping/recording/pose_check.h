@@ -25,8 +25,10 @@ struct PoseAgreement {
 /// another order, in another unit, of other axes, and later or earlier by some frames.
 PoseAgreement check_poses(const Recording& recording);
 
-/// Lines for people about poses that do not fit the depth, or else about another direction that is up than z
-/// of the poses, unless the options say what is up; none where there are no poses.
+/// Lines for people about poses that do not fit the depth, by check_poses(), or else about another direction
+/// that is up than z of the poses, unless the options say what is up; none where there are no poses.
+std::vector<std::string> doubts_about_poses(const Recording& recording, const PoseAgreement& agreement,
+                                            const RecordingOptions& options);
 std::vector<std::string> doubts_about_poses(const Recording& recording, const RecordingOptions& options);
 
 }  // namespace loci::mapping

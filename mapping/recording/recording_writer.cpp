@@ -6,7 +6,6 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/output_file.h"
-#include "mapping/base/recording_folder.h"
 #include "mapping/base/temporary_folder.h"
 #include "mapping/base/text/text.h"
 #include "mapping/image/image_io.h"

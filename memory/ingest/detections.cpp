@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "mapping/base/error.h"
+#include "mapping/base/files.h"
 #include "mapping/base/math/math.h"
-#include "mapping/base/regular_file.h"
 #include "mapping/base/text/json.h"
 #include "perception/detection/detection_values.h"
 

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "mapping/base/files.h"
-#include "mapping/base/regular_file.h"
 #include "mapping/base/text/hash.h"
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
@@ -21,6 +20,7 @@
 #include "memory/reasoning/revise.h"
 #include "memory/recorder/map_entry.h"
 #include "memory/recorder/recorder.h"
+#include "memory/store/memory_file.h"
 #include "perception/detection/detection_set.h"
 #include "perception/detection/people_detector.h"
 
@@ -319,9 +319,10 @@ class NewMemory {
  public:
   explicit NewMemory(fs::path file) : file_(std::move(file)), is_new_(!fs::exists(file_)) {}
   ~NewMemory() {
+    if (!is_new_ || !is_own_ || !is_empty_) return;
     std::error_code ignored;
-    if (is_new_ && is_own_ && is_empty_)
-      for (const char* part : {"", "-wal", "-shm"}) fs::remove(file_.string() + part, ignored);
+    fs::remove(file_, ignored);
+    remove_side_files(file_);
   }
   NewMemory(const NewMemory&) = delete;
   NewMemory& operator=(const NewMemory&) = delete;

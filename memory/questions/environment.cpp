@@ -213,12 +213,10 @@ std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& pa
   take([&](const EnvironmentPart& part) {
     return part.class_name == joined || part.class_name + "s" == joined;
   });
-  if (found.empty() && name.ends_with("ves"))  // "shelves"
-    return parts_called(parts, name.substr(0, name.size() - 3) + "f");
-  const std::string singular = name.ends_with('s') ? name.substr(0, name.size() - 1) : name;
-  if (const std::string other = furniture_called(singular); found.empty() && !other.empty())
-    return parts_called(parts, other);
-  if (const size_t space = name.find(' '); found.empty() && space != std::string::npos) {
+  if (!found.empty()) return found;
+  if (const std::string singular = singular_of(name); singular != name) return parts_called(parts, singular);
+  if (const std::string other = furniture_called(name); !other.empty()) return parts_called(parts, other);
+  if (const size_t space = name.find(' '); space != std::string::npos) {
     found = parts_called(parts, name.substr(space + 1));
     if (const auto level = level_called(name.substr(0, space))) keep_level(*level, found);
   }
@@ -472,8 +470,7 @@ namespace {
 
 /// "cupboards", "any cabinet".
 bool is_cupboard(const std::string& asked) {
-  std::string word = asked.substr(asked.rfind(' ') + 1);
-  if (word.ends_with('s')) word.pop_back();
+  const std::string word = singular_of(asked.substr(asked.rfind(' ') + 1));
   return word == "cabinet" || furniture_called(word) == "cabinet";
 }
 

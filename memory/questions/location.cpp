@@ -178,7 +178,6 @@ void keep_neighbour(std::vector<Stay>& stays, const std::string& at, bool before
 HistoryAnswer ask(const Store& store, const HistoryQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   HistoryAnswer answer{.asked = question.subject};
-  const std::vector<EventRow> events = store.events(question.as_of, question.from, question.to);
   std::set<Id> places;
   if (!question.place.empty())
     for (const PlaceRow& place : snapshot.find_places(question.place)) places.insert(place.id);
@@ -191,8 +190,8 @@ HistoryAnswer ask(const Store& store, const HistoryQuestion& question) {
     });
     if (!question.before.empty()) keep_neighbour(history.stays, question.before, true, snapshot);
     if (!question.after.empty()) keep_neighbour(history.stays, question.after, false, snapshot);
-    for (const EventRow& event : events)
-      if (event.object == object) history.changes.push_back(snapshot.change(event));
+    for (const EventRow& event : store.events_of(object, question.as_of, question.from, question.to))
+      history.changes.push_back(snapshot.change(event));
     answer.objects.push_back(std::move(history));
   }
   return answer;

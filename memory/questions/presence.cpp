@@ -15,7 +15,6 @@
 #include <utility>
 
 #include "mapping/base/math/polygon.h"
-#include "memory/questions/period.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"

@@ -19,7 +19,6 @@
 #include "memory/questions/location.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/objects.h"
-#include "memory/questions/period.h"
 #include "memory/questions/presence.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/reply.h"
@@ -335,7 +334,7 @@ void check_arguments(const std::string& asked, const std::vector<Parameter>& par
 
 void check_period(const std::optional<TimeNs>& from, const std::optional<TimeNs>& to) {
   if (from && to && *from > *to)
-    throw Error("the first time is after the second", {}, "write --between EARLIER LATER");
+    throw Error("the first time is after the second", {}, "give the earlier one first");
 }
 
 Answer Question::ask(const Store& store, const Query& query, const AsOf& as_of) const {

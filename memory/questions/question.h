@@ -102,6 +102,10 @@ std::optional<int64_t> read_number(const std::string& text);
 /// empty, and for what is not the number that a parameter takes; `asked` is for the message.
 void check_arguments(const std::string& asked, const std::vector<Parameter>& parameters, const Query& query);
 
+/// Error for a period that ends before it begins: nothing is within it, and "nothing" would answer another
+/// question.
+void check_period(const std::optional<TimeNs>& from, const std::optional<TimeNs>& to);
+
 /// `as_of` with the times of --at and --known-at, where they are not empty.
 AsOf read_as_of(const Store& store, const std::string& at, const std::string& known_at, AsOf as_of = {});
 

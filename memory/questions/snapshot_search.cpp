@@ -132,14 +132,6 @@ std::optional<Id> most_of(const std::vector<Id>& objects, SizeMeasure measure, s
   return rank < ranked.size() ? std::optional(get<2>(ranked[rank])) : std::nullopt;
 }
 
-/// From 0: of "second" in "second biggest" 1.
-size_t rank_called(const std::string& word) {
-  static const std::map<std::string, size_t> ranks = {{"second", 1}, {"2nd", 1},    {"third", 2},
-                                                      {"3rd", 2},    {"fourth", 3}, {"4th", 3}};
-  const auto found = ranks.find(word);
-  return found == ranks.end() ? 0 : found->second;
-}
-
 /// What a colour and a noun mean where nothing is called so: the only one of that noun in a colour that is
 /// like it, or the only object in that colour that nobody could name. Unset where that is not one.
 std::optional<std::string> only_similar(const Snapshot& snapshot, std::vector<std::string> words) {

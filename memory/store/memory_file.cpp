@@ -32,7 +32,7 @@ BackupResult commit_verified(TemporaryMemory& made, const fs::path& source, Prog
   return result;
 }
 
-/// A file that is no memory is never replaced by one. Of a damaged one the beginning is left.
+/// Only a memory is replaced by one. Of a damaged one the beginning is left.
 void require_memory(const fs::path& file) {
   std::error_code none;
   if (!fs::exists(file, none)) return;

@@ -305,6 +305,9 @@ class Store {
   /// those that were taken back.
   std::vector<EventRow> events(const AsOf& as_of = {}, std::optional<TimeNs> from = {},
                                std::optional<TimeNs> to = {}) const;
+  /// Those of one object.
+  std::vector<EventRow> events_of(Id object, const AsOf& as_of = {}, std::optional<TimeNs> from = {},
+                                  std::optional<TimeNs> to = {}) const;
   /// Facts that hold at `at`, without those that were taken back.
   std::vector<FactRow> facts(const AsOf& as_of = {}) const;
 

@@ -188,6 +188,16 @@ std::vector<EventRow> Store::events(const AsOf& as_of, std::optional<TimeNs> fro
                           "valid_from, object, kind, id");
 }
 
+std::vector<EventRow> Store::events_of(Id object, const AsOf& as_of, std::optional<TimeNs> from,
+                                       std::optional<TimeNs> to) const {
+  return select<EventRow>(*connection_, "event_known",
+                          Where("object = ?1 AND probability > 0", {sql(object)})
+                              .known(as_of)
+                              .begun(as_of)
+                              .between("valid_from", from, to),
+                          "valid_from, kind, id");
+}
+
 std::vector<FactRow> Store::facts(const AsOf& as_of) const {
   return select<FactRow>(*connection_, "fact_known", Where("value IS NOT NULL").known(as_of).holds(as_of));
 }

@@ -6,7 +6,7 @@
 
 namespace loci {
 
-/// Percent-encoding of URIs: what is no letter, digit, '-', '.', '_' or '~' becomes %XX.
+/// Percent-encoding of URIs: all but letters, digits, '-', '.', '_' and '~' becomes %XX.
 std::string percent_encoded(std::string_view text);
 /// The text that %XX stand for; unset where a '%' begins no such code.
 std::optional<std::string> percent_decoded(std::string_view text);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
-#include "mapping/base/regular_file.h"
+#include "mapping/base/files.h"
 #include "mapping/base/text/text.h"
 #include "mapping/recording/formats/layouts.h"
 

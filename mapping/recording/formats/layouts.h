@@ -120,7 +120,7 @@ int pixels_of(double number);
 std::vector<double> numbers_in(const std::filesystem::path& path, size_t min_count);
 
 /// A pose; unset for that of a frame that was lost: values that are not finite, or a rotation of zeros. Error
-/// for any other that is no pose.
+/// for any other matrix or vector that does not describe a pose.
 std::optional<Isometry3d> pose_unless_lost(const std::array<double, 7>& values, const FileLocation& location);
 std::optional<Isometry3d> pose_unless_lost(const Eigen::Matrix4d& matrix, const FileLocation& location);
 

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <limits>
 
-#include "mapping/base/regular_file.h"
+#include "mapping/base/files.h"
 #include "mapping/recording/depth_image.h"
 #include "mapping/sensor/pcd.h"
 

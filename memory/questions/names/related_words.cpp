@@ -136,6 +136,18 @@ bool is_superlative(const std::string& word) {
   return superlatives().contains(word) || unmeasured().contains(word);
 }
 
+std::string singular_of(const std::string& word) {
+  const std::vector<std::string> bases = wordnet::base_forms(word, PartOfSpeech::noun);
+  return bases.empty() || std::ranges::count(bases, word) > 0 ? word : bases.front();
+}
+
+size_t rank_called(const std::string& word) {
+  static const std::map<std::string, size_t> ranks = {{"second", 1}, {"2nd", 1},    {"third", 2},
+                                                      {"3rd", 2},    {"fourth", 3}, {"4th", 3}};
+  const auto found = ranks.find(word);
+  return found == ranks.end() ? 0 : found->second;
+}
+
 bool is_color_word(const std::string& word) {
   static const std::set<std::string> words = {"black", "white", "grey",   "gray",  "red",
                                               "brown", "beige", "orange", "pink",  "yellow",

@@ -18,12 +18,17 @@ bool may_have_related_names(const std::string& word);
 /// Another word for a piece of furniture: "worktop" is a counter; "" = none.
 std::string furniture_called(const std::string& word);
 
+/// "shelves" as "shelf"; a word that is its own singular, or that is not known, as it is.
+std::string singular_of(const std::string& word);
+
 /// What "biggest" goes by, and "bigger" of two, of a size in metres along the axes of the map.
 using SizeMeasure = double (*)(const Vector3d& size);
 const std::map<std::string, SizeMeasure>& superlatives();
 /// Superlatives of what no camera measures: "heaviest" goes by "the weight".
 const std::map<std::string, std::string>& unmeasured();
 bool is_superlative(const std::string& word);
+/// Of "second" in "second biggest" 1; 0 of other words.
+size_t rank_called(const std::string& word);
 
 /// Whether it is a name of mapping::color_name(), or "gray".
 bool is_color_word(const std::string& word);

@@ -1,4 +1,4 @@
-// The replies about what happened, what opens, and what to do.
+// The replies about what happened.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,10 +14,7 @@
 #include "memory/questions/names/names.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
-#include "memory/questions/routines/co_occurrence.h"
 #include "memory/questions/routines/digest.h"
-#include "memory/questions/routines/tasks.h"
-#include "memory/questions/search.h"
 
 namespace loci::memory {
 
@@ -72,13 +69,6 @@ std::set<std::string> joints_asked(const Snapshot& snapshot, const std::string& 
     for (const EnvironmentPart& one : ask(snapshot.store(), OpensQuestion{.as_of = snapshot.as_of()}).parts)
       joints.insert(one.motion->map_joint);
   return joints;
-}
-
-/// "the fridge", "drawer_1".
-std::string part_in_words(const std::string& name) {
-  const bool numbered =
-      name.find('_') != std::string::npos || name.find_first_of("0123456789") != std::string::npos;
-  return numbered ? name_in_words(name) : with_article(name);
 }
 
 /// Why nothing would be known of a change of the joints, unset where looks of the period showed all of them.
@@ -479,124 +469,6 @@ void write_reply(const DigestAnswer& answer, const ReplyContext& context, Reply&
   list("Out of the usual place", answer.misplaced,
        [&](const MisplacedObject& object) { return names.of(object.now.object); });
   list("Missing", answer.missing, [&](const ObjectBelief& belief) { return names.of(belief.object); });
-}
-
-// ---- together, missing, search, tasks
-
-void write_reply(const CoOccurrenceAnswer& answer, const ReplyContext& context, Reply& reply) {
-  const Snapshot snapshot(context.store, context.as_of);
-  const Names names(snapshot);
-  const CoOccurrences& first = answer.objects.front();
-  size_t together = 0;
-  std::vector<std::string> list;
-  for (const CoOccurrence& other : first.others) {
-    together = std::max(together, other.together);
-    reply.objects.push_back(other.object.id);
-    list.push_back(names.of(other.object));
-    reply.evidence.push_back(fmt::format("{}: together in {}, {} of the scenes with either", list.back(),
-                                         counted(other.together, "scene"), percent(other.share)));
-  }
-  const std::string name = names.subject(first.object);
-  if (context.query.asks == Asks::verdict) reply.verdict = together > 0 ? Verdict::yes : Verdict::no;
-  if (context.query.asks == Asks::number) reply.number = together;
-  if (together == 0)
-    reply.text = fmt::format("{}{} was never seen with {}.", reply.verdict ? "No: " : "", name,
-                             answer.other.empty() ? "another object" : part_in_words(answer.other));
-  else
-    reply.text = fmt::format("{}{} was seen with {}, most often in {}.", reply.verdict ? "Yes: " : "", name,
-                             list_in_words(list, 4), counted(together, "scene"));
-}
-
-void write_reply(const MissingAnswer& answer, const ReplyContext& context, Reply& reply) {
-  const Snapshot snapshot(context.store, context.as_of);
-  const Names names(snapshot);
-  std::vector<std::string> list;
-  size_t visits = 0;
-  for (const MissingPlace& place : answer.places) {
-    visits += place.visits;
-    for (const ExpectedObject& missing : place.missing) {
-      reply.objects.push_back(missing.now.object.id);
-      list.push_back(bare_subject(missing.now.object, names));
-      reply.evidence.push_back(fmt::format("{} was {} in {} of {}", names.of(missing.now.object),
-                                           in_words(place.place), missing.visits,
-                                           counted(place.visits, "visit")));
-    }
-  }
-  const bool asks_whether = context.query.asks == Asks::exists;
-  if (visits == 0) {
-    reply.not_known = true;
-    reply.text = "Not known: no earlier visit saw anything like this.";
-  } else {
-    reply.number = list.size();
-    if (asks_whether) reply.verdict = list.empty() ? Verdict::no : Verdict::yes;
-    reply.text = fmt::format("{}{} {} missing.", asks_whether ? (list.empty() ? "No: " : "Yes: ") : "",
-                             list_in_words(list), list.size() > 1 ? "are" : "is");
-  }
-}
-
-void write_reply(const SearchAnswer& answer, const ReplyContext& context, Reply& reply) {
-  const Snapshot snapshot(context.store, context.as_of);
-  const Names names(snapshot);
-  const ObjectSearch& first = answer.objects.front();
-  reply.objects = {first.now.object.id};
-  if (first.places.empty()) {
-    reply.not_known = true;
-    reply.text = fmt::format("No place to search for {} is known.", names.subject(first.now.object));
-    return;
-  }
-  const SearchPlace& best = *std::ranges::max_element(first.places, {}, &SearchPlace::probability);
-  if (first.now.status == ObjectStatus::gone && best.probability < kLikely) {
-    if (first.now.place) reply.places = {first.now.place->name};
-    reply.not_known = true;
-    reply.text = fmt::format("No place is likely: {}", gone_text(first.now, names, context.times));
-  } else {
-    reply.places = {first.places.front().place.name};
-    reply.probability = first.places.front().probability;
-    reply.text = fmt::format("Look {} first: {} is there with {}.", in_words(first.places.front().place),
-                             bare_subject(first.now.object, names), percent(*reply.probability));
-  }
-  for (const SearchPlace& place : first.places)
-    reply.evidence.push_back(
-        fmt::format("{}: {} ({})", in_words(place.place), percent(place.probability), place.reason));
-}
-
-void write_reply(const SimilarAnswer& answer, const ReplyContext& context, Reply& reply) {
-  const Snapshot snapshot(context.store, context.as_of);
-  const Names names(snapshot);
-  std::vector<std::string> list;
-  for (const SimilarObject& similar : answer.objects) {
-    reply.objects.push_back(similar.object.object.id);
-    list.push_back(names.of(similar.object.object));
-    reply.evidence.push_back(fmt::format("{}: {} similar", list.back(), percent(similar.similarity)));
-  }
-  reply.text = list.empty() ? "No image of another object is stored."
-                            : fmt::format("Most similar: {}.", list_in_words(list, 3));
-}
-
-void write_reply(const TaskAnswer& answer, const ReplyContext& context, Reply& reply) {
-  const Snapshot snapshot(context.store, context.as_of);
-  const Names names(snapshot);
-  std::vector<std::string> list;
-  for (const TaskItem& item : answer.items) {
-    reply.objects.push_back(item.object.object.id);
-    if (item.object.place) reply.places.push_back(item.object.place->name);
-    const std::string name = bare_subject(item.object.object, names);
-    const std::string from = item.object.place ? ", " + in_words(*item.object.place) : "";
-    if (!item.done)
-      list.push_back(item.target ? fmt::format("{} to {}", name, name_in_words(item.target->place.name))
-                                 : name + from);
-    reply.evidence.push_back(fmt::format(
-        "{}{}, {}{}", name, from, percent(item.object.probability),
-        item.target ? fmt::format(", to go {} ({})", in_words(item.target->place), item.target->reason)
-                    : ""));
-  }
-  const std::string missing =
-      answer.missing.empty() ? "" : fmt::format("{} missing", counted(answer.missing.size(), "fact"));
-  reply.text = list.empty()
-                   ? fmt::format("Nothing to move{}.", missing.empty() ? "" : "; " + missing)
-                   : fmt::format("{}{}.", list_in_words(list, 3), missing.empty() ? "" : "; " + missing);
-  for (size_t i = answer.missing.size(); i-- > 0;)
-    reply.evidence.insert(reply.evidence.begin(), "missing: " + answer.missing[i]);
 }
 
 }  // namespace loci::memory

@@ -33,6 +33,16 @@ std::string bounds_text(TimeNs least, std::optional<TimeNs> most) {
   return lower.empty() ? "At most " + upper : fmt::format("At least {}, at most {}", lower, upper);
 }
 
+std::optional<Change> left_around(Id object, TimeNs time, const Snapshot& snapshot) {
+  const AsOf known{.at = {}, .known_at = snapshot.as_of().known_at};
+  for (const EventRow& event : snapshot.store().events_of(object, known, time)) {
+    if (event.kind != EventKind::gone && event.kind != EventKind::moved) continue;
+    const bool around = event.since && *event.since <= time && event.clock.valid_from > time;
+    return around ? std::optional(snapshot.change(event)) : std::nullopt;
+  }
+  return std::nullopt;
+}
+
 std::string spot_in_words(const std::optional<PlaceRef>& place, const std::optional<Vector3d>& position) {
   return place ? in_words(*place) : spot_text(place, position);
 }
@@ -118,6 +128,12 @@ std::string between_text(const Change& change, const TimeWriter& times) {
                     ? "At " + times.text(change.time)
                     : fmt::format("Between {} and {}", times.text(*change.since), times.text(change.time)))
              : "By " + times.text(change.time);
+}
+
+std::string part_in_words(const std::string& name) {
+  const bool numbered =
+      name.find('_') != std::string::npos || name.find_first_of("0123456789") != std::string::npos;
+  return numbered ? name_in_words(name) : with_article(name);
 }
 
 std::string joint_in_words(const Change& change) {

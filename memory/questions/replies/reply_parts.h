@@ -23,6 +23,9 @@ std::string with_probability(bool yes, double probability);
 /// "At least 15 min, at most 2 h 0 min"; `most` unset = not known.
 std::string bounds_text(TimeNs least, std::optional<TimeNs> most);
 
+/// The change by which an object left its place, where that happened between the looks before and after the
+/// time asked about.
+std::optional<Change> left_around(Id object, TimeNs time, const Snapshot& snapshot);
 /// Whether it is likely where it is believed to be, and the last look at its place did not miss it.
 bool is_there(const ObjectBelief& object);
 /// "on table_1", or a point where no place is known.
@@ -48,6 +51,8 @@ void add_sightings(const std::vector<ObjectBelief>& objects, const Names& names,
 
 /// "Between 08:00 and 09:30", "At 08:00" or, where it is not known since when, "By 09:30".
 std::string between_text(const Change& change, const TimeWriter& times);
+/// "the fridge", "drawer_1".
+std::string part_in_words(const std::string& name);
 /// "drawer_1" for drawer_1_front_joint.
 std::string joint_in_words(const Change& change);
 

@@ -98,7 +98,8 @@ class ClauseReader {
   void close() {
     if (!name_.empty()) {
       const bool what = clause_.mood == "what" && relation_.empty();
-      if (what && is_superlative(name_[is_rank(name_[0]) && name_.size() > 1 ? 1 : 0])) relation_ = "most";
+      if (what && is_superlative(name_[rank_called(name_[0]) > 0 && name_.size() > 1 ? 1 : 0]))
+        relation_ = "most";
       if (what && name_.size() == 1 && is_color_word(name_[0])) relation_ = "coloured";
       if (!joint_.empty() && relation_.empty()) relation_ = joint_;
       const bool coloured = clause_.mood == "yes" && name_.size() > 1 && is_color_word(name_.back());
@@ -120,12 +121,7 @@ class ClauseReader {
     static const WordSet words = {"the", "a", "an", "my", "our", "your"};
     return words.contains(word);
   }
-  /// "Second" of "the second biggest box".
-  static bool is_rank(const std::string& word) {
-    static const WordSet ranks = {"second", "2nd", "third", "3rd", "fourth", "4th"};
-    return ranks.contains(word);
-  }
-  /// "An orange" alone is no colour.
+  /// "An orange" alone does not mean the colour.
   bool is_fruit() const { return definite_ && name_.size() == 1 && name_[0] == "orange"; }
   bool add_concept(const std::string& one) {
     if (!name_.empty() && name_.back().ends_with("'s")) name_.back().resize(name_.back().size() - 2);

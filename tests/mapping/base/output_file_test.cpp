@@ -13,7 +13,6 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
-#include "mapping/base/recording_folder.h"
 #include "mapping/base/temporary_folder.h"
 
 namespace loci {

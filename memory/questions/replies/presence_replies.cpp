@@ -1,0 +1,381 @@
+// The replies on whether an object was at a place: `was`.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+
+#include "memory/questions/location.h"
+#include "memory/questions/names/names.h"
+#include "memory/questions/objects.h"
+#include "memory/questions/presence.h"
+#include "memory/questions/replies/answer_format.h"
+#include "memory/questions/replies/reply_parts.h"
+
+namespace loci::memory {
+
+using namespace format;
+using namespace replies;
+
+namespace {
+
+/// The probability that an object was at a place between two sightings there. `believed` is the probability
+/// `since` the first of them that it has not left; it leaves and comes back at constant rates (a two-state
+/// Markov chain).
+double between_sightings(double believed, TimeNs since, TimeNs until) {
+  constexpr double kBack = 0.2;  // of the time after it left, it is at that same place again
+  if (believed <= kBack || since <= 0) return believed;
+  const double stays = std::min(1.0, (believed - kBack) / (1 - kBack));
+  const auto back = [](double share) { return kBack + (1 - kBack) * share; };
+  const double stays_on = std::pow(stays, static_cast<double>(until) / static_cast<double>(since));
+  return back(stays) * back(stays_on) / back(stays * stays_on);
+}
+
+/// What the belief says of a moment that no look shows.
+struct UnseenMoment {
+  const WasObject* object = nullptr;
+  PlaceRef place;          ///< where it was
+  bool there = false;      ///< that is the place asked about
+  double probability = 0;  ///< of that
+  TimeNs before = 0;       ///< when it was seen there last before
+  std::optional<TimeNs>
+      after;  ///< when it was seen there first afterwards, unless it was seen elsewhere first
+};
+
+/// Unset where the question is not about a moment, looks decide it, or no place is likely enough.
+std::optional<UnseenMoment> unseen_moment(const WasAnswer& answer, const WasObject& object,
+                                          const Snapshot& snapshot, const ReplyContext& context) {
+  constexpr TimeNs kMoment = 120 * kSecond;
+  if (answer.verdict != Verdict::not_observed || answer.place.empty() || answer.to - answer.from > kMoment)
+    return std::nullopt;
+  const Store& store = context.store;
+  const Id id = object.object.id;
+  const AsOf known{{}, context.as_of.known_at};
+  const auto then = store.belief(id, {answer.from, known.known_at});
+  if (!then || !then->place || then->status == ObjectStatus::gone) return std::nullopt;
+  const auto before = store.last_observation_before(id, answer.from, {}, known);
+  if (!before || before->observation.place != then->place) return std::nullopt;
+  const std::vector<PlaceRow> places = snapshot.find_places(answer.place);
+  UnseenMoment moment{.object = &object,
+                      .place = *snapshot.place_ref(then->place),
+                      .there = std::ranges::count(places, *then->place, &PlaceRow::id) > 0,
+                      .probability = then->probability,
+                      .before = before->time,
+                      .after = {}};
+  const auto after = store.first_observation_after(id, answer.to, {}, known);
+  if (after && after->observation.place == then->place) {
+    moment.after = after->time;
+    moment.probability =
+        between_sightings(then->probability, answer.from - moment.before, after->time - answer.from);
+  }
+  // Without a sighting afterwards the belief has to be good.
+  constexpr double kGood = 0.7;
+  return moment.probability >= (moment.after ? kLikely : kGood) ? std::optional(moment) : std::nullopt;
+}
+
+/// That one of the objects was there decides, and so does that the only one was elsewhere.
+std::optional<UnseenMoment> unseen_moment(const WasAnswer& answer, const Snapshot& snapshot,
+                                          const ReplyContext& context) {
+  std::optional<UnseenMoment> told;
+  for (const WasObject& object : answer.objects) {
+    const auto moment = unseen_moment(answer, object, snapshot, context);
+    if (moment && (moment->there || answer.objects.size() == 1) &&
+        (!told || moment->probability > told->probability))
+      told = moment;
+  }
+  return told;
+}
+
+/// Whether an object was there all the time of a period, as looks show it.
+struct Lasting {
+  Verdict verdict = Verdict::not_observed;
+  std::vector<SceneRef> seen = {};          ///< there
+  std::optional<TimeNs> absent = {};        ///< a look that excludes that it was there
+  std::string elsewhere = {};               ///< "on table_1", where that look saw it elsewhere
+  std::optional<TimeNs> elsewhere_to = {};  ///< the last look that saw it there
+};
+
+/// Whether the sighting next to a period was at the place, too; where there is none, `otherwise`.
+bool goes_on(const std::optional<ObjectObservation>& next, const std::optional<SceneRef>& there,
+             bool otherwise) {
+  return next ? there && next->association.scene == there->scene : otherwise;
+}
+
+/// What there is to say of it from the beginning of its stay on: with an open end its first sighting there,
+/// else the first after which it was nowhere else until its last one.
+TimeNs begin_of_stay(const WasObject& object, bool open_end) {
+  TimeNs begin = object.seen_there.front().time;
+  for (const SceneRef& scene : object.seen_there)
+    if (!open_end &&
+        std::ranges::any_of(object.absent, [&](TimeNs time) { return time > begin && time < scene.time; }))
+      begin = scene.time;
+  return begin;
+}
+
+void set_absence(const WasObject& object, TimeNs begin, Lasting& lasting) {
+  const auto absent = std::ranges::find_if(object.absent, [&](TimeNs time) { return time >= begin; });
+  if (absent == object.absent.end()) return;
+  lasting.absent = *absent;
+  lasting.verdict = Verdict::no;
+  const std::string* place = nullptr;
+  for (const auto& [scene, name] : object.seen_elsewhere) {
+    if (scene.time < begin || name.empty()) continue;
+    if (place == nullptr) {
+      place = &name;
+      lasting.elsewhere = name;
+      lasting.absent = scene.time;
+    }
+    if (name == *place) lasting.elsewhere_to = scene.time;
+  }
+}
+
+/// When it was found to have gone after a sighting, by the end of the period.
+std::optional<TimeNs> gone_after(TimeNs sighting, Id object, TimeNs end, const ReplyContext& context) {
+  for (const BeliefRow& row : context.store.belief_history(object, {end, context.as_of.known_at}, sighting))
+    if (row.status == ObjectStatus::gone && row.clock.valid_from > sighting) return row.clock.valid_from;
+  return {};
+}
+
+/// No where one look excludes it. Yes where the sightings reach over both ends of the period, or it is
+/// believed to be there still.
+Lasting lasting_of(const WasAnswer& answer, const WasObject& object, const ReplyContext& context) {
+  Lasting lasting{.verdict = object.seen_there.empty() ? object.verdict : Verdict::not_observed};
+  const bool open_begin = context.query.asks == Asks::lasted && !object.seen_there.empty();
+  const TimeNs begin = open_begin ? begin_of_stay(object, context.query.argument("to").empty()) : answer.from;
+  std::ranges::copy_if(object.seen_there, std::back_inserter(lasting.seen),
+                       [&](const SceneRef& scene) { return scene.time >= begin; });
+  set_absence(object, begin, lasting);
+  if (lasting.absent || lasting.seen.empty()) return lasting;
+  lasting.absent = gone_after(lasting.seen.back().time, object.object.id, answer.to, context);
+  if (lasting.absent) return lasting.verdict = Verdict::no, lasting;
+  const Store& store = context.store;
+  const Id id = object.object.id;
+  const AsOf known{{}, context.as_of.known_at};
+  const bool first_look =
+      object.views.empty() || object.views.front().scene.time >= lasting.seen.front().time;
+  const auto belief = store.belief(id, known);
+  const bool there_now = belief && belief->status != ObjectStatus::gone &&
+                         belief->status != ObjectStatus::missed && belief->probability >= kLikely;
+  const bool from_start =
+      open_begin || lasting.seen.front().time <= answer.from ||
+      goes_on(store.last_observation_before(id, answer.from, {}, known), object.before, first_look);
+  const bool to_end =
+      lasting.seen.back().time >= answer.to ||
+      goes_on(store.first_observation_after(id, answer.to, {}, known), object.after, there_now);
+  if (from_start && to_end) lasting.verdict = Verdict::yes;
+  return lasting;
+}
+
+/// "it was on table_1 from 08:20 to 15:00", "it was not there at 15:00"
+std::string absence_text(const Lasting& lasting, const TimeWriter& times) {
+  if (lasting.elsewhere.empty()) return fmt::format("it was not there at {}", times.text(*lasting.absent));
+  return fmt::format("it was seen at {} {}", name_in_words(lasting.elsewhere),
+                     times.span_text(*lasting.absent, *lasting.elsewhere_to));
+}
+
+void all_the_time(const WasAnswer& answer, const Names& names, const std::string& where,
+                  const ReplyContext& context, Reply& reply) {
+  const WasObject* best = nullptr;
+  Lasting lasting;
+  const auto rank = [](const Lasting& one) {  // one of several that was there all the time decides
+    return std::pair(one.verdict == Verdict::yes            ? 2
+                     : one.verdict == Verdict::not_observed ? 1
+                                                            : 0,
+                     one.seen.size());
+  };
+  for (const WasObject& one : answer.objects) {
+    Lasting other = lasting_of(answer, one, context);
+    if (best != nullptr && rank(other) <= rank(lasting)) continue;
+    best = &one;
+    lasting = std::move(other);
+  }
+  reply.objects = {best->object.id};
+  reply.verdict = lasting.verdict;
+  const std::string name = bare_subject(best->object, names);
+  const std::string seen =
+      lasting.seen.empty()
+          ? ""
+          : fmt::format("{} was seen {} {}, in {}", name, where,
+                        context.times.span_text(lasting.seen.front().time, lasting.seen.back().time),
+                        counted(lasting.seen.size(), "look"));
+  if (lasting.verdict == Verdict::yes)
+    reply.text = fmt::format("Yes: {}.", seen);
+  else if (lasting.verdict == Verdict::no)
+    reply.text = fmt::format("No: {} was not {} all the time: {}.", name, where,
+                             lasting.absent ? absence_text(lasting, context.times) : best->reason);
+  else
+    reply.text = seen.empty() ? fmt::format("Not observed: {}.", best->reason)
+                              : fmt::format("Not observed: {}, not all the time.", seen);
+}
+
+using PlaceSpans = std::map<Id, std::vector<TimeSpan>>;  ///< when something was at places
+
+PlaceSpans spans_at_places(const WasAnswer& answer, const std::vector<Id>& objects,
+                           const ReplyContext& context) {
+  PlaceSpans spans;
+  for (const Id object : objects)
+    for (const ObjectHistory& history : ask(context.store, HistoryQuestion{.subject = object_name(object),
+                                                           .from = answer.from,
+                                                           .to = answer.to,
+                                                           .as_of = context.as_of,
+                                                           .place = answer.place})
+                                            .objects)
+      for (const Stay& stay : history.stays)
+        if (stay.place)
+          for (const TimeSpan& span : spans_of({stay}))
+            if (const TimeSpan then{std::max(span.first, answer.from), std::min(span.last, answer.to)};
+                then.first <= then.last)
+              spans[stay.place->id].push_back(then);
+  return spans;
+}
+
+/// When both were at one place.
+PlaceSpans common(const PlaceSpans& some, const PlaceSpans& others) {
+  PlaceSpans both;
+  for (const auto& [place, spans] : some)
+    if (const auto found = others.find(place); found != others.end())
+      for (const TimeSpan& one : spans)
+        for (const TimeSpan& other : found->second)
+          if (const TimeSpan span{std::max(one.first, other.first), std::min(one.last, other.last)};
+              span.first <= span.last)
+            both[place].push_back(span);
+  return both;
+}
+
+/// "the cup and the spoon": of each name one of its objects; "the cups": all of them.
+std::vector<std::vector<Id>> members_of(const std::string& subject, const Snapshot& snapshot) {
+  std::vector<std::vector<Id>> members;
+  const std::string joint = " and ";
+  for (size_t begin = 0, end = 0; end != std::string::npos; begin = end + joint.size()) {
+    end = subject.find(joint, begin);
+    members.push_back(
+        snapshot.find_objects(subject.substr(begin, end == std::string::npos ? end : end - begin)));
+  }
+  // "The red cup and the other cups": each object once.
+  for (std::vector<Id>& some : members)
+    for (const std::vector<Id>& one : members)
+      if (one.size() == 1 && some.size() > 1) std::erase(some, one.front());
+  if (members.size() > 1) return members;
+  std::vector<std::vector<Id>> each;
+  for (const Id id : members.front()) each.push_back({id});
+  return each;
+}
+
+/// Whether they were at one place at one time, by the sightings between which each stayed there. That none
+/// shows them together is not observed: looks see a part of the time.
+void at_one_time(const WasAnswer& answer, const Names& names, const std::string& where,
+                 const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  std::optional<PlaceSpans> together;
+  std::vector<std::string> list, each;
+  const auto members = members_of(context.query.argument("object"), snapshot);
+  reply.objects.clear();
+  for (const std::vector<Id>& one : members) {
+    const PlaceSpans spans = spans_at_places(answer, one, context);
+    together = together ? common(*together, spans) : spans;
+    reply.objects.push_back(one.front());
+    list.push_back(bare_subject(snapshot.object_ref(one.front()), names));
+    for (const auto& [place, times] : spans)
+      each.push_back(fmt::format("{}: {} {}", list.back(), in_words(*snapshot.place_ref(place)),
+                                 context.times.span_text(times.front().first, times.back().last)));
+  }
+  const std::string subject = context.query.argument("object");
+  const bool one_name = subject.find(" and ") == std::string::npos;
+  const std::string all = one_name && list.size() > 1 ? "the " + subject : list_in_words(list, 4);
+  if (members.size() < 2) {
+    reply.not_known = true;
+    reply.text = fmt::format("Not known: only one such object, {}, is known.", all);
+  } else if (!together->empty()) {
+    const auto& [place, spans] = *together->begin();
+    const PlaceRef at = *snapshot.place_ref(place);
+    reply.verdict = Verdict::yes;
+    reply.places = {at.name};
+    reply.time = spans.front();
+    reply.text = fmt::format("Yes: {} were {} together, {}.", all, in_words(at),
+                             context.times.span_text(spans.front().first, spans.front().last));
+  } else {
+    reply.verdict = Verdict::not_observed;
+    reply.text = fmt::format("Not observed: {} were never seen {} together.", all,
+                             answer.place.empty() ? "at one place" : where);
+  }
+  for (size_t i = 0; i < std::min(each.size(), kMaxEvidenceLines); ++i) reply.evidence.push_back(each[i]);
+}
+
+}  // namespace
+
+void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const auto of_verdict = std::ranges::find(answer.objects, answer.verdict, &WasObject::verdict);
+  const WasObject* best = of_verdict == answer.objects.end() ? &answer.objects.front() : &*of_verdict;
+  const std::optional<UnseenMoment> unseen = unseen_moment(answer, snapshot, context);
+  if (unseen) best = unseen->object;
+  const WasObject& object = *best;
+  const std::string name = bare_subject(object.object, names);
+  const std::string where =
+      answer.place.empty() ? "seen" : (answer.container ? "in " : "on ") + name_in_words(answer.place);
+  reply.objects = {object.object.id};
+  const Asks asks = context.query.asks;
+  if (asks == Asks::together) {
+    at_one_time(answer, names, where, context, reply);
+    return;
+  }
+  if (asks == Asks::throughout || asks == Asks::lasted) {
+    all_the_time(answer, names, where, context, reply);
+  } else if (asks != Asks::verdict && asks != Asks::reason) {
+    std::vector<SceneRef> there;
+    for (const WasObject& one : answer.objects)
+      there.insert(there.end(), one.seen_there.begin(), one.seen_there.end());
+    std::ranges::sort(there, {}, &SceneRef::time);
+    if (there.empty()) {
+      reply.not_known = true;
+      reply.text = fmt::format("{} was not seen {} then.", name, where);
+    } else {
+      const TimeNs first = there.front().time, last = there.back().time;
+      reply.time = asks == Asks::last_time    ? at_once(last)
+                   : asks == Asks::first_time ? at_once(first)
+                                              : TimeSpan{first, last};
+      reply.text =
+          asks == Asks::summary
+              ? fmt::format("{}: {} was seen {} then.", context.times.span_text(first, last), name, where)
+              : fmt::format("At {}: {} was {} seen {} then.", context.times.text(reply.time->first), name,
+                            asks == Asks::last_time ? "last" : "first", where);
+    }
+  } else if (unseen) {
+    reply.verdict = unseen->there ? Verdict::yes : Verdict::no;
+    reply.probability = unseen->there ? unseen->probability : 1 - unseen->probability;
+    const std::optional<Change> left = left_around(object.object.id, answer.from, snapshot);
+    reply.text = fmt::format("{}: {} was {}, seen there at {}{}.",
+                             with_probability(unseen->there, unseen->probability), name,
+                             in_words(unseen->place), context.times.text(unseen->before),
+                             unseen->after ? " and " + context.times.text(*unseen->after)
+                             : left        ? "; it left by " + context.times.text(left->time)
+                                           : "");
+  } else {
+    reply.verdict = answer.verdict;
+    reply.probability = object.verdict == Verdict::yes ? 1 : object.probability;
+    if (answer.verdict == Verdict::yes)
+      reply.text =
+          fmt::format("Yes: {} was {}, seen {}.", name, where,
+                      context.times.span_text(object.seen_there.front().time, object.seen_there.back().time));
+    else if (answer.verdict == Verdict::no)
+      reply.text = fmt::format("No: {} was not {}: {}.", name, where, object.reason);
+    else
+      reply.text = fmt::format("Not observed: {}.", object.reason);
+  }
+  if (!object.seen_there.empty()) reply.evidence.push_back("seen there in " + scenes_text(object.seen_there));
+  if (object.verdict != Verdict::yes && !unseen) {
+    if (object.before)
+      reply.evidence.push_back("before, it was seen there at " + context.times.text(object.before->time));
+    if (object.after)
+      reply.evidence.push_back("after that, it was seen there at " + context.times.text(object.after->time));
+    if (!object.seen_elsewhere.empty())
+      reply.evidence.push_back(fmt::format("seen elsewhere: {} at {}",
+                                           name_in_words(object.seen_elsewhere.back().second),
+                                           context.times.text(object.seen_elsewhere.back().first.time)));
+  }
+}
+
+}  // namespace loci::memory
