@@ -1,6 +1,7 @@
 #include "memory/belief/hindsight.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 
@@ -22,7 +23,7 @@ class Hindsight {
   Hindsight(const BeliefState& before, const std::vector<Scene>& scenes, const BeliefOptions& options)
       : scenes_(scenes), options_(options), state_(before), decisions_(scenes.size()) {}
 
-  std::map<int64_t, int64_t> find(Progress& progress) {
+  std::map<int64_t, Supposition> find(Progress& progress) {
     for (size_t i = 0; i < scenes_.size() && advances_ < kParameters.hindsight_advances;) {
       progress.check(static_cast<double>(i) / static_cast<double>(scenes_.size()), "looking back");
       BeliefState before = state_;
@@ -34,12 +35,12 @@ class Hindsight {
   }
 
  private:
-  BeliefUpdate advanced(BeliefState& state, size_t i, const std::map<int64_t, int64_t>& known) {
+  BeliefUpdate advanced(BeliefState& state, size_t i, const std::map<int64_t, Supposition>& known) {
     ++advances_;
     Scene scene = scenes_[i];
     for (Observation& observation : scene.observations)
       if (const auto one = known.find(observation.id); one != known.end())
-        observation.known_object = one->second;
+        observation.known_object = one->second.object;
     return advance(state, scene, options_);
   }
 
@@ -74,8 +75,8 @@ class Hindsight {
     for (const Mistake& mistake : update.mistakes) {
       const auto [first, decision] = first_mistaken(mistake, i);
       if (decision == nullptr || !judged_.insert(decision->observation).second) continue;
-      const int64_t best = most_probable(*decision, first, i);
-      if (best == decision->object) continue;
+      const Supposition best = most_probable(*decision, first, i);
+      if (best.object == decision->object) continue;
       known_[decision->observation] = best;
       state_ = before_.at(first);
       return first;
@@ -96,11 +97,11 @@ class Hindsight {
 
   /// Under which supposition the scenes from `first` to `last` are most probable; what was decided, where
   /// none is clearly more probable.
-  int64_t most_probable(const Decision& decision, size_t first, size_t last) {
+  Supposition most_probable(const Decision& decision, size_t first, size_t last) {
     std::map<int64_t, double> log_likelihood;
     for (const int64_t candidate : decision.candidates) {
-      std::map<int64_t, int64_t> supposed = known_;
-      supposed[decision.observation] = candidate;
+      std::map<int64_t, Supposition> supposed = known_;
+      supposed[decision.observation] = {candidate};
       BeliefState state = before_.at(first);
       for (size_t i = first; i <= last; ++i)
         log_likelihood[candidate] += advanced(state, i, supposed).log_likelihood_ratio;
@@ -108,7 +109,10 @@ class Hindsight {
     const auto best =
         std::ranges::max_element(log_likelihood, {}, [](const auto& one) { return one.second; });
     const bool clear = best->second > log_likelihood[decision.object] + kParameters.min_hindsight_log_ratio;
-    return clear ? best->first : decision.object;
+    if (!clear) return {decision.object};
+    double sum = 0;
+    for (const auto& [candidate, one] : log_likelihood) sum += std::exp(one - best->second);
+    return {best->first, 1 / sum};
   }
 
   const std::vector<Scene>& scenes_;
@@ -116,15 +120,15 @@ class Hindsight {
   BeliefState state_;
   std::vector<std::vector<Decision>> decisions_;  ///< by scene
   std::map<size_t, BeliefState> before_;          ///< scenes in which something was guessed
-  std::map<int64_t, int64_t> known_;
+  std::map<int64_t, Supposition> known_;
   std::set<int64_t> judged_;  ///< observations
   size_t advances_ = 0;
 };
 
 }  // namespace
 
-std::map<int64_t, int64_t> hindsight(const BeliefState& before, const std::vector<Scene>& scenes,
-                                     const BeliefOptions& options, Progress& progress) {
+std::map<int64_t, Supposition> hindsight(const BeliefState& before, const std::vector<Scene>& scenes,
+                                         const BeliefOptions& options, Progress& progress) {
   return Hindsight(before, scenes, options).find(progress);
 }
 

@@ -124,6 +124,7 @@ class Reviser {
         options_(load_options(store)),
         place_rows_(store.places()),
         known_(revision.known),
+        probabilities_(revision.probabilities),
         next_object_(store.max_object_id() + 1) {
     for (const PlaceRow& place : place_rows_) places_[place.name] = place.id;
     for (const auto& [observation, object] : known_) known_objects_.insert(object);
@@ -174,9 +175,10 @@ class Reviser {
     for (const SceneRow& row : scenes) evidence.push_back(scene_of(row, record_of(row)));
     state_.next_id = std::max(state_.next_id, next_object_);
     NoProgress quiet;
-    for (const auto& [observation, object] : belief::hindsight(state_, evidence, options_, quiet)) {
-      known_[observation] = object;
-      known_objects_.insert(object);
+    for (const auto& [observation, supposed] : belief::hindsight(state_, evidence, options_, quiet)) {
+      known_[observation] = supposed.object;
+      known_objects_.insert(supposed.object);
+      probabilities_[observation] = supposed.probability;
     }
   }
 
@@ -208,6 +210,10 @@ class Reviser {
     BeliefRows rows = belief_rows(
         {store_, record, scene.places, row.id, observations, update, state_, options_, places_, last_});
     update_last(last_, rows, state_);
+    for (AssociationRow& association : rows.associations)
+      if (association.chosen && association.observation)
+        if (const auto one = probabilities_.find(*association.observation); one != probabilities_.end())
+          association.probability *= one->second;
     take(row, std::move(rows));
     write_closed(oldest_open());
   }
@@ -291,6 +297,7 @@ class Reviser {
   const std::vector<PlaceRow> place_rows_;
   std::map<std::string, Id> places_;
   KnownIdentities known_;
+  std::map<Id, double> probabilities_;
   std::set<Id> known_objects_;
   Id next_object_;
   bool anew_ = false;
@@ -355,24 +362,26 @@ StoredEvidence evidence_after(const Store& store, Id after) {
 size_t look_back(Store& store, Id run, Progress& progress) {
   const std::optional<PendingReview> review = load_review(store);
   if (!review) return 0;
-  KnownIdentities known;
+  std::map<Id, belief::Supposition> supposed;
   SceneTransaction rows(store, run);
   if (review->contradicted) {
     const StoredEvidence evidence = evidence_after(store, review->after);
-    known = belief::hindsight(review->before, evidence.scenes, load_options(store), progress);
-    Id from = 0;
-    for (const auto& [observation, object] : known) {
+    supposed = belief::hindsight(review->before, evidence.scenes, load_options(store), progress);
+    Revision revision{.resume_after = review->after, .before = &review->before, .source = "hindsight"};
+    for (const auto& [observation, one] : supposed) {
+      revision.known[observation] = one.object;
+      revision.probabilities[observation] = one.probability;
       const Id scene = evidence.scene_of_observation.at(observation);
-      from = from == 0 ? scene : std::min(from, scene);
+      revision.from = revision.from == 0 ? scene : std::min(revision.from, scene);
     }
-    if (from != 0) {
+    if (revision.from != 0) {
       rows.postpone_derived();
-      revise(store, rows, {from, review->after, known, &review->before, "hindsight"}, progress);
+      revise(store, rows, revision, progress);
     }
   }
   end_review(rows);
   rows.commit();
-  return known.size();
+  return supposed.size();
 }
 
 }  // namespace loci::memory

@@ -25,6 +25,7 @@ struct Revision {
   /// followed. 0 = from the beginning.
   Id resume_after = 0;
   KnownIdentities known = {};
+  std::map<Id, double> probabilities = {};  ///< of those identities that are supposed, by observation
   const belief::BeliefState* before = nullptr;
   std::string source = "edit";  ///< of the rows
 };

@@ -180,10 +180,6 @@ void View::remove_from_index(const FeatureStructure& structure) {
   });
 }
 
-bool View::is_indexed(const FeatureStructure& structure) const {
-  return members_.contains(structure.id());
-}
-
 Selection View::select(Type type) const {
   std::vector<IndexEntry> entries;
   const auto end = index_.upper_bound(type.last_order());

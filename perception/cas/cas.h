@@ -48,7 +48,6 @@ class View {
   /// The subject itself: a feature structure of type uima.cas.Sofa, made on demand. Its sofaNum stays unset:
   /// it would depend on the order in which views were made, and is left to formats that need one.
   FeatureStructure sofa();
-  bool has_sofa() const { return !sofa_.is_null(); }
   FeatureStructure existing_sofa() const { return sofa_; }
   /// Makes a feature structure of type uima.cas.Sofa this view's subject; throws when it has one already.
   void adopt_sofa(const FeatureStructure& sofa);
@@ -62,7 +61,6 @@ class View {
   /// Indexing twice is the same as once.
   void add_to_index(const FeatureStructure& structure);
   void remove_from_index(const FeatureStructure& structure);
-  bool is_indexed(const FeatureStructure& structure) const;
   /// All indexed feature structures of the type and its subtypes, in the order in which they were added.
   Selection select(Type type) const;
   Selection select(std::string_view type_name) const;

@@ -46,12 +46,6 @@ class SceneCas {
   void set_image(std::string_view view, const Mat& image) const;
   Mat image(std::string_view view) const;
   bool has(std::string_view view) const;
-  void set_color_image(const Mat& image) const { set_image(kColor, image); }
-  Mat color_image() const { return image(kColor); }
-  void set_depth_image(const Mat& image) const { set_image(kDepth, image); }
-  Mat depth_image() const { return image(kDepth); }
-  void set_smoothed_depth_image(const Mat& image) const { set_image(kSmoothedDepth, image); }
-  Mat smoothed_depth_image() const { return image(kSmoothedDepth); }
   void set_cloud(const PointCloud& cloud) const;
   PointCloud cloud() const;
   void set_normals(const NormalMap& normals) const;

@@ -7,7 +7,11 @@
 namespace loci::memory::belief {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::Field;
+using ::testing::Gt;
 using ::testing::IsEmpty;
+using ::testing::Lt;
 using ::testing::Pair;
 using ::testing::UnorderedElementsAre;
 
@@ -25,19 +29,19 @@ class Hindsight : public ::testing::Test {
     scenes.push_back(kitchen.scene(60 * minutes));
   }
 
-  std::map<int64_t, int64_t> look_back() const {
+  std::map<int64_t, Supposition> look_back() const {
     NoProgress quiet;
     return hindsight({}, scenes, {}, quiet);
   }
 
   /// What each observation is taken for with what is known.
-  std::vector<std::vector<int64_t>> decided(const std::map<int64_t, int64_t>& known) const {
+  std::vector<std::vector<int64_t>> decided(const std::map<int64_t, Supposition>& known) const {
     BeliefState state;
     std::vector<std::vector<int64_t>> objects;
     for (Scene scene : scenes) {
       for (Observation& observation : scene.observations)
         if (const auto one = known.find(observation.id); one != known.end())
-          observation.known_object = one->second;
+          observation.known_object = one->second.object;
       objects.emplace_back();
       for (const ObservationOutcome& outcome : advance(state, scene).observations)
         objects.back().push_back(outcome.object);
@@ -62,14 +66,17 @@ TEST_F(Hindsight, TellsWhichOfEqualCupsWasMoved) {
     observe(20, there);
     observe(21, here);
     observe(22, there);
-    const std::map<int64_t, int64_t> known = look_back();
+    const std::map<int64_t, Supposition> known = look_back();
     const auto objects = decided(known);
     EXPECT_EQ(objects[1], std::vector<int64_t>{objects[0][static_cast<size_t>(moved)]});
     EXPECT_EQ(objects[3], objects[1]);
     if (decided({})[1] == objects[1])
       EXPECT_THAT(known, IsEmpty()) << "it was guessed right";
     else
-      EXPECT_THAT(known, UnorderedElementsAre(Pair(scenes[1].observations[0].id, objects[1][0])));
+      EXPECT_THAT(known,
+                  UnorderedElementsAre(Pair(scenes[1].observations[0].id,
+                                            AllOf(Field(&Supposition::object, objects[1][0]),
+                                                  Field(&Supposition::probability, AllOf(Gt(0.5), Lt(1)))))));
   }
 }
 

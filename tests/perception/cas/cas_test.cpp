@@ -224,7 +224,7 @@ TEST_F(CasTest, DeletionLeavesATombstone) {
 
 TEST_F(CasTest, ViewsHaveSofas) {
   View& view = cas.view("text");
-  EXPECT_FALSE(view.has_sofa());
+  EXPECT_TRUE(view.existing_sofa().is_null());
   view.set_sofa_text("Hello");
   EXPECT_EQ(view.mime_type(), "text/plain");
   EXPECT_EQ(cas.view("text").sofa().get<std::string>("sofaID"), "text");

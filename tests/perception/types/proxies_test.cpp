@@ -99,10 +99,10 @@ TEST(SceneCas, KeepsImagesInTheirViews) {
   cas::Cas cas(types::type_system());
   const SceneCas scene_cas(cas);
   EXPECT_FALSE(scene_cas.has(SceneCas::kDepth));
-  EXPECT_THROW(scene_cas.depth_image(), Error);
+  EXPECT_THROW(scene_cas.image(SceneCas::kDepth), Error);
   const types::Mat depth = types::Mat::create(cas);
-  scene_cas.set_depth_image(depth);
-  EXPECT_EQ(scene_cas.depth_image(), depth);
+  scene_cas.set_image(SceneCas::kDepth, depth);
+  EXPECT_EQ(scene_cas.image(SceneCas::kDepth), depth);
   EXPECT_FALSE(scene_cas.has(SceneCas::kColor));
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -271,14 +272,17 @@ class Assembly {
   bool find_common_axis(const Piece& a, const Piece& b, bool b_faces_it) const {
     constexpr float kMinSlope = 0.2f;  // What lies level faces nowhere.
     constexpr float kMinSpread = 0.05f;
-    std::vector<Vector2f> places;
-    std::vector<Vector2f> facing;
+    struct Walls {
+      std::vector<Vector2f> places, facing;
+    };
+    std::array<Walls, 2> walls;
     Eigen::Matrix2f across = Eigen::Matrix2f::Zero();
     Vector2f sum = Vector2f::Zero();
     for (const Piece* piece : {&a, &b})
       for (const int i : piece->points) {
         const Vector2f normal = cloud_.normals[static_cast<size_t>(i)].head<2>();
         if (!(normal.norm() > kMinSlope)) continue;
+        auto& [places, facing] = walls[piece == &b ? 1 : 0];
         facing.push_back((piece == &b && !b_faces_it ? -1 : 1) * normal.normalized());
         places.push_back(cloud_.points[static_cast<size_t>(i)].head<2>());
         const Eigen::Matrix2f beside =
@@ -286,17 +290,28 @@ class Assembly {
         across += beside;
         sum += beside * places.back();
       }
-    if (2 * places.size() < a.points.size() + b.points.size()) return false;
+    if (2 * (walls[0].places.size() + walls[1].places.size()) < a.points.size() + b.points.size())
+      return false;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2f> solver(across);
     if (solver.eigenvalues()[0] < kMinSpread * solver.eigenvalues()[1]) return false;
     const Vector2f axis = across.ldlt().solve(sum);
-    std::vector<float> past;
-    std::vector<float> ahead;
-    for (size_t i = 0; i < places.size(); ++i) {
-      const Vector2f to = axis - places[i];
-      ahead.push_back(facing[i].dot(to));
-      past.push_back(std::abs(facing[i].x() * to.y() - facing[i].y() * to.x()));
+    std::vector<float> past, ahead;
+    std::array<float, 2> radii{};
+    for (size_t k = 0; k < walls.size(); ++k) {
+      const auto& [places, facing] = walls[k];
+      if (places.empty()) return false;
+      std::vector<float> distances;
+      for (size_t i = 0; i < places.size(); ++i) {
+        const Vector2f to = axis - places[i];
+        distances.push_back(to.norm());
+        ahead.push_back(facing[i].dot(to));
+        past.push_back(std::abs(facing[i].x() * to.y() - facing[i].y() * to.x()));
+      }
+      radii[k] = median(distances);
     }
+    // A few points far behind do not count among those of a large wall.
+    constexpr float kMaxRatio = 3;
+    if (std::max(radii[0], radii[1]) > kMaxRatio * std::min(radii[0], radii[1])) return false;
     const float radius = median(ahead);
     return quantile(ahead, 0.1) > 0 &&
            median(past) < std::min(0.25f * radius, static_cast<float>(options_.slack_m));
