@@ -6,9 +6,9 @@
 #include <sstream>
 
 #include "apps/map/commands.h"
+#include "apps/map/posed_recording.h"
 #include "mapping/base/files.h"
 #include "mapping/base/math/math.h"
-#include "mapping/base/stopwatch.h"
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
 #include "mapping/exchange/formats/gltf.h"
@@ -21,32 +21,12 @@
 #include "mapping/interpretation/furniture/names.h"
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/orthophoto/photo_interpretation.h"
-#include "mapping/recording/pose_check.h"
 #include "mapping/registration/registration.h"
-#include "mapping/tracking/known_poses.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::apps {
 
 namespace {
-
-/// The recording, with tracked poses when it has none of its own.
-std::unique_ptr<mapping::Recording> open_posed(const std::string& path,
-                                               const mapping::RecordingOptions& reading, Session& session) {
-  auto recording = mapping::open_recording(path, reading, &session.progress());
-  const bool has_poses = recording->info().frames_with_pose > 0;
-  const mapping::PoseAgreement agreement = mapping::check_poses(*recording);
-  if (!agreement.cause.empty())
-    throw Error(agreement.text(), {path, 0, {}}, "a map of these poses would be invented");
-  for (const std::string& doubt : mapping::doubts_about_poses(*recording, agreement, reading))
-    session.warnings().add(doubt);
-  const Stopwatch watch;
-  recording = mapping::with_known_poses(std::move(recording), mapping::PosesFor::mapping,
-                                        session.flags().threads, session.progress(), session.warnings());
-  if (!has_poses) session.timing("track", watch.seconds());
-  for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
-  return recording;
-}
 
 void check_scan_files(const mapping::ScanSet& scans, const std::string& folder, const Session& session) {
   session.check_outputs(folder, {"scans.yaml"});
@@ -79,7 +59,7 @@ Json write_mesh(const mapping::Recording& recording, const FuseArguments& argume
 
 void run(FuseArguments& arguments, Session& session) {
   arguments.options.threads = session.flags().threads;
-  const auto recording = open_posed(arguments.recording, arguments.reading, session);
+  const auto recording = open_posed(arguments.recording, arguments.reading, session).recording;
   session.check_outputs(arguments.out, {"scans.yaml", "room.ply", "room.glb"});
   const mapping::FusionResult result = fuse(*recording, arguments.options, session.progress());
   result.frames.explain("frame", {arguments.recording, 0, {}}, session.warnings());
@@ -289,7 +269,7 @@ struct InterpretArguments {
 
 /// Fronts and handles from the colour frames of the recording that the scans were fused from.
 void add_photos(const InterpretArguments& arguments, mapping::InterpretedMap& map, Session& session) {
-  const auto recording = open_posed(arguments.recording, arguments.reading, session);
+  const auto recording = open_posed(arguments.recording, arguments.reading, session).recording;
   const std::vector<mapping::PhotographedFace> faces =
       interpret_photos(*recording, arguments.options.threads, session.progress(), map);
   if (arguments.orthophotos.empty()) return;

@@ -3,14 +3,13 @@
 #include <set>
 
 #include "apps/map/commands.h"
+#include "apps/map/posed_recording.h"
 #include "mapping/base/files.h"
 #include "mapping/base/text/json.h"
 #include "mapping/exchange/formats/gltf.h"
 #include "mapping/exchange/map_colors.h"
 #include "mapping/exchange/map_report.h"
 #include "mapping/fusion/fusion.h"
-#include "mapping/recording/posed_recording.h"
-#include "mapping/tracking/known_poses.h"
 #include "mapping/update/placement.h"
 #include "mapping/update/update.h"
 #include "mapping/world/urdf.h"
@@ -42,18 +41,13 @@ mapping::ScanSet read_new(const UpdateArguments& arguments, const mapping::Seman
   const std::string& path = arguments.scans;
   if (fs::exists(fs::path(path) / "scans.yaml") || fs::path(path).extension() == ".pcd")
     return mapping::read_registered_scans(path, session.warnings());
-  auto recording = mapping::open_recording(path, arguments.reading, &session.progress());
-  const bool has_poses = recording->info().frames_with_pose > 0;
-  recording = in_map(std::move(recording), semantics.map_from_input, semantics.frame);
-  recording = mapping::with_known_poses(std::move(recording), mapping::PosesFor::mapping,
-                                        session.flags().threads, session.progress(), session.warnings());
-  for (const std::string& problem : recording->info().problems) session.warnings().add(problem);
+  const auto [recording, tracked] = open_posed(path, arguments.reading, session, &semantics);
   mapping::FusionOptions options;
   options.threads = session.flags().threads;
   mapping::FusionResult fused = fuse(*recording, options, session.progress());
   fused.frames.explain("frame", {path, 0, {}}, session.warnings());
   mapping::ScanSet scans = std::move(fused.scans);
-  if (!has_poses) place(scans, earlier, path, session);
+  if (tracked) place(scans, earlier, path, session);
   return scans;
 }
 
