@@ -107,7 +107,8 @@ py::dict table(OpenMemory& memory, const std::string& name) {
                 "there are: " + joined({kTables.begin(), kTables.end()}, ", "));
   std::vector<Json> rows;
   const std::vector<std::string> names = memory.with_store([&](const memory::Store& store) {
-    return store.read_view("v_" + name, [&](const Json& row) { rows.push_back(row); });
+    store.read_view("v_" + name, [&](const Json& row) { rows.push_back(row); });
+    return store.view_columns("v_" + name);
   });
   py::dict columns;
   for (const std::string& column : names) columns[py::str(column)] = py::list();

@@ -74,23 +74,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The values as a line of CSV; text is quoted where necessary, null is empty.
+std::string csv_line(const Json& values) {
+  std::vector<std::string> cells;
+  for (const Json& value : values)
+    cells.push_back(csv_cell(value.is_null()     ? ""
+                             : value.is_string() ? value.get<std::string>()
+                                                 : value.dump()));
+  return joined(cells, ",") + "\n";
+}
+
 /// All rows of a view, as JSON Lines and CSV; the number of rows.
 int64_t export_view(const memory::Store& store, const std::string& view, const fs::path& folder,
                     const OutputOptions& options) {
   OutputFile lines(folder / (view + ".jsonl"), options), table(folder / (view + ".csv"), options);
   int64_t rows = 0;
+  table.write(csv_line(store.view_columns("v_" + view)));
   store.read_view("v_" + view, [&](const Json& row) {
-    std::string names, cells;
-    for (const auto& [name, value] : row.items()) {
-      const std::string separator = cells.empty() && names.empty() ? "" : ",";
-      names += separator + csv_cell(name);
-      cells += separator + csv_cell(value.is_null()     ? ""
-                                    : value.is_string() ? value.get<std::string>()
-                                                        : value.dump());
-    }
-    if (rows++ == 0) table.write(names + "\n");
-    table.write(cells + "\n");
+    table.write(csv_line(row));
     lines.write(row.dump() + "\n");
+    ++rows;
   });
   lines.commit();
   table.commit();
@@ -380,7 +383,7 @@ Command model_command() {
           const memory::Store store = open_memory(arguments->memory.memory, session);
           const memory::AsOf as_of = arguments->memory.as_of(store);
           const memory::ObjectModel model =
-              model_of(store, one_object(store, joined(arguments->subject), as_of), arguments->options,
+              model_of(store, one_object(store, joined(arguments->subject, " "), as_of), arguments->options,
                        session.progress(), as_of);
           write_file_atomically(arguments->output, ply_text(model.cloud));
           Json json = model.report();

@@ -280,7 +280,7 @@ memory::ForgetRequest forget_request(const memory::Store& store, const std::stri
       meant.push_back(memory::object_name(object));
     throw Error(fmt::format("'{}' is neither an object, as object_12, nor a place", name), {},
                 meant.empty() ? "loci-memory objects and loci-memory room list them"
-                              : "give its number: " + loci::joined(meant, ", "));
+                              : "give its number: " + joined(meant, ", "));
   }
   request.place = places.front().id;
   return request;

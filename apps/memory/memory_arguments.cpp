@@ -58,8 +58,4 @@ memory::Store open_to_change(const std::string& memory, Session& session) {
   return store;
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  return fmt::format("{}", fmt::join(words, " "));
-}
-
 }  // namespace loci::apps

@@ -51,7 +51,4 @@ memory::Store open_memory(const std::string& memory, Session& session);
 /// migrated.
 memory::Store open_to_change(const std::string& memory, Session& session);
 
-/// "the", "red", "cup" given as one or several arguments.
-std::string joined(const std::vector<std::string>& words);
-
 }  // namespace loci::apps

@@ -195,7 +195,7 @@ namespace {
 std::vector<std::string> sentences_of(const std::vector<std::string>& words) {
   const bool one = std::ranges::none_of(
       words, [](const std::string& word) { return word.find(' ') != std::string::npos; });
-  return one ? std::vector{loci::joined(words, " ")} : words;
+  return one ? std::vector{joined(words, " ")} : words;
 }
 
 }  // namespace

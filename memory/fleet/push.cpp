@@ -328,6 +328,22 @@ MemoryPush::Window MemoryPush::read_window(const TableLayout& table, const std::
   return window;
 }
 
+void MemoryPush::apply_staged(const TableLayout& table) {
+  const std::string& staged = staging(table);
+  std::vector<std::string> same_key;
+  for (const size_t column : table.key)
+    same_key.push_back(fmt::format("old.{0} = staged.{0}", sql_name(table.columns[column].name)));
+  database_.sql().run(
+      fmt::format("DELETE FROM {} old USING {} staged WHERE old.home = $1 AND old.robot = $2 AND {}",
+                  table_name(table), staged, joined(same_key, " AND ")),
+      name_parameters());
+  const std::string columns = column_list(table);
+  database_.sql().run(
+      fmt::format("INSERT INTO {} (home, robot, {}, digest) SELECT $1, $2, {}, digest FROM {} WHERE present",
+                  table_name(table), columns, columns, staged),
+      name_parameters());
+}
+
 void MemoryPush::reconcile(const TableReader& file, const TableLayout& table, Progress& progress) {
   begin();
   const std::string& staged = staging(table);
@@ -370,19 +386,7 @@ void MemoryPush::reconcile(const TableReader& file, const TableLayout& table, Pr
         });
     if (!last) cursor.key = window.rows.back().first;
     if (added + removed == 0) continue;
-    std::vector<std::string> same_key;
-    for (const size_t column : table.key)
-      same_key.push_back(fmt::format("old.{0} = staged.{0}", sql_name(table.columns[column].name)));
-    database_.sql().run(
-        fmt::format("DELETE FROM {} old USING {} staged WHERE old.home = $1 AND old.robot = $2 AND {}",
-                    table_name(table), staged, joined(same_key, " AND ")),
-        name_parameters());
-    const std::string columns = column_list(table);
-    database_.sql().run(
-        fmt::format(
-            "INSERT INTO {} (home, robot, {}, digest) SELECT $1, $2, {}, digest FROM {} WHERE present",
-            table_name(table), columns, columns, staged),
-        name_parameters());
+    apply_staged(table);
     if (added > 0) result_.added[table.name] += added;
     if (removed > 0) result_.removed[table.name] += removed;
     progress.check(0.99, "correcting " + table.name);

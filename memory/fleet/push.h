@@ -54,6 +54,8 @@ class MemoryPush {
   void append(const TableReader& file, const TableLayout& table, Progress& progress);
   /// Rows that differ anywhere.
   void reconcile(const TableReader& file, const TableLayout& table, Progress& progress);
+  /// Replaces the rows of this memory by those that are staged.
+  void apply_staged(const TableLayout& table);
   Window read_window(const TableLayout& table, const std::optional<TableKey>& after);
   /// A temporary table with the columns of `table` and "present".
   const std::string& staging(const TableLayout& table);

@@ -76,6 +76,7 @@ class LineSource : public SceneSource {
       const int64_t line = reader_.number();
       if (skip_.contains(line)) {
         ++skipped_;
+        last_hash_ = content_hash(text_);
         continue;
       }
       if (text_.find_first_not_of(" \t") == std::string::npos && status == LineReader::Status::line) continue;
@@ -176,8 +177,8 @@ class FrameSource : public SceneSource {
   size_t position_ = 0, matched_ = 0;
 };
 
-/// COCO and YOLO; what else there is is JSON Lines.
-/// JSON Lines are known by their first line, whatever the file is called.
+/// COCO and YOLO; everything else is JSON Lines, which are known by their first line, whatever the file is
+/// called.
 bool is_detection_set(const fs::path& file) {
   if (fs::is_directory(file)) return true;
   if (file.extension() != ".json") return false;

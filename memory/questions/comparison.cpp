@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "memory/questions/contents.h"
+#include "memory/questions/environment.h"
 #include "memory/questions/events.h"
 #include "memory/questions/location.h"
 #include "memory/questions/replies/answer_fields.h"
@@ -44,6 +45,14 @@ Compared compared_object(const Snapshot& snapshot, const std::string& subject) {
   });
   const Id id = there == found.end() ? found.front() : *there;
   return {.name = object_name(id), .object = id};
+}
+
+/// Furniture, by the height of its surface or its own.
+Compared compared_part(const Store& store, const std::string& subject, const AsOf& as_of) {
+  const EnvironmentPart part = ask(store, RoomQuestion{.part = subject, .as_of = as_of}).parts.front();
+  Compared one{.name = name_in_words(part.name)};
+  if (part.height || part.size) one.value = part.height ? *part.height : part.size->z();
+  return one;
 }
 
 std::optional<Vector3d> position_of(const Snapshot& snapshot, const Compared& one) {
@@ -235,6 +244,10 @@ ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question) {
     if (question.by == "opened-before") {
       answer.compared.push_back(
           {.name = name_in_words(subject), .time = last_change(store, subject, question)});
+      continue;
+    }
+    if (is_of_height(question.by) && !snapshot.means_objects(subject)) {
+      answer.compared.push_back(compared_part(store, subject, question.as_of));
       continue;
     }
     Compared one = compared_object(snapshot, subject);

@@ -198,6 +198,20 @@ class RelationTest {
   Vector2d forward_ = Vector2d::Zero();  ///< from the camera, over the floor
 };
 
+/// The objects that the answer may name; unset = all.
+std::optional<std::set<Id>> meant_by(const Snapshot& snapshot, const NearQuestion& question) {
+  if (question.only.empty() && question.place.empty()) return std::nullopt;
+  const std::vector<Id> objects =
+      question.only.empty() ? snapshot.present_objects() : snapshot.find_objects(question.only);
+  std::set<Id> meant(objects.begin(), objects.end());
+  if (question.place.empty()) return meant;
+  std::set<Id> there;
+  for (const PlaceRow& place : snapshot.find_places(question.place))
+    for (const Id object : snapshot.objects_at(place.id))
+      if (meant.contains(object)) there.insert(object);
+  return there;
+}
+
 /// Adds what is near the point. `meant`: only these; unset = all.
 void add_near(const Snapshot& snapshot, const NearQuestion& question,
               const std::optional<std::set<Id>>& meant, NearAnswer& answer) {
@@ -298,11 +312,7 @@ NearAnswer ask(const Store& store, const NearQuestion& question) {
     throw Error(fmt::format("a radius of {} m is not positive", question.radius_m), {},
                 "give metres above 0");
   const Snapshot snapshot(store, question.as_of);
-  std::optional<std::set<Id>> meant;
-  if (!question.only.empty()) {
-    const std::vector<Id> objects = snapshot.find_objects(question.only);
-    meant.emplace(objects.begin(), objects.end());
-  }
+  const std::optional<std::set<Id>> meant = meant_by(snapshot, question);
   std::vector<NearAnswer> answers =
       located(snapshot, question.subject,
               {.asked = question.subject, .radius_m = question.radius_m, .relation = question.relation});
@@ -370,6 +380,7 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
   const auto example = [on](const char* of_on, const char* of_in = "") {
     return std::string(on ? of_on : of_in);
   };
+  const std::map<std::string, std::string> of_kind = {{"object", "{object} {kind}"}};
   std::vector<SentenceForm> forms = {
       {"bare: any thing $p<place> [leave|keep|put|else]", exists, ""},
       {"yes: thing $p<place> [leave|keep|put|else]", exists,
@@ -404,6 +415,9 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
        example("What is on the table?", "What is in the first drawer?")},
       {"what: which<object> $p<place> [put|leave|else|keep]", objects,
        example("Which cup is on the counter?")},
+      {"what: which<kind> $p<place> coloured<object> -was", objects, "", of_kind},
+      {"what: $p<place> coloured<object> [thing] -was", objects},
+      {"howmany: <kind> $p<place> coloured<object> -was", number, "", of_kind},
       {"order: show|list|name|tell|give|print|report|find|return|enumerate $p<place> "
        "[thing|everything|content|leave|keep|put]",
        objects, example("Show me everything on the shelf")},
@@ -439,6 +453,21 @@ std::vector<SentenceForm> contents_sentences(const std::string& preposition) {
   for (SentenceForm& form : forms)
     for (size_t at = form.form.find("$p"); at != std::string::npos; at = form.form.find("$p"))
       form.form.replace(at, 2, preposition);
+  return forms;
+}
+
+/// "Which cup on the table is behind the milk?": what is asked for is at a place.
+std::vector<SentenceForm> with_place(std::vector<SentenceForm> forms) {
+  const std::string which = "what: ", object = "which<object> ";
+  for (size_t i = 0, count = forms.size(); i < count; ++i) {
+    const size_t named = forms[i].form.find(object);
+    const bool nearest = forms[i].form.find("nearest") != std::string::npos;
+    if (!forms[i].form.starts_with(which) || (named == std::string::npos && !nearest)) continue;
+    SentenceForm at_place = forms[i];
+    at_place.form.insert(named == std::string::npos ? which.size() : named + object.size(), "at<place> ");
+    at_place.example.clear();
+    forms.push_back(std::move(at_place));
+  }
   return forms;
 }
 
@@ -515,7 +544,7 @@ std::vector<SentenceForm> near_sentences() {
     forms.push_back({"yes|bare: <object> " + at + "<around> [stand|see|put]", on ? verdict : agent,
                      on ? "Is there an apple on the plate?" : "", on_top});
   }
-  return forms;
+  return with_place(std::move(forms));
 }
 
 std::vector<std::string> relation_names() {
@@ -579,12 +608,14 @@ std::vector<Question> contents_questions() {
             {.name = "with",
              .type = ParameterType::object,
              .help = "Of --relation between: the other object"},
-            only_object_parameter()},
+            only_object_parameter(),
+            only_place_parameter()},
        .examples = {"red --radius 0.4", "2.0,1.0,0.8 --radius 1 --json"},
        .answer = format::schema_by<near_record>,
        .run = [](const Arguments& given) -> Answer {
          NearQuestion question{.subject = given.text("around"), .as_of = given.as_of()};
          question.only = given.text("object");
+         question.place = given.text("place");
          question.with = given.text("with");
          question.relation = relation_called(given.text("relation"));
          // What is left of it does not end at half a metre.

@@ -53,8 +53,9 @@ struct NearQuestion {
   std::string subject = {};  ///< "1.2,0.4" or "1.2,0.4,0.9" (map frame, metres), an object or a place
   double radius_m = 0.5;
   AsOf as_of = {};
-  std::string only = {};  ///< only these objects; empty = all
-  std::string with = {};  ///< of `between`: the other object
+  std::string only = {};   ///< only these objects; empty = all
+  std::string place = {};  ///< only at this place; empty = everywhere
+  std::string with = {};   ///< of `between`: the other object
   Relation relation = Relation::near;
   size_t count = 0;       ///< only so many, the nearest; 0 = all
   bool farthest = false;  ///< only the one that is farthest away

@@ -91,11 +91,12 @@ const mapping::Joint* moving_joint(const mapping::World& world, const std::strin
 }
 
 PartMotion motion_of(const Snapshot& snapshot, const mapping::Joint& joint) {
+  constexpr double kHalfTurn = kPi;  // what turns without limits is at most that far from closed
   return {.joint = snapshot.part_names().joint(joint.name),
           .map_joint = joint.name,
           .type = joint.type,
-          .lower = joint.limits ? joint.limits->lower : 0,
-          .upper = joint.limits ? joint.limits->upper : 0};
+          .lower = joint.limits ? joint.limits->lower : -kHalfTurn,
+          .upper = joint.limits ? joint.limits->upper : kHalfTurn};
 }
 
 void set_place(const Snapshot& snapshot, const PlaceRow& place, EnvironmentPart& part) {
@@ -184,6 +185,15 @@ void keep_level(double level, std::vector<EnvironmentPart>& parts) {
   });
 }
 
+/// Keeps the one of which there is most; a surface is as high as it is above the floor.
+void keep_most(SizeMeasure measure, std::vector<EnvironmentPart>& parts) {
+  std::erase_if(parts, [](const EnvironmentPart& part) { return !part.size; });
+  if (parts.empty()) return;
+  parts = {*std::ranges::max_element(parts, {}, [&](const EnvironmentPart& part) {
+    return measure({part.size->x(), part.size->y(), part.height.value_or(part.size->z())});
+  })};
+}
+
 /// "the kitchen drawers" → "drawer" of a class drawer; "drawer 1" → the beginning of drawer_1_front.
 std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& parts,
                                           const std::string& asked) {
@@ -213,12 +223,23 @@ std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& pa
   take([&](const EnvironmentPart& part) {
     return part.class_name == joined || part.class_name + "s" == joined;
   });
+  // "north counter" is counter_north.
+  const std::vector<std::string> asked_words = words_of(name);
+  if (asked_words.size() > 1)
+    take([&](const EnvironmentPart& part) {
+      const std::vector<std::string> words = words_of(lower_case(part.name), "_");
+      return std::ranges::all_of(
+          asked_words, [&](const std::string& word) { return std::ranges::count(words, word) > 0; });
+    });
   if (!found.empty()) return found;
   if (const std::string singular = singular_of(name); singular != name) return parts_called(parts, singular);
   if (const std::string other = furniture_called(name); !other.empty()) return parts_called(parts, other);
   if (const size_t space = name.find(' '); space != std::string::npos) {
+    const std::string first = name.substr(0, space);
     found = parts_called(parts, name.substr(space + 1));
-    if (const auto level = level_called(name.substr(0, space))) keep_level(*level, found);
+    if (const auto level = level_called(first)) keep_level(*level, found);
+    if (const auto measure = superlatives().find(first); measure != superlatives().end())
+      keep_most(measure->second, found);
   }
   return found;
 }
@@ -508,7 +529,9 @@ OpensAnswer ask(const Store& store, const OpensQuestion& question) {
 }
 
 std::string to_text(const RoomAnswer& answer, const TimeWriter& times) {
-  if (answer.parts.empty()) return "No map, and no place was found yet.\n";
+  if (answer.parts.empty())
+    return answer.state.empty() ? "No map, and no place was found yet.\n"
+                                : fmt::format("No place that was looked at is {}.\n", answer.state);
   std::vector<std::string> counts;
   for (const auto& [name, count] : answer.classes) counts.push_back(counted(count, name));
   std::vector<std::string> lines = {fmt::format(
@@ -600,7 +623,14 @@ std::vector<Question> environment_questions() {
                      {"what: furniture [know|room]"},
                      {"where: <part> [room|location]", Asks::place, "Where is the table?"},
                      {"howbig: <part>", Asks::property, "How big is the table?"},
+                     {"what: which<kind> most<part>",
+                      Asks::property,
+                      "Which drawer is the widest?",
+                      {{"part", "{part} {kind}"}},
+                      SentenceTime::none},
+                     {"what: most<part>", Asks::property, "", {}, SentenceTime::none},
                      {"howlong: <part> -was -have -do -did -had -there -stand -time -see", Asks::property},
+                     {"what: furniture empty", Asks::objects, "", empty},
                      {"what: which<part> empty [every|leave]", Asks::objects, "Which drawers are empty?",
                       empty},
                      {"howmany: empty <part>", Asks::number, "", empty},

@@ -289,6 +289,11 @@ std::vector<SentenceForm> objects_sentences() {
       {"what: thing most<object>", objects},
       {"what: which<kind> most<object>", objects, "", {{"object", "{object} {kind}"}}},
       {"what: coloured<object> [thing] -was", objects, "What is green?"},
+      {"what: which<kind> coloured<object> -was",
+       objects,
+       "Which cup is red?",
+       {{"object", "{object} {kind}"}}},
+      {"howmany: <kind> coloured<object> -was", number, "", {{"object", "{object} {kind}"}}},
   };
 }
 

@@ -19,6 +19,7 @@
 #include "memory/questions/location.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/objects.h"
+#include "memory/questions/people.h"
 #include "memory/questions/presence.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/reply.h"
@@ -275,7 +276,8 @@ const std::vector<Question>& questions() {
     for (const auto& family :
          {location_questions(), presence_questions(), contents_questions(), event_questions(),
           routine_questions(), co_occurrence_questions(), search_questions(), comparison_questions(),
-          task_questions(), object_questions(), environment_questions(), digest_questions()})
+          people_questions(), task_questions(), object_questions(), environment_questions(),
+          digest_questions()})
       result.insert(result.end(), family.begin(), family.end());
     return result;
   }();

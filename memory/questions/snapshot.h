@@ -128,6 +128,15 @@ class Snapshot {
   };
   const std::vector<Candidate>& candidates_named(const std::string& word, Among among = Among::all) const;
   std::vector<Candidate> search_named(const std::string& word, Among among) const;
+  /// The object of a number, "object_12". Error where it was forgotten.
+  std::vector<Candidate> of_number(Id id) const;
+  /// Those whose stated fact "is so", by key and value in lower case.
+  std::vector<Candidate> with_fact(
+      const std::function<bool(const std::string& key, const std::string& value)>& is_so) const;
+  std::vector<Candidate> of_looks(const std::string& word, Among among) const;
+  /// `meanings`: of the word, in the taxonomy.
+  std::vector<Candidate> of_class(const std::string& word, const std::set<std::string>& meanings,
+                                  Among among) const;
   bool is_named(const Candidate& candidate) const;
   const std::vector<Id>& present_candidates() const;
   std::vector<std::string> names_related_to(const std::string& word, bool known) const;

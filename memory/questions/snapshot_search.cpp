@@ -344,50 +344,69 @@ const std::vector<Snapshot::Candidate>& Snapshot::candidates_named(const std::st
 }
 
 std::vector<Snapshot::Candidate> Snapshot::search_named(const std::string& word, Among among) const {
+  if (const auto id = object_id(word)) return of_number(*id);
   std::vector<Candidate> found;
-  if (const auto id = object_id(word)) {
-    if (belief(*id) != nullptr) found.push_back({*id});
-    // What a tombstone stands for is not known any more.
-    if (found.empty() && *id <= store_.max_object_id() && !store_.forgotten().empty())
-      throw UnknownName(
-          UnknownName::Kind::object,
-          fmt::format("there is no {}: it may be one that was forgotten on request", object_name(*id)),
-          file(), "");
-    return found;
-  }
   // The name of a place means what is there now, not what once was.
   for (const PlaceRow& place : reads_->places) {
     if (lower_case(place.name) != word) continue;
     for (const Id id : objects_at(place.id)) found.push_back({id});
     return found;
   }
-  const auto take_facts = [&](auto matches) {
-    for (const FactRow& fact : reads_->facts)
-      if (fact.object && belief(*fact.object) != nullptr && matches(fact, lower_case(*fact.value)))
-        found.push_back({*fact.object});
-  };
   // Who was given a name is meant by it, not everything of that kind.
-  take_facts([&](const FactRow& fact, const std::string& value) {
-    return fact.key == "alias" && (value == word || with_underscores(value) == word);
+  found = with_fact([&](const std::string& key, const std::string& value) {
+    return key == "alias" && (value == word || with_underscores(value) == word);
   });
   if (!found.empty()) return found;
   const std::set<std::string> meanings = reads_->taxonomy.meanings(word);
-  take_facts([&](const FactRow& fact, const std::string& value) {
-    return fact.key == "owner" ? word == value + "'s" : meanings.contains(value);
+  found = with_fact([&](const std::string& key, const std::string& value) {
+    return key == "owner" ? word == value + "'s" : meanings.contains(value);
   });
-  if (is_size_word(word) || is_color_word(word)) {
-    const auto take_looks = [&](const BeliefRow& row) {
-      const bool color = row.color && same_color(lower_case(*row.color)) == same_color(word);
-      const bool size = row.size && is_size_word(word) && has_size(word, *row.size);
-      if (color || size) found.push_back({row.object});
-    };
-    if (among == Among::all)
-      std::ranges::for_each(beliefs(), take_looks);
-    else
-      for (const Id id : present_candidates())
-        if (const BeliefRow* row = belief(id)) take_looks(*row);
-  }
-  // What a person called its class overrules what it looked like to an annotator.
+  for (const std::vector<Candidate>& more : {of_looks(word, among), of_class(word, meanings, among)})
+    found.insert(found.end(), more.begin(), more.end());
+  return found;
+}
+
+std::vector<Snapshot::Candidate> Snapshot::of_number(Id id) const {
+  if (belief(id) != nullptr) return {{id}};
+  // What a tombstone stands for is not known any more.
+  if (id <= store_.max_object_id() && !store_.forgotten().empty())
+    throw UnknownName(
+        UnknownName::Kind::object,
+        fmt::format("there is no {}: it may be one that was forgotten on request", object_name(id)), file(),
+        "");
+  return {};
+}
+
+std::vector<Snapshot::Candidate> Snapshot::with_fact(
+    const std::function<bool(const std::string& key, const std::string& value)>& is_so) const {
+  std::vector<Candidate> found;
+  for (const FactRow& fact : reads_->facts)
+    if (fact.object && belief(*fact.object) != nullptr && is_so(fact.key, lower_case(*fact.value)))
+      found.push_back({*fact.object});
+  return found;
+}
+
+/// By colour and size.
+std::vector<Snapshot::Candidate> Snapshot::of_looks(const std::string& word, Among among) const {
+  if (!is_size_word(word) && !is_color_word(word)) return {};
+  std::vector<Candidate> found;
+  const auto take = [&](const BeliefRow& row) {
+    const bool color = row.color && same_color(lower_case(*row.color)) == same_color(word);
+    const bool size = row.size && is_size_word(word) && has_size(word, *row.size);
+    if (color || size) found.push_back({row.object});
+  };
+  if (among == Among::all)
+    std::ranges::for_each(beliefs(), take);
+  else
+    for (const Id id : present_candidates())
+      if (const BeliefRow* row = belief(id)) take(*row);
+  return found;
+}
+
+/// What a person called its class overrules what it looked like to an annotator.
+std::vector<Snapshot::Candidate> Snapshot::of_class(const std::string& word,
+                                                    const std::set<std::string>& meanings,
+                                                    Among among) const {
   std::set<Id> classed;
   std::set<std::string> classes;
   for (const FactRow& fact : reads_->facts)
@@ -395,6 +414,7 @@ std::vector<Snapshot::Candidate> Snapshot::search_named(const std::string& word,
       classed.insert(*fact.object);
       classes.insert(lower_case(*fact.value));
     }
+  std::vector<Candidate> found;
   for (const std::string& meaning : meanings) {
     const auto take = [&](std::vector<Id> objects, const std::string& class_name) {
       if (among == Among::present) objects = intersection(objects, present_candidates());

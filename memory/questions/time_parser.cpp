@@ -94,6 +94,28 @@ TimeNs floor_to(TimeNs time, TimeNs unit) {
   return time - (rest < 0 ? rest + unit : rest);
 }
 
+/// 0 of what is no number in letters.
+int spelled_count(const std::string& word) {
+  if (word.empty() || is_digit(word[0]) || word == "a" || word == "an") return 0;
+  return count_of(word).value_or(0);
+}
+
+/// In lower case, numbers of two words in digits: "twenty-five past seven" as "25 past seven".
+std::vector<std::string> time_words(std::string_view text) {
+  const std::vector<std::string> words = words_of(lower_case(text));
+  std::vector<std::string> result;
+  for (const std::string& word : words) {
+    const size_t dash = word.find('-');
+    const bool one_word = dash != std::string::npos;
+    const std::string tens = one_word ? word.substr(0, dash) : result.empty() ? "" : result.back();
+    const int ten = spelled_count(tens), one = spelled_count(word.substr(one_word ? dash + 1 : 0));
+    const bool both = ten >= 20 && one > 0 && one < 10;
+    if (both && !one_word) result.pop_back();
+    result.push_back(both ? std::to_string(ten + one) : word);
+  }
+  return result;
+}
+
 /// "now", "20 minutes ago": a moment, whatever clocks on the wall show. Days and weeks ago it was as late.
 std::optional<TimeNs> moment_of(std::vector<std::string> words, TimeNs now, const TimeZone& zone) {
   if (words == std::vector<std::string>{"now"}) return now;
@@ -284,7 +306,7 @@ std::optional<TimeSpan> TimeReader::try_read(std::string_view text) const {
     return TimeSpan{zone_.first_moment(local.first), zone_.last_moment(local.last)};
   };
   const TimeNs last_scene = std::clamp(last_scene_, kEarliest, kLatest);
-  const auto words = words_of(lower_case(text));
+  const auto words = time_words(text);
   if (const auto moment = moment_of(words, last_scene, zone_)) return TimeSpan{*moment, *moment};
   if (const auto span = TimePhrase(words, zone_.local(last_scene)).read()) {
     const auto afternoon = afternoon_of(text);
@@ -312,11 +334,11 @@ std::optional<TimeSpan> TimeReader::try_read(std::string_view text) const {
 
 std::optional<TimeSpan> TimeReader::afternoon_of(std::string_view text) const {
   const TimeNs now = zone_.local(std::clamp(last_scene_, kEarliest, kLatest));
-  std::vector<std::string> words = words_of(lower_case(text));
+  std::vector<std::string> words = time_words(text);
+  const bool spoken = joined(words, " ").find_first_of(":-") == std::string::npos;
   const auto span = TimePhrase(words, now).read();
   words.emplace_back("pm");
   const auto later = TimePhrase(words, now).read();
-  const bool spoken = text.find_first_of(":-") == std::string_view::npos;
   if (!spoken || !span || !later || later->first <= span->first) return std::nullopt;
   const TimeSpan afternoon = {zone_.first_moment(later->first), zone_.last_moment(later->last)};
   return afternoon.first <= last_scene_ ? std::optional(afternoon) : std::nullopt;

@@ -186,9 +186,13 @@ class Conversation {
     const auto comparison = find_contents_comparison(sentence, snapshot_, times_);
     if (!comparison) return std::nullopt;
     NaturalLanguageAnswer first{.sentence = sentence}, second = first;
-    if (!try_reading(comparison->first, first) || !try_reading(comparison->second, second))
-      return std::nullopt;
-    if (!first.reply || !second.reply) return std::nullopt;
+    for (const auto& [query, answer] :
+         {std::pair(&comparison->first, &first), std::pair(&comparison->second, &second)}) {
+      try_reading(*query, *answer);
+      if (answer->reply) continue;
+      const bool unknown = answer->why_not && answer->why_not->reason == "never_seen";
+      return unknown ? std::optional(*answer) : std::nullopt;
+    }
     first.reply = compared(*comparison, *first.reply, *second.reply, snapshot_);
     references_.remember(*first.query, *first.reply);
     last_ = first.query;
@@ -506,7 +510,8 @@ class Conversation {
     const size_t first = starts_with_words(words, {"and"}) || starts_with_words(words, {"so"}) ? 1 : 0;
     if (last_ && (starts_with_words(words, {"what", "about"}, first) ||
                   starts_with_words(words, {"how", "about"}, first)))
-      readings = parse_follow_up(clauses, *last_, times_);
+      readings =
+          parse_follow_up(clauses_of(join_words(words, first + 2, words.size()), times_), *last_, times_);
     if (readings.empty()) readings = parse_readings(clauses, times_);
     if (readings.empty() && last_) readings = parse_follow_up(clauses, *last_, times_);
     if (readings.empty())
@@ -541,7 +546,12 @@ class Conversation {
       if (first && error.kind() == UnknownName::Kind::place) tried.reply = not_looked_into(query);
       if (first && error.kind() == UnknownName::Kind::object) tried.reply = none_coloured(query);
       if (!first) return false;
-      tried.why_not = why_not(store_, query, question_.as_of, error);
+      if (const auto part = of_part(query)) {
+        query = *part;
+        set_answer(query, tried);
+      } else {
+        tried.why_not = why_not(store_, query, question_.as_of, error);
+      }
     } catch (const Error& error) {
       tried.why_not =
           NoAnswer{"not_possible", fmt::format("Not possible: {}.", error.message()), error.hint()};
@@ -588,15 +598,37 @@ class Conversation {
 
   /// "Anything blue?" names nothing that is unknown where nothing is blue; unset for other questions.
   std::optional<Reply> none_coloured(const Query& query) const {
-    const std::string colour = query.argument("object");
+    const std::string object = query.argument("object");
+    const size_t end = object.find(' ');
+    const std::string colour = object.substr(0, end);
+    std::string kind = end == std::string::npos ? "" : object.substr(end + 1);
+    if (lemma_of(kind) == "thing") kind.clear();
     // Of what was before only the last colour is known.
     const bool now = !query.arguments.contains("at") && !query.arguments.contains("from") &&
                      !query.arguments.contains("to") && query.question != "was";
     const bool counts = query.asks == Asks::verdict || query.asks == Asks::exists ||
                         query.asks == Asks::objects || query.asks == Asks::number;
     if (!is_color_word(colour) || !now || !counts) return std::nullopt;
-    return Reply{
-        .text = fmt::format("No: nothing {} is known.", colour), .verdict = Verdict::no, .number = 0};
+    if (!kind.empty() && !snapshot_.means_objects(kind)) return std::nullopt;
+    return Reply{.text = kind.empty() ? fmt::format("No: nothing {} is known.", colour)
+                                      : fmt::format("No: of what is called '{}' nothing is known to be {}.",
+                                                    kind, colour),
+                 .verdict = Verdict::no,
+                 .number = 0};
+  }
+
+  /// "Is there a fridge?" asks for a piece of furniture where no object is called so.
+  std::optional<Query> of_part(const Query& query) const {
+    const std::string name = query.argument("object");
+    const bool exists = query.asks == Asks::exists || query.asks == Asks::verdict;
+    if (query.question != "where" || !exists || name.empty() || name.find(' ') != std::string::npos)
+      return std::nullopt;
+    try {
+      ask(store_, RoomQuestion{.part = name, .as_of = question_.as_of});
+    } catch (const UnknownName&) {
+      return std::nullopt;
+    }
+    return Query{"room", {{"part", name}}, Asks::exists};
   }
 
   /// Of a time after the last look or before the first one nothing is known.

@@ -372,9 +372,8 @@ std::vector<Query> parse_follow_up(const std::vector<Clause>& clauses, const Que
   }
   if (clause.phrases.empty() && clause.concepts.empty() && !clause.period)
     if (auto bare = bare_follow_up(clause.mood, last)) return {*bare};
-  // "And the jam?", "What about on the counter?", "And at noon?"
-  const bool about = clause.phrases.size() == 1 && clause.phrases[0].relation == "about";
-  const bool leans = clause.mood == "bare" || ((clause.mood == "what" || clause.mood == "how") && about);
+  // "And the jam?", "On the counter?", "And how many on the shelf?", "And at noon?"
+  const bool leans = clause.mood == "bare" || (clause.mood == "howmany" && last.asks == Asks::number);
   // "And closed again?"
   const bool shuts = clause.concepts.contains("close"), opens = clause.concepts.contains("opened");
   if (leans && clause.phrases.empty() && (shuts || opens) && last.question == "changes" &&
@@ -400,9 +399,12 @@ std::vector<Query> parse_follow_up(const std::vector<Clause>& clauses, const Que
                                                                             : std::vector<Query>{};
   }
   const Phrase& phrase = clause.phrases[0];
-  const bool of_place = phrase.relation == "on" || phrase.relation == "in" || phrase.relation == "at";
-  const auto wanted = of_place ? ParameterType::place : ParameterType::object;
-  for (const ParameterType type : {wanted, ParameterType::place, ParameterType::part})
+  const bool of_place = phrase.relation == "on" || phrase.relation == "in" || phrase.relation == "at" ||
+                        is_furniture(phrase.text);
+  std::vector<ParameterType> types = {ParameterType::place, ParameterType::part};
+  if (!of_place || phrase.relation.empty())
+    types.insert(of_place ? types.end() : types.begin(), ParameterType::object);
+  for (const ParameterType type : types)
     for (const Parameter& parameter : question->parameters)
       if (parameter.type == type && query.arguments.contains(parameter.name)) {
         query.arguments[parameter.name] = phrase.text;

@@ -69,7 +69,8 @@ class PeriodReader {
     // An hour alone ("nine") is a time only after a preposition: "the red one" is not a time.
     static const WordSet names = {"now",  "today",  "yesterday", "tonight",
                                   "noon", "midday", "midnight",  "lunchtime"};
-    return introduced || text.find_first_of(" :-") != std::string::npos || names.contains(text) ||
+    const bool date = is_digit(text[0]) && text.find('-') != std::string::npos;
+    return introduced || date || text.find_first_of(" :") != std::string::npos || names.contains(text) ||
            weekday_of(text) || (is_digit(text[0]) && (text.ends_with("am") || text.ends_with("pm")));
   }
 
@@ -207,108 +208,123 @@ class PeriodReader {
   TimesOfSentence& times_;
 };
 
-/// "at the moment" is now, "earlier today" is today, "8.30" after "at" is 8:30.
-void normalize_times(Words& words) {
-  static const std::vector<std::pair<Words, Words>> replacements = [] {
-    const std::vector<std::pair<const char*, const char*>> forms = {
-        {"(right|just|by|even|as of) now", "now"},
-        {"(at|in) (the|this) [very|present|current] (moment|instant|second|minute)", "now"},
-        {"at present|at this (point|time)|this (instant|very moment)|at the present time|nowadays|these days",
-         "now"},
-        {"(up to|until|till|up until) now", ""},
-        {"(so|thus) far|to date|until today", ""},
-        {"as (of|at)", "at"},
-        {"at all", ""},
-        {"(at|in) any (point|time|stage)|at (some|one) (point|time|stage)|at any (point|time) in time",
-         "ever"},
-        {"earlier (today|on today|in the day)", "today"},
-        {"some time today|sometime today|in the course of (the|this) day|over the day|(during|in) the day",
-         "today"},
-        {"(in|at) the (last|latest|current|final|present) (scene|frame|image|snapshot)", "now"},
-        {"(in|at|on|during) (the|your) (last|latest|most recent) (look|visit)", "in the last 10 minutes"},
-        {"(this|the) (very|same) day|on (this|that) day", "today"},
-        {"earlier this", "this"},
-        {"earlier on", "earlier"},
-        {"sometime (this|in the)", "this"},
-        {"(the (whole|entire|full) time|all the time|all that time|continuously|without a break) "
-         "(from|between)",
-         "throughout"},
-        {"(the (whole|entire) time|all the time|continuously|the (whole|entire) day)", "all day"},
-        {"(compared|comparing) (with|to)|in comparison (with|to)|relative to|as (against|opposed to)",
-         "since"},
-        {"breakfast time", "breakfast"},
-        {"lunch time", "lunch"},
-        {"(dinner|supper) time", "dinner"},
-        {"breakfasttime", "breakfast"},
-        {"of today|for today|on today", "today"},
-        {"(go|goes|going|went|gone) on today", "happened today"},
-        {"(when|while) (i|we|someone) (had|ate|made|was having|were having|prepared) (breakfast)",
-         "at breakfast"},
-        {"(when|while) (i|we|someone) (had|ate|made|was having|were having|prepared) (lunch)", "at lunch"},
-        {"(when|while) (i|we|someone) (had|ate|made|was having|were having|prepared|cooked) (dinner|supper)",
-         "at dinner"},
-        {"after (i|we|someone) (had|ate|finished|had had) breakfast", "after breakfast"},
-        {"after (i|we|someone) (had|ate|finished|had had) lunch", "after lunch"},
-        {"after (i|we|someone) (had|ate|finished|had had) (dinner|supper)", "after dinner"},
-        {"before (i|we|someone) (had|ate|made) breakfast", "before breakfast"},
-        {"before (i|we|someone) (had|ate|made) lunch", "before lunch"},
-        {"before (i|we|someone) (had|ate|made) (dinner|supper)", "before dinner"},
-        {"(when|while) breakfast (began|started|was on)", "at breakfast"},
-        {"(when|while) lunch (began|started|was on)", "at lunch"},
-        {"(when|while) (dinner|supper) (began|started|was on)", "at dinner"},
-        {"(a|the) couple of", "two"},
-        {"couple of", "two"},
-        {"(a few|several|some) (minutes|mins)", "5 minutes"},
-        {"(an hour and a half|one and a half hours|1 1/2 hours|1.5 hours)", "90 minutes"},
-        {"(a quarter of an hour|quarter of an hour)", "15 minutes"},
-        {"three quarters of an hour", "45 minutes"},
-        {"the last half an hour", "the last 30 minutes"},
-        {"the last half hour", "the last 30 minutes"},
-        {"the past half hour", "the last 30 minutes"},
-        {"first thing (in the|this) morning|in the early hours", "this early morning"},
-        {"early (in the|this) morning", "this early morning"},
-        {"(late|later) [on] (in the|this) morning", "this late morning"},
-        {"early (in the|this) afternoon", "this early afternoon"},
-        {"(late|later) [on] (in the|this) afternoon", "this late afternoon"},
-        {"early (in the|this) evening", "this early evening"},
-        {"(late|later) [on] (in the|this) evening", "this late evening"},
-        {"noonish|noontime|high noon|12 noon|twelve noon", "noon"},
-        {"in the middle of the day", "at noon"},
-        {"12 midnight|twelve midnight", "midnight"},
-        {"(hrs|hr)", "hours"},
-        {"mins", "minutes"},
-        {"o'clock|oclock|o clock", ""},
-        {"o'clock sharp", ""},
-    };
-    std::vector<std::pair<Words, Words>> all;
-    for (const auto& [form, by] : forms)
-      for (Words& from : expand_form(form)) all.emplace_back(std::move(from), words_of(by));
-    std::ranges::stable_sort(all, std::ranges::greater(), [](const auto& one) { return one.first.size(); });
-    return all;
-  }();
-  for (const auto& [from, to] : replacements)
-    for (size_t i = 0; i < words.size(); ++i)
-      if (starts_with_words(words, from, i)) replace_words(words, i, from.size(), to);
-  // "seventeen hundred" is 17:00.
+using Rewording = std::pair<Words, Words>;  ///< what stands for what
+
+/// The longest first.
+std::vector<Rewording> rewordings_of_times() {
+  static constexpr std::pair<const char*, const char*> kForms[] = {
+      {"(right|just|by|even|as of) now", "now"},
+      {"(at|in) (the|this) [very|present|current] (moment|instant|second|minute)", "now"},
+      {"at present|at this (point|time)|this (instant|very moment)|at the present time|nowadays|these days",
+       "now"},
+      {"(up to|until|till|up until) now", ""},
+      {"(so|thus) far|to date|until today", ""},
+      {"as (of|at)", "at"},
+      {"at all", ""},
+      {"(at|in) any (point|time|stage)|at (some|one) (point|time|stage)|at any (point|time) in time", "ever"},
+      {"earlier (today|on today|in the day)", "today"},
+      {"some time today|sometime today|in the course of (the|this) day|over the day|(during|in) the day",
+       "today"},
+      {"(in|at) the (last|latest|current|final|present) (scene|frame|image|snapshot)", "now"},
+      {"(in|at|on|during) (the|your) (last|latest|most recent) (look|visit)", "in the last 10 minutes"},
+      {"(this|the) (very|same) day|on (this|that) day", "today"},
+      {"earlier this", "this"},
+      {"earlier on", "earlier"},
+      {"sometime (this|in the)", "this"},
+      {"(the (whole|entire|full) time|all the time|all that time|continuously|without a break) "
+       "(from|between)",
+       "throughout"},
+      {"(the (whole|entire) time|all the time|continuously|the (whole|entire) day)", "all day"},
+      {"(compared|comparing) (with|to)|in comparison (with|to)|relative to|as (against|opposed to)", "since"},
+      {"breakfast time", "breakfast"},
+      {"lunch time", "lunch"},
+      {"(dinner|supper) time", "dinner"},
+      {"breakfasttime", "breakfast"},
+      {"of today|for today|on today", "today"},
+      {"(go|goes|going|went|gone) on today", "happened today"},
+      {"(when|while) (i|we|someone) (had|ate|made|was having|were having|prepared) (breakfast)",
+       "at breakfast"},
+      {"(when|while) (i|we|someone) (had|ate|made|was having|were having|prepared) (lunch)", "at lunch"},
+      {"(when|while) (i|we|someone) (had|ate|made|was having|were having|prepared|cooked) (dinner|supper)",
+       "at dinner"},
+      {"after (i|we|someone) (had|ate|finished|had had) breakfast", "after breakfast"},
+      {"after (i|we|someone) (had|ate|finished|had had) lunch", "after lunch"},
+      {"after (i|we|someone) (had|ate|finished|had had) (dinner|supper)", "after dinner"},
+      {"before (i|we|someone) (had|ate|made) breakfast", "before breakfast"},
+      {"before (i|we|someone) (had|ate|made) lunch", "before lunch"},
+      {"before (i|we|someone) (had|ate|made) (dinner|supper)", "before dinner"},
+      {"(when|while) breakfast (began|started|was on)", "at breakfast"},
+      {"(when|while) lunch (began|started|was on)", "at lunch"},
+      {"(when|while) (dinner|supper) (began|started|was on)", "at dinner"},
+      {"(a|the) couple of", "two"},
+      {"couple of", "two"},
+      {"(a few|several|some) (minutes|mins)", "5 minutes"},
+      {"(an hour and a half|one and a half hours|1 1/2 hours|1.5 hours)", "90 minutes"},
+      {"(a quarter of an hour|quarter of an hour)", "15 minutes"},
+      {"three quarters of an hour", "45 minutes"},
+      {"the last half an hour", "the last 30 minutes"},
+      {"the last half hour", "the last 30 minutes"},
+      {"the past half hour", "the last 30 minutes"},
+      {"first thing (in the|this) morning|in the early hours", "this early morning"},
+      {"early (in the|this) morning", "this early morning"},
+      {"(late|later) [on] (in the|this) morning", "this late morning"},
+      {"early (in the|this) afternoon", "this early afternoon"},
+      {"(late|later) [on] (in the|this) afternoon", "this late afternoon"},
+      {"early (in the|this) evening", "this early evening"},
+      {"(late|later) [on] (in the|this) evening", "this late evening"},
+      {"noonish|noontime|high noon|12 noon|twelve noon", "noon"},
+      {"in the middle of the day", "at noon"},
+      {"12 midnight|twelve midnight", "midnight"},
+      {"(hrs|hr)", "hours"},
+      {"mins", "minutes"},
+      {"o'clock|oclock|o clock", ""},
+      {"o'clock sharp", ""},
+  };
+  std::vector<Rewording> all;
+  for (const auto& [form, by] : kForms)
+    for (Words& from : expand_form(form)) all.emplace_back(std::move(from), words_of(by));
+  std::ranges::stable_sort(all, std::ranges::greater(),
+                           [](const Rewording& one) { return one.first.size(); });
+  return all;
+}
+
+/// "seventeen hundred [hours]" is 17:00.
+void read_hundreds(Words& words) {
   for (size_t i = 0; i + 1 < words.size(); ++i)
     if (const auto hour = count_of(words[i]); hour && *hour <= 24 && words[i + 1] == "hundred") {
       const bool named = i + 2 < words.size() && words[i + 2] == "hours";
       replace_words(words, i, named ? 3 : 2, {fmt::format("{:02}:00", *hour)});
     }
-  // "... first thing" ends what happened early.
+}
+
+/// "... first thing" ends what happened early.
+void read_first_of_day(Words& words) {
   static const WordSet articles = {"the", "a", "which", "what", "very"};
   if (words.size() > 3 && words[words.size() - 1] == "thing" && words[words.size() - 2] == "first" &&
       !articles.contains(words[words.size() - 3]))
     replace_words(words, words.size() - 2, 2, {"this", "early", "morning"});
-  // "a.m." lost its last point before.
+}
+
+/// "9 a.m" is "9 am" (its last point is gone before), "8.30" is 8:30.
+void read_points(Words& words) {
   for (std::string& word : words) {
     if (word == "a.m" || word == "p.m") word.erase(1, 1);
     if (word.size() > 4 && (word.ends_with("a.m") || word.ends_with("p.m"))) word.erase(word.size() - 2, 1);
-  }
-  for (std::string& word : words)
     if ((word.size() == 4 || word.size() == 5) && word[word.size() - 3] == '.' &&
         word.find_first_not_of("0123456789.") == std::string::npos)
       word[word.size() - 3] = ':';
+  }
+}
+
+/// Times in the words that TimeReader knows: "at the moment" is now, "earlier today" is today.
+void normalize_times(Words& words) {
+  static const std::vector<Rewording> rewordings = rewordings_of_times();
+  for (const auto& [from, to] : rewordings)
+    for (size_t i = 0; i < words.size(); ++i)
+      if (starts_with_words(words, from, i)) replace_words(words, i, from.size(), to);
+  read_hundreds(words);
+  read_first_of_day(words);
+  read_points(words);
 }
 
 /// "After my wife came home at five" is "after five", "while I was out from nine to ten" "from nine to ten":

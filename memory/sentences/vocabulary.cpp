@@ -195,6 +195,7 @@ constexpr Compound kCompounds[] = {
     {"how long since", "howlong ago"},
     {"most (recent|recently)", "last"},
     {"(least|longest) recently", "first"},
+    {"(most|much) of the (time|day)|for the most part", "usually"},
     // Where.
     {"(in|at|on) (what|which) (place|spot|location|position|surface)", "where"},
     {"(what|which) (place|spot|location|position|surface) (is|was|has|does|did|do)", "where is"},

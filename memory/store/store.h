@@ -204,7 +204,10 @@ class Store {
   Id max_observation_id() const;  ///< 0 = there is none
   Id max_object_id() const;       ///< likewise; forgotten ones count
   std::vector<AnnotationRow> annotations(Id scene) const;
-  /// The time of the last scene from `from` to `to` with an annotation of a type; unset = none has one.
+  /// The scenes from `from` to `to` with an annotation of a type, in order of time.
+  std::vector<SceneRow> scenes_annotated(const std::string& type, TimeNs from, TimeNs to,
+                                         const AsOf& as_of) const;
+  /// The time of the last of them; unset = there is none.
   std::optional<TimeNs> last_annotated(const std::string& type, TimeNs from, TimeNs to,
                                        const AsOf& as_of = {}) const;
   /// The log of a scene in the order of its lines.
@@ -354,9 +357,10 @@ class Store {
     int64_t rows = 0, bytes = 0;
   };
   std::vector<TableSize> statistics(bool with_bytes = true) const;
-  /// Passes the rows of a public view ("v_objects") as objects {column: value}.
-  std::vector<std::string> read_view(const std::string& view,
-                                     const std::function<void(const Json&)>& visitor) const;
+  /// The columns of a public view ("v_objects").
+  std::vector<std::string> view_columns(const std::string& view) const;
+  /// Passes the rows of a public view as objects {column: value}, in the order of its columns.
+  void read_view(const std::string& view, const std::function<void(const Json&)>& visitor) const;
   /// Checks integrity, references, hashes of blobs, and agreement between tables.
   VerifyReport verify(Progress& progress) const;
 

@@ -32,6 +32,29 @@ std::map<std::string, std::string> table_owners(Store::Connection& db) {
   return result;
 }
 
+SQLite::Statement all_rows(Store::Connection& db, const std::string& view) {
+  if (!has_object(db.format, "view", view)) throw db.error("there is no view " + view);
+  return {*db.database, "SELECT * FROM " + sql_name(view)};
+}
+
+Json cell_of(const SQLite::Column& value) {
+  if (value.isInteger()) return value.getInt64();
+  if (value.isFloat()) return value.getDouble();
+  if (value.isText()) return value.getString();
+  return {};
+}
+
+/// Scenes of a period with an annotation of a type.
+Where where_annotated(const std::string& type, TimeNs from, TimeNs to, const AsOf& as_of) {
+  Where where;
+  const std::string terms = fmt::format("SELECT id FROM term WHERE type = {}", where.bind(sql(type)));
+  // Where no term is of the type, no scene is read.
+  where.between("time", from, to).added("time", as_of).and_also(fmt::format("EXISTS ({})", terms));
+  where.and_also(
+      fmt::format("EXISTS (SELECT 1 FROM annotation a WHERE a.scene = scene.id AND a.term IN ({}))", terms));
+  return where;
+}
+
 }  // namespace
 
 std::optional<std::string> Store::meta(const std::string& key) const {
@@ -131,14 +154,14 @@ std::vector<AnnotationRow> Store::annotations(Id scene) const {
   return select<AnnotationRow>(*connection_, Where("scene = ?1", {sql(scene)}));
 }
 
+std::vector<SceneRow> Store::scenes_annotated(const std::string& type, TimeNs from, TimeNs to,
+                                              const AsOf& as_of) const {
+  return select<SceneRow>(*connection_, where_annotated(type, from, to, as_of), "time, id");
+}
+
 std::optional<TimeNs> Store::last_annotated(const std::string& type, TimeNs from, TimeNs to,
                                             const AsOf& as_of) const {
-  Where where;
-  const std::string terms = fmt::format("SELECT id FROM term WHERE type = {}", where.bind(sql(type)));
-  // Where no term is of the type, no scene is read.
-  where.between("time", from, to).added("time", as_of).and_also(fmt::format("EXISTS ({})", terms));
-  where.and_also(
-      fmt::format("EXISTS (SELECT 1 FROM annotation a WHERE a.scene = scene.id AND a.term IN ({}))", terms));
+  const Where where = where_annotated(type, from, to, as_of);
   return connection_->value<TimeNs>(
       fmt::format("SELECT time FROM scene WHERE {} ORDER BY time DESC LIMIT 1", where.text()),
       where.values());
@@ -372,29 +395,25 @@ std::vector<Store::TableSize> Store::statistics(bool with_bytes) const {
   });
 }
 
-std::vector<std::string> Store::read_view(const std::string& view,
-                                          const std::function<void(const Json&)>& visitor) const {
+std::vector<std::string> Store::view_columns(const std::string& view) const {
   auto& db = *connection_;
   return db.guarded([&] {
-    if (!has_object(db.format, "view", view)) throw db.error("there is no view " + view);
-    SQLite::Statement rows(*db.database, "SELECT * FROM " + sql_name(view));
+    SQLite::Statement rows = all_rows(db, view);
     std::vector<std::string> columns;
     for (int i = 0; i < rows.getColumnCount(); ++i) columns.emplace_back(rows.getColumnName(i));
+    return columns;
+  });
+}
+
+void Store::read_view(const std::string& view, const std::function<void(const Json&)>& visitor) const {
+  auto& db = *connection_;
+  db.guarded([&] {
+    SQLite::Statement rows = all_rows(db, view);
     while (rows.executeStep()) {
       Json row = Json::object();
-      for (int i = 0; i < rows.getColumnCount(); ++i) {
-        const SQLite::Column value = rows.getColumn(i);
-        Json& cell = row[rows.getColumnName(i)];
-        if (value.isInteger())
-          cell = value.getInt64();
-        else if (value.isFloat())
-          cell = value.getDouble();
-        else if (value.isText())
-          cell = value.getString();
-      }
+      for (int i = 0; i < rows.getColumnCount(); ++i) row[rows.getColumnName(i)] = cell_of(rows.getColumn(i));
       visitor(row);
     }
-    return columns;
   });
 }
 

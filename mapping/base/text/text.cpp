@@ -60,8 +60,27 @@ std::string joined(const std::vector<std::string>& parts, std::string_view separ
   return fmt::format("{}", fmt::join(parts, separator));
 }
 
+namespace {
+
+/// "boxes", "bodies", "shelves", "knives", "days".
+std::string plural_of(std::string_view noun) {
+  const auto replaced = [&](size_t letters, const char* by) {
+    return std::string(noun.substr(0, noun.size() - letters)) + by;
+  };
+  const bool after_vowel =
+      noun.size() > 1 && std::string_view("aeiou").find(noun[noun.size() - 2]) != std::string_view::npos;
+  if (noun.ends_with('y') && !after_vowel) return replaced(1, "ies");
+  if (noun.ends_with("lf")) return replaced(1, "ves");
+  if (noun.ends_with("ife")) return replaced(2, "ves");
+  for (const char* hiss : {"s", "x", "z", "ch", "sh"})
+    if (noun.ends_with(hiss)) return replaced(0, "es");
+  return replaced(0, "s");
+}
+
+}  // namespace
+
 std::string counted(size_t count, std::string_view noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+  return fmt::format("{} {}", count, count == 1 ? std::string(noun) : plural_of(noun));
 }
 
 void require_utf8(const std::string& text) {

@@ -77,6 +77,19 @@ std::string missed_in_words(const std::vector<ObjectBelief>& missed, bool gone, 
                          : fmt::format("{}: {}", missed.size(), list));
 }
 
+/// Whether there are as many as asked for; what the last look missed is perhaps there.
+void set_verdict(size_t there, size_t missed, const Query& query, Reply& reply) {
+  const size_t wanted = std::max<size_t>(1, wanted_count(query));
+  reply.verdict = there >= wanted            ? Verdict::yes
+                  : there + missed >= wanted ? Verdict::not_observed
+                                             : Verdict::no;
+  reply.text = fmt::format("{}: {}",
+                           *reply.verdict == Verdict::yes  ? "Yes"
+                           : *reply.verdict == Verdict::no ? "No"
+                                                           : "Not observed",
+                           uncapitalised(reply.text));
+}
+
 }  // namespace
 
 void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply& reply) {
@@ -125,17 +138,8 @@ void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply
     reply.text = fmt::format("{} of {} {} likely where {} seen last: {}.", there.size(),
                              answer.objects.size(), there.size() == 1 ? "is" : "are",
                              there.size() == 1 ? "it was" : "they were", names_in(there));
-  if ((asks == Asks::verdict || asks == Asks::exists) && !reply.not_known) {
-    const size_t wanted = std::max<size_t>(1, wanted_count(context.query));
-    reply.verdict = there.size() >= wanted                   ? Verdict::yes
-                    : there.size() + missed.size() >= wanted ? Verdict::not_observed
-                                                             : Verdict::no;
-    reply.text = fmt::format("{}: {}",
-                             *reply.verdict == Verdict::yes  ? "Yes"
-                             : *reply.verdict == Verdict::no ? "No"
-                                                             : "Not observed",
-                             uncapitalised(reply.text));
-  }
+  if ((asks == Asks::verdict || asks == Asks::exists) && !reply.not_known)
+    set_verdict(there.size(), missed.size(), context.query, reply);
   if (asks == Asks::place && !there.empty()) return by_place(there, names, reply);
   add_sightings(there.empty() ? missed : there, names, context, reply);
 }

@@ -103,6 +103,11 @@ void write_reply(const RoomAnswer& answer, const ReplyContext& context, Reply& r
                              answer.parts.size() > 1 ? "are" : "is", answer.state);
     return;
   }
+  if (context.query.asks == Asks::exists) {
+    reply.verdict = Verdict::yes;  // what is not there has no such name
+    reply.text = fmt::format("Yes: {}.", list_in_words(parts));
+    return;
+  }
   reply.text = answer.asked.empty() || answer.asked == "room"
                    ? fmt::format("{}.", list_in_words(counts, 8))
                    : fmt::format("{}: {}.", answer.parts.size(), list_in_words(parts));

@@ -296,6 +296,42 @@ std::string what_happened(const std::vector<Change>& changes, const Names& names
   return fmt::format("{}", fmt::join(said, "; "));
 }
 
+/// The objects and parts that changed, each once, in words; they are those of the reply, too.
+std::vector<std::string> mention(const std::vector<Change>& changes, const Names& names, Reply& reply) {
+  std::vector<std::string> list;
+  for (const Change& change : changes) {
+    const std::string name = changed(change, names);
+    if (change.object && std::ranges::count(reply.objects, change.object->id) == 0)
+      reply.objects.push_back(change.object->id);
+    if (std::ranges::count(list, name) > 0) continue;
+    list.push_back(name);
+    if (!change.object) reply.places.push_back(change.place ? change.place->name : name);
+  }
+  return list;
+}
+
+/// "Between 09:00 and 09:10: the cup was moved."
+void when_changed(const Change& change, const Names& names, const TimeWriter& times, Reply& reply) {
+  reply.time = TimeSpan{change.since.value_or(change.time), change.time};
+  reply.text = fmt::format("{}: {}.", between_text(change, times), happened(change, names));
+}
+
+void how_long_ago(const Change& last, const std::string& what, const ReplyContext& context, Reply& reply) {
+  const auto latest = context.store.latest_scene(context.as_of);
+  reply.duration = std::max<TimeNs>(0, (latest ? latest->time : last.time) - last.time);
+  const std::string passed = duration_text(*reply.duration);
+  reply.text = fmt::format("{}: {} by {}.", passed.empty() ? "Just now" : passed + " ago", what,
+                           context.times.text(last.time));
+}
+
+void who_did(const Change& last, const std::string& what, const ReplyContext& context, Reply& reply) {
+  reply.not_known = true;
+  reply.text =
+      fmt::format("Not known who: people are not recognised; {} by {}.", what, context.times.text(last.time));
+  if (const auto seen = person_in_view(context, last))
+    reply.evidence.push_back("somebody was in view at " + context.times.text(*seen));
+}
+
 }  // namespace
 
 void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& reply) {
@@ -307,46 +343,28 @@ void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& r
   const ChangesAnswer& answer = most_changed ? *most_changed : all;
   if (answer.changes.empty()) return no_changes(answer, snapshot, context, reply);
   const Change& last = last_of(answer.changes);
-  std::vector<std::string> list;
-  for (const Change& change : answer.changes) {
-    const std::string name = changed(change, names);
-    if (change.object && std::ranges::count(reply.objects, change.object->id) == 0)
-      reply.objects.push_back(change.object->id);
-    if (std::ranges::count(list, name) > 0) continue;
-    list.push_back(name);
-    if (!change.object) reply.places.push_back(change.place ? change.place->name : name);
-  }
-  const std::string what = happened(last, names);
-  const Asks one_of = context.query.asks;
-  if (!last.object && last.place &&
-      (one_of == Asks::verdict || one_of == Asks::last_time || one_of == Asks::ago))
+  const std::vector<std::string> list = mention(answer.changes, names, reply);
+  const std::string what = happened(last, names), by = context.times.text(last.time);
+  const Asks asks = context.query.asks;
+  if (!last.object && last.place && (asks == Asks::verdict || asks == Asks::last_time || asks == Asks::ago))
     reply.places = {last.place->name};
-  switch (context.query.asks) {
+  switch (asks) {
     case Asks::verdict:
       reply.verdict = Verdict::yes;
-      reply.text = fmt::format("Yes: {} by {}.", what, context.times.text(last.time));
+      reply.text = fmt::format("Yes: {} by {}.", what, by);
       break;
     case Asks::last_time:
-      reply.time = TimeSpan{last.since.value_or(last.time), last.time};
-      reply.text = fmt::format("{}: {}.", between_text(last, context.times), what);
+      when_changed(last, names, context.times, reply);
       break;
-    case Asks::first_time: {
-      const Change& first = answer.changes.front();
-      reply.time = TimeSpan{first.since.value_or(first.time), first.time};
-      reply.text = fmt::format("{}: {}.", between_text(first, context.times), happened(first, names));
+    case Asks::first_time:
+      when_changed(answer.changes.front(), names, context.times, reply);
       break;
-    }
-    case Asks::ago: {
-      const auto latest = context.store.latest_scene(context.as_of);
-      reply.duration = std::max<TimeNs>(0, (latest ? latest->time : last.time) - last.time);
-      const std::string passed = duration_text(*reply.duration);
-      reply.text = fmt::format("{}: {} by {}.", passed.empty() ? "Just now" : passed + " ago", what,
-                               context.times.text(last.time));
+    case Asks::ago:
+      how_long_ago(last, what, context, reply);
       break;
-    }
     case Asks::duration:
     case Asks::closed_for:
-      how_long_open(answer, context.query.asks == Asks::duration, context, reply);
+      how_long_open(answer, asks == Asks::duration, context, reply);
       break;
     case Asks::most:
       reply.text = fmt::format("{}, {}.", list_in_words(list), counted(most, "time"));
@@ -362,8 +380,8 @@ void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& r
         break;
       }
       reply.number = answer.changes.size();
-      reply.text = fmt::format("{}, the last by {}: {}{}.", counted(answer.changes.size(), "time"),
-                               context.times.text(last.time), what, gone_note(context, snapshot));
+      reply.text = fmt::format("{}, the last by {}: {}{}.", counted(answer.changes.size(), "time"), by, what,
+                               gone_note(context, snapshot));
       break;
     case Asks::objects:
       reply.number = list.size();
@@ -374,19 +392,15 @@ void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& r
     case Asks::place:
       if (last.place) reply.places = {last.place->name};
       reply.time = TimeSpan{last.since.value_or(last.time), last.time};
-      reply.text = fmt::format("{}, by {}.", joint_in_words(last), context.times.text(last.time));
+      reply.text = fmt::format("{}, by {}.", joint_in_words(last), by);
       break;
     case Asks::agent:
-      reply.not_known = true;
-      reply.text = fmt::format("Not known who: people are not recognised; {} by {}.", what,
-                               context.times.text(last.time));
-      if (const auto seen = person_in_view(context, last))
-        reply.evidence.push_back("somebody was in view at " + context.times.text(*seen));
+      who_did(last, what, context, reply);
       break;
     default:
       reply.not_known = last.kind == EventKind::gone;
       reply.text = fmt::format(
-          "{} by {}{}.", what, context.times.text(last.time),
+          "{} by {}{}.", what, by,
           answer.changes.size() > 1 ? fmt::format(", the last of {} changes", answer.changes.size()) : "");
   }
   add_changes(answer.changes, names, context, reply);

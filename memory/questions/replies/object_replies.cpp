@@ -149,33 +149,54 @@ std::optional<PlaceRef> place_of_each(const std::string& names, const std::vecto
   return std::nullopt;
 }
 
+/// Those that have not gone; where some are likely, unlikely ones are left out.
+std::vector<const ObjectBelief*> those_there(const WhereAnswer& answer) {
+  std::vector<const ObjectBelief*> there;
+  for (const ObjectBelief& object : answer.objects)
+    if (object.status != ObjectStatus::gone) there.push_back(&object);
+  if (std::ranges::any_of(there, [](const ObjectBelief* one) { return is_there(*one); }))
+    std::erase_if(there, [](const ObjectBelief* one) { return !is_there(*one); });
+  return there;
+}
+
+void set_verdict(bool is, const std::string& why, Reply& reply) {
+  reply.verdict = is ? Verdict::yes : Verdict::no;
+  reply.text = fmt::format("{}: {}", is ? "Yes" : "No", why);
+}
+
+/// Whether all are at one place, or one of each name is; `place` says where they are.
+void where_together(const WhereAnswer& answer, const std::vector<const ObjectBelief*>& there,
+                    const Reply& place, const ReplyContext& context, const Snapshot& snapshot, Reply& reply) {
+  const std::string object = context.query.argument("object");
+  const auto shared = place_of_each(object, there, snapshot);
+  const bool all = there.size() > 1 && there.size() == answer.objects.size();
+  const auto at = [](const ObjectBelief* one) { return one->place ? one->place->id : Id{0}; };
+  const bool at_one =
+      all && std::ranges::all_of(there, [&](const auto* one) { return at(one) == at(there[0]); });
+  set_verdict(at_one || shared,
+              at_one || !shared ? place.text : fmt::format("{} are {}.", object, spot_in_words(shared, {})),
+              reply);
+  reply.places = place.places;
+}
+
 }  // namespace
 
 void write_reply(const WhereAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
-  std::vector<const ObjectBelief*> there;
-  for (const ObjectBelief& object : answer.objects)
-    if (object.status != ObjectStatus::gone) there.push_back(&object);
-  // Where some are likely, unlikely ones are left out.
-  if (std::ranges::any_of(there, [](const ObjectBelief* one) { return is_there(*one); }))
-    std::erase_if(there, [](const ObjectBelief* one) { return !is_there(*one); });
+  const std::vector<const ObjectBelief*> there = those_there(answer);
   const ObjectBelief& first = there.empty() ? answer.objects.front() : *there.front();
   for (const ObjectBelief* object : there) reply.objects.push_back(object->object.id);
-  const auto set_verdict = [&](bool is, const std::string& why) {
-    reply.verdict = is ? Verdict::yes : Verdict::no;
-    reply.text = fmt::format("{}: {}", is ? "Yes" : "No", why);
-  };
   Reply place;
   where_place(answer, there, names, context, snapshot, place);
   switch (context.query.asks) {
     case Asks::exists:
     case Asks::verdict:
-      set_verdict(!there.empty(), place.text);
+      set_verdict(!there.empty(), place.text, reply);
       reply.places = place.places;
       break;
     case Asks::gone:
-      set_verdict(there.empty(), place.text);
+      set_verdict(there.empty(), place.text, reply);
       break;
     case Asks::duration:
       if (there.empty()) {
@@ -185,19 +206,9 @@ void write_reply(const WhereAnswer& answer, const ReplyContext& context, Reply& 
         reply.text = "Not now: " + place.text;
       }
       break;
-    case Asks::together: {
-      const std::string object = context.query.argument("object");
-      const auto shared = place_of_each(object, there, snapshot);
-      const bool all = there.size() > 1 && there.size() == answer.objects.size();
-      const auto at = [](const ObjectBelief* one) { return one->place ? one->place->id : Id{0}; };
-      const bool at_one =
-          all && std::ranges::all_of(there, [&](const auto* one) { return at(one) == at(there[0]); });
-      set_verdict(at_one || shared, at_one || !shared
-                                        ? place.text
-                                        : fmt::format("{} are {}.", object, spot_in_words(shared, {})));
-      reply.places = place.places;
+    case Asks::together:
+      where_together(answer, there, place, context, snapshot, reply);
       break;
-    }
     case Asks::number:
       reply.number = there.size();
       reply.text = there.empty() ? fmt::format("None: {}", place.text)
@@ -269,70 +280,93 @@ TimeNs believed_until(const ObjectHistory& history, const Stay& stay, const Repl
   return still && !timed && latest ? latest->time : stay.scenes.back().time;
 }
 
+/// Of several objects the one that was seen last; nullptr where none was seen.
+const ObjectHistory* seen_last(const HistoryAnswer& answer) {
+  const ObjectHistory* last = nullptr;
+  for (const ObjectHistory& history : answer.objects)
+    if (!history.stays.empty() &&
+        (last == nullptr || history.stays.back().scenes.back().time > last->stays.back().scenes.back().time))
+      last = &history;
+  return last;
+}
+
+std::string seen_nowhere(const Query& query, const std::string& name) {
+  if (!query.argument("before").empty())
+    return fmt::format("Not known: {} was seen nowhere before that.", name);
+  if (!query.argument("after").empty())
+    return fmt::format("Not known: {} was seen nowhere after that.", name);
+  return fmt::format("{} was not seen{} then.", name, query.argument("place").empty() ? "" : " there");
+}
+
+/// How long the last stay took, `reply.time`; longer where the object is believed to be there still.
+void how_long(const ObjectHistory& history, const Stay& stay, const std::string& name,
+              const std::string& spot, const ReplyContext& context, Reply& reply) {
+  const auto [from, to] = *reply.time;
+  const std::string seen = fmt::format("{} was seen {} {}", name, spot, context.times.span_text(from, to));
+  const TimeNs now = believed_until(history, stay, context);
+  if (now > to) {
+    const std::optional<TimeNs> earliest = earliest_arrival(history, from);
+    reply.duration = now - from;
+    reply.time = TimeSpan{from, now};
+    reply.text =
+        fmt::format("{}: {} and is believed to be there still.",
+                    bounds_text(now - from, earliest ? std::optional(now - *earliest) : std::nullopt), seen);
+    return;
+  }
+  reply.duration = to - from;
+  const std::string lasted = duration_text(to - from);
+  reply.text = fmt::format("{}: {}.", lasted.empty() ? "At one time only" : "At least " + lasted, seen);
+}
+
+/// All places in order.
+void whole_way(const ObjectHistory& history, const std::string& name, Reply& reply) {
+  std::vector<std::string> places;
+  for (const Stay& one : history.stays) {
+    if (one.place && std::ranges::count(reply.places, one.place->name) == 0)
+      reply.places.push_back(one.place->name);
+    const std::string where = spot_in_words(one.place, one.position);
+    if (places.empty() || places.back() != where) places.push_back(where);
+  }
+  reply.text = fmt::format("{} was {}.", name, list_in_words(places, 4));
+}
+
 }  // namespace
 
 void write_reply(const HistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
-  const ObjectHistory* longest = nullptr;  // of the object seen last
-  const Stay* stay = nullptr;
-  for (const ObjectHistory& history : answer.objects)
-    if (!history.stays.empty() &&
-        (stay == nullptr || history.stays.back().scenes.back().time > stay->scenes.back().time)) {
-      longest = &history;
-      stay = &history.stays.back();
-    }
-  if (stay == nullptr) {
+  const ObjectHistory* history = seen_last(answer);
+  if (history == nullptr) {
     reply.not_known = true;
-    const std::string name = names.subject(answer.objects.front().now.object);
-    reply.text = !context.query.argument("before").empty()
-                     ? fmt::format("Not known: {} was seen nowhere before that.", name)
-                 : !context.query.argument("after").empty()
-                     ? fmt::format("Not known: {} was seen nowhere after that.", name)
-                     : fmt::format("{} was not seen{} then.", name,
-                                   context.query.argument("place").empty() ? "" : " there");
+    reply.text = seen_nowhere(context.query, names.subject(answer.objects.front().now.object));
     return;
   }
-  const TimeNs from = spans_of(longest->stays).back().first, to = stay->scenes.back().time;
-  const std::string name = bare_subject(longest->now.object, names),
-                    spot = spot_in_words(stay->place, stay->position);
-  reply.objects = {longest->now.object.id};
+  const Stay& stay = history->stays.back();
+  const TimeNs from = spans_of(history->stays).back().first, to = stay.scenes.back().time;
+  const std::string name = bare_subject(history->now.object, names),
+                    spot = spot_in_words(stay.place, stay.position);
+  reply.objects = {history->now.object.id};
   reply.time = TimeSpan{from, to};
-  if (context.query.asks == Asks::place) {
-    if (stay->place) reply.places = {stay->place->name};
-    reply.text = fmt::format("{} was {} {}.", name, spot, context.times.span_text(from, to));
-  } else if (context.query.asks == Asks::until) {
-    until_when(*longest, *stay, name, spot, context, reply);
-  } else if (const TimeNs now = believed_until(*longest, *stay, context);
-             context.query.asks == Asks::duration && now > to) {
-    const std::optional<TimeNs> earliest = earliest_arrival(*longest, from);
-    reply.duration = now - from;
-    reply.time = TimeSpan{from, now};
-    reply.text =
-        fmt::format("{}: {} was seen {} {} and is believed to be there still.",
-                    bounds_text(now - from, earliest ? std::optional(now - *earliest) : std::nullopt), name,
-                    spot, context.times.span_text(from, to));
-  } else if (context.query.asks == Asks::duration) {
-    reply.duration = to - from;
-    const std::string lasted = duration_text(to - from);
-    reply.text =
-        fmt::format("{}: {} was seen {} {}.", lasted.empty() ? "At one time only" : "At least " + lasted,
-                    name, spot, context.times.span_text(from, to));
-  } else if (context.query.asks == Asks::first_time) {
-    reply.time = at_once(from);
-    reply.text = fmt::format("Since {} at the latest: {} was first seen {} then.", context.times.text(from),
-                             name, spot);
-  } else {
-    std::vector<std::string> places;
-    for (const Stay& one : longest->stays) {
-      if (one.place && std::ranges::count(reply.places, one.place->name) == 0)
-        reply.places.push_back(one.place->name);
-      const std::string where = spot_in_words(one.place, one.position);
-      if (places.empty() || places.back() != where) places.push_back(where);
-    }
-    reply.text = fmt::format("{} was {}.", name, list_in_words(places, 4));
+  switch (context.query.asks) {
+    case Asks::place:
+      if (stay.place) reply.places = {stay.place->name};
+      reply.text = fmt::format("{} was {} {}.", name, spot, context.times.span_text(from, to));
+      break;
+    case Asks::until:
+      until_when(*history, stay, name, spot, context, reply);
+      break;
+    case Asks::duration:
+      how_long(*history, stay, name, spot, context, reply);
+      break;
+    case Asks::first_time:
+      reply.time = at_once(from);
+      reply.text = fmt::format("Since {} at the latest: {} was first seen {} then.", context.times.text(from),
+                               name, spot);
+      break;
+    default:
+      whole_way(*history, name, reply);
   }
-  for (const Stay& one : longest->stays)
+  for (const Stay& one : history->stays)
     reply.evidence.push_back(fmt::format(
         "{}: {}, {}", spot_in_words(one.place, one.position),
         context.times.span_text(one.scenes.front().time, one.scenes.back().time), scenes_text(one.scenes)));

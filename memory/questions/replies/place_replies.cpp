@@ -244,6 +244,30 @@ void last_look(const Contents& contents, const ReplyContext& context, Reply& rep
       fmt::format("{}: {} was last looked at then.", when, name_in_words(contents.seen_last->place.name));
 }
 
+/// What is there, or how many.
+void write_list(const ContentsAnswer& answer, const Contents& contents, const std::vector<std::string>& list,
+                const ReplyContext& context, Reply& reply) {
+  reply.not_known = verdict_of(answer, contents) == Verdict::not_observed;
+  if (reply.not_known) {
+    reply.text = not_observed_text(answer, contents, context);
+    return;
+  }
+  reply.number = list.size();
+  if (context.query.asks != Asks::number)
+    reply.text =
+        fmt::format("{} {} {}.", list_in_words(list), is_or_was(context, list.size()), contents.where);
+  else if (list.empty())
+    reply.text = fmt::format("None {}.", contents.where);
+  else
+    reply.text = fmt::format("{} {}: {}.", list.size(), contents.where, list_in_words(list));
+}
+
+void add_last_look(const PlaceContents& view, const ReplyContext& context, Reply& reply) {
+  reply.evidence.push_back(fmt::format(
+      "last looked at {} ({}{})", context.times.text(view.last_view->time), scene_text(*view.last_view),
+      view.fraction ? fmt::format(", {:.0f} % of it", 100 * *view.fraction) : ""));
+}
+
 }  // namespace
 
 void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Reply& reply) {
@@ -251,7 +275,6 @@ void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Repl
   const Names names(snapshot);
   const Contents contents = all_contents(answer, context);
   for (const ObjectBelief& object : contents.sure) reply.objects.push_back(object.object.id);
-  const std::vector<std::string> list = names_of(contents.sure, names);
   switch (context.query.asks) {
     case Asks::verdict:
     case Asks::exists:
@@ -286,27 +309,10 @@ void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Repl
     case Asks::ago:
       last_look(contents, context, reply);
       break;
-    default: {
-      const bool known = verdict_of(answer, contents) != Verdict::not_observed;
-      reply.not_known = !known;
-      if (known) reply.number = contents.sure.size();
-      if (!known)
-        reply.text = not_observed_text(answer, contents, context);
-      else if (context.query.asks == Asks::number)
-        reply.text = contents.sure.empty()
-                         ? fmt::format("None {}.", contents.where)
-                         : fmt::format("{} {}: {}.", list.size(), contents.where, list_in_words(list));
-      else
-        reply.text =
-            fmt::format("{} {} {}.", list_in_words(list), is_or_was(context, list.size()), contents.where);
-    }
+    default:
+      write_list(answer, contents, names_of(contents.sure, names), context, reply);
   }
-  if (contents.seen_last != nullptr)
-    reply.evidence.push_back(fmt::format(
-        "last looked at {} ({}{})", context.times.text(contents.seen_last->last_view->time),
-        scene_text(*contents.seen_last->last_view),
-        contents.seen_last->fraction ? fmt::format(", {:.0f} % of it", 100 * *contents.seen_last->fraction)
-                                     : ""));
+  if (contents.seen_last != nullptr) add_last_look(*contents.seen_last, context, reply);
   if (!contents.perhaps.empty())
     reply.evidence.push_back("perhaps also: " + list_in_words(names_of(contents.perhaps, names)));
   if (contents.sure.size() == 1) add_sightings(contents.sure, names, context, reply);
@@ -323,7 +329,8 @@ std::string relation_in_words(const NearAnswer& answer, const std::string& aroun
   };
   switch (answer.relation) {
     case Relation::near:
-      return fmt::format("within {:.0f} cm of {}", 100 * answer.radius_m, around);
+      return answer.radius_m < 1 ? fmt::format("within {:.0f} cm of {}", 100 * answer.radius_m, around)
+                                 : fmt::format("within {:.1f} m of {}", answer.radius_m, around);
     case Relation::on:
       return "on " + around;
     case Relation::under:
@@ -356,42 +363,68 @@ void write_hidden(const NearAnswer& answer, const std::string& around, const Bel
   }
 }
 
-}  // namespace
+/// Several are called what was asked about, and none has anything there.
+bool none_of_several(const NearAnswer& answer, const Snapshot& snapshot) {
+  return object_id(answer.around) && answer.objects.empty() && snapshot.find_objects(answer.asked).size() > 1;
+}
 
-void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& reply) {
-  const Snapshot snapshot(context.store, context.as_of);
-  const Names names(snapshot);
+std::string around_in_words(const NearAnswer& answer, const Snapshot& snapshot, const Names& names) {
   const auto object = object_id(answer.around);
-  const bool none_of_several =
-      object && answer.objects.empty() && snapshot.find_objects(answer.asked).size() > 1;
-  const std::string around = none_of_several         ? fmt::format("any '{}'", answer.asked)
-                             : object                ? names.subject(snapshot.object_ref(*object))
-                             : answer.around.empty() ? point_text(answer.point)
-                                                     : answer.around;
-  const auto other = object_id(answer.with);
-  const std::string with = other ? names.subject(snapshot.object_ref(*other)) : "";
+  if (none_of_several(answer, snapshot)) return fmt::format("any '{}'", answer.asked);
+  if (object) return names.subject(snapshot.object_ref(*object));
+  return answer.around.empty() ? point_text(answer.point) : answer.around;
+}
+
+/// Those that are there, in words; they are the objects and the evidence of the reply, too.
+std::vector<std::string> mention(const NearAnswer& answer, const Names& names, const ReplyContext& context,
+                                 Reply& reply) {
   std::vector<std::string> list;
   for (const NearObject& near : answer.objects) {
     if (!is_there(near.object) || std::ranges::count(context.except, near.object.object.id) > 0) continue;
     reply.objects.push_back(near.object.object.id);
     list.push_back(names.of(near.object.object));
-    reply.evidence.push_back(fmt::format("{:.0f} cm: {}, {}", 100 * near.distance_m,
-                                         names.of(near.object.object),
+    reply.evidence.push_back(fmt::format("{:.0f} cm: {}, {}", 100 * near.distance_m, list.back(),
                                          spot_in_words(near.object.place, near.object.position)));
   }
-  const std::string only = context.query.argument("object");
-  const std::vector<Id> asked = only.empty() ? std::vector<Id>{} : snapshot.find_objects(only);
+  return list;
+}
+
+/// "the cup and the pot are", "the cup is not", "no 'spoon' was".
+std::string found_in_words(const std::vector<std::string>& list, const std::string& only,
+                           const Snapshot& snapshot, const Names& names, const ReplyContext& context) {
   const std::string be = std::string(" ") + is_or_was(context, list.size());
-  const std::string found =
-      fmt::format("{} {}.",
-                  !list.empty()       ? list_in_words(list) + be
-                  : asked.size() == 1 ? names.subject(snapshot.object_ref(asked[0])) + be + " not"
-                  : only.empty()      ? "nothing" + be
-                                      : fmt::format("no '{}'{}", only, be),
-                  relation_in_words(answer, around, with, context.times));
+  if (!list.empty()) return list_in_words(list) + be;
+  if (only.empty()) return "nothing" + be;
+  const std::vector<Id> asked = snapshot.find_objects(only);
+  return asked.size() == 1 ? names.subject(snapshot.object_ref(asked[0])) + be + " not"
+                           : fmt::format("no '{}'{}", only, be);
+}
+
+/// What is in an object or between objects is not seen; what is on it or near it is.
+std::string contents_not_recorded(const NearAnswer& answer, const std::string& around,
+                                  const std::vector<std::string>& list) {
+  if (answer.relation == Relation::on)
+    return fmt::format("Not recorded: what is in {}; on it: {}.", around,
+                       list.empty() ? "nothing" : list_in_words(list, 3));
+  return fmt::format("Not recorded: what is over or between {}; near it: {}.", around,
+                     list_in_words(list, 3));
+}
+
+}  // namespace
+
+void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const auto object = object_id(answer.around), other = object_id(answer.with);
+  const std::string around = around_in_words(answer, snapshot, names),
+                    with = other ? names.subject(snapshot.object_ref(*other)) : "",
+                    only = context.query.argument("object");
+  const std::vector<std::string> list = mention(answer, names, context, reply);
+  const std::string found = fmt::format("{} {}.", found_in_words(list, only, snapshot, names, context),
+                                        relation_in_words(answer, around, with, context.times));
   const BeliefRow* belief = object ? snapshot.belief(*object) : nullptr;
   const bool hides = answer.relation == Relation::under || answer.relation == Relation::behind;
-  if (belief != nullptr && belief->status == ObjectStatus::gone && !none_of_several) {
+  if (belief != nullptr && belief->status == ObjectStatus::gone && !none_of_several(answer, snapshot)) {
     const std::string near = answer.relation == Relation::near && !list.empty() && only.empty()
                                  ? fmt::format("; where it was: {}", list_in_words(list, 3))
                                  : "";
@@ -401,11 +434,7 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
   } else if (context.query.asks == Asks::agent) {
     reply.not_known = true;
     reply.objects.clear();
-    reply.text = answer.relation == Relation::on
-                     ? fmt::format("Not recorded: what is in {}; on it: {}.", around,
-                                   list.empty() ? "nothing" : list_in_words(list, 3))
-                     : fmt::format("Not recorded: what is over or between {}; near it: {}.", around,
-                                   list_in_words(list, 3));
+    reply.text = contents_not_recorded(answer, around, list);
   } else if (hides && list.empty() && only.empty()) {
     write_hidden(answer, object ? names.subject(snapshot.object_ref(*object)) : around, belief, snapshot,
                  context, reply);

@@ -303,79 +303,103 @@ void at_one_time(const WasAnswer& answer, const Names& names, const std::string&
   for (size_t i = 0; i < std::min(each.size(), kMaxEvidenceLines); ++i) reply.evidence.push_back(each[i]);
 }
 
+/// When one of them was seen there.
+void when_seen(const WasAnswer& answer, const std::string& name, const std::string& where,
+               const ReplyContext& context, Reply& reply) {
+  std::vector<SceneRef> there;
+  for (const WasObject& one : answer.objects)
+    there.insert(there.end(), one.seen_there.begin(), one.seen_there.end());
+  if (there.empty()) {
+    reply.not_known = true;
+    reply.text = fmt::format("{} was not seen {} then.", name, where);
+    return;
+  }
+  const auto [first, last] = std::ranges::minmax(there, {}, &SceneRef::time);
+  if (context.query.asks == Asks::summary) {
+    reply.time = TimeSpan{first.time, last.time};
+    reply.text =
+        fmt::format("{}: {} was seen {} then.", context.times.span_text(first.time, last.time), name, where);
+    return;
+  }
+  const bool asks_last = context.query.asks == Asks::last_time;
+  reply.time = at_once(asks_last ? last.time : first.time);
+  reply.text = fmt::format("At {}: {} was {} seen {} then.", context.times.text(reply.time->first), name,
+                           asks_last ? "last" : "first", where);
+}
+
+/// Whether it was there at a moment at which nobody looked.
+void write_unseen(const UnseenMoment& unseen, TimeNs moment, const std::string& name,
+                  const Snapshot& snapshot, const ReplyContext& context, Reply& reply) {
+  reply.verdict = unseen.there ? Verdict::yes : Verdict::no;
+  reply.probability = unseen.there ? unseen.probability : 1 - unseen.probability;
+  const std::optional<Change> left = left_around(unseen.object->object.id, moment, snapshot);
+  reply.text =
+      fmt::format("{}: {} was {}, seen there at {}{}.", with_probability(unseen.there, unseen.probability),
+                  name, in_words(unseen.place), context.times.text(unseen.before),
+                  unseen.after ? " and " + context.times.text(*unseen.after)
+                  : left       ? "; it left by " + context.times.text(left->time)
+                               : "");
+}
+
+void write_verdict(Verdict verdict, const WasObject& object, const std::string& name,
+                   const std::string& where, const ReplyContext& context, Reply& reply) {
+  reply.verdict = verdict;
+  reply.probability = object.verdict == Verdict::yes ? 1 : object.probability;
+  if (verdict == Verdict::yes)
+    reply.text =
+        fmt::format("Yes: {} was {}, seen {}.", name, where,
+                    context.times.span_text(object.seen_there.front().time, object.seen_there.back().time));
+  else if (verdict == Verdict::no)
+    reply.text = fmt::format("No: {} was not {}: {}.", name, where, object.reason);
+  else
+    reply.text = fmt::format("Not observed: {}.", object.reason);
+}
+
+/// Where it was seen instead, and there at other times.
+void add_other_sightings(const WasObject& object, const ReplyContext& context, Reply& reply) {
+  if (object.before)
+    reply.evidence.push_back("before, it was seen there at " + context.times.text(object.before->time));
+  if (object.after)
+    reply.evidence.push_back("after that, it was seen there at " + context.times.text(object.after->time));
+  if (!object.seen_elsewhere.empty())
+    reply.evidence.push_back(fmt::format("seen elsewhere: {} at {}",
+                                         name_in_words(object.seen_elsewhere.back().second),
+                                         context.times.text(object.seen_elsewhere.back().first.time)));
+}
+
 }  // namespace
 
 void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
   const auto of_verdict = std::ranges::find(answer.objects, answer.verdict, &WasObject::verdict);
-  const WasObject* best = of_verdict == answer.objects.end() ? &answer.objects.front() : &*of_verdict;
   const std::optional<UnseenMoment> unseen = unseen_moment(answer, snapshot, context);
-  if (unseen) best = unseen->object;
-  const WasObject& object = *best;
+  const WasObject& object = unseen                               ? *unseen->object
+                            : of_verdict == answer.objects.end() ? answer.objects.front()
+                                                                 : *of_verdict;
   const std::string name = bare_subject(object.object, names);
   const std::string where =
       answer.place.empty() ? "seen" : (answer.container ? "in " : "on ") + name_in_words(answer.place);
   reply.objects = {object.object.id};
-  const Asks asks = context.query.asks;
-  if (asks == Asks::together) {
-    at_one_time(answer, names, where, context, reply);
-    return;
-  }
-  if (asks == Asks::throughout || asks == Asks::lasted) {
-    all_the_time(answer, names, where, context, reply);
-  } else if (asks != Asks::verdict && asks != Asks::reason) {
-    std::vector<SceneRef> there;
-    for (const WasObject& one : answer.objects)
-      there.insert(there.end(), one.seen_there.begin(), one.seen_there.end());
-    std::ranges::sort(there, {}, &SceneRef::time);
-    if (there.empty()) {
-      reply.not_known = true;
-      reply.text = fmt::format("{} was not seen {} then.", name, where);
-    } else {
-      const TimeNs first = there.front().time, last = there.back().time;
-      reply.time = asks == Asks::last_time    ? at_once(last)
-                   : asks == Asks::first_time ? at_once(first)
-                                              : TimeSpan{first, last};
-      reply.text =
-          asks == Asks::summary
-              ? fmt::format("{}: {} was seen {} then.", context.times.span_text(first, last), name, where)
-              : fmt::format("At {}: {} was {} seen {} then.", context.times.text(reply.time->first), name,
-                            asks == Asks::last_time ? "last" : "first", where);
-    }
-  } else if (unseen) {
-    reply.verdict = unseen->there ? Verdict::yes : Verdict::no;
-    reply.probability = unseen->there ? unseen->probability : 1 - unseen->probability;
-    const std::optional<Change> left = left_around(object.object.id, answer.from, snapshot);
-    reply.text = fmt::format("{}: {} was {}, seen there at {}{}.",
-                             with_probability(unseen->there, unseen->probability), name,
-                             in_words(unseen->place), context.times.text(unseen->before),
-                             unseen->after ? " and " + context.times.text(*unseen->after)
-                             : left        ? "; it left by " + context.times.text(left->time)
-                                           : "");
-  } else {
-    reply.verdict = answer.verdict;
-    reply.probability = object.verdict == Verdict::yes ? 1 : object.probability;
-    if (answer.verdict == Verdict::yes)
-      reply.text =
-          fmt::format("Yes: {} was {}, seen {}.", name, where,
-                      context.times.span_text(object.seen_there.front().time, object.seen_there.back().time));
-    else if (answer.verdict == Verdict::no)
-      reply.text = fmt::format("No: {} was not {}: {}.", name, where, object.reason);
-    else
-      reply.text = fmt::format("Not observed: {}.", object.reason);
+  switch (context.query.asks) {
+    case Asks::together:
+      return at_one_time(answer, names, where, context, reply);
+    case Asks::throughout:
+    case Asks::lasted:
+      all_the_time(answer, names, where, context, reply);
+      break;
+    case Asks::verdict:
+    case Asks::reason:
+      if (unseen)
+        write_unseen(*unseen, answer.from, name, snapshot, context, reply);
+      else
+        write_verdict(answer.verdict, object, name, where, context, reply);
+      break;
+    default:
+      when_seen(answer, name, where, context, reply);
   }
   if (!object.seen_there.empty()) reply.evidence.push_back("seen there in " + scenes_text(object.seen_there));
-  if (object.verdict != Verdict::yes && !unseen) {
-    if (object.before)
-      reply.evidence.push_back("before, it was seen there at " + context.times.text(object.before->time));
-    if (object.after)
-      reply.evidence.push_back("after that, it was seen there at " + context.times.text(object.after->time));
-    if (!object.seen_elsewhere.empty())
-      reply.evidence.push_back(fmt::format("seen elsewhere: {} at {}",
-                                           name_in_words(object.seen_elsewhere.back().second),
-                                           context.times.text(object.seen_elsewhere.back().first.time)));
-  }
+  if (object.verdict != Verdict::yes && !unseen) add_other_sightings(object, context, reply);
 }
 
 }  // namespace loci::memory

@@ -297,13 +297,18 @@ void write_reply(const CoOccurrenceAnswer& answer, const ReplyContext& context, 
 void write_reply(const MissingAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
-  std::vector<std::string> list;
+  std::vector<std::string> list, elsewhere;
   size_t visits = 0;
   for (const MissingPlace& place : answer.places) {
     visits += place.visits;
     for (const ExpectedObject& missing : place.missing) {
-      reply.objects.push_back(missing.now.object.id);
-      list.push_back(bare_subject(missing.now.object, names));
+      // What is missing at one place, and at another, is not missing in the room.
+      const std::string name = bare_subject(missing.now.object, names);
+      const bool is_elsewhere = answer.asked.empty() && is_there(missing.now);
+      std::vector<std::string>& named = is_elsewhere ? elsewhere : list;
+      if (std::ranges::count(named, name) == 0) named.push_back(name);
+      if (!is_elsewhere && std::ranges::count(reply.objects, missing.now.object.id) == 0)
+        reply.objects.push_back(missing.now.object.id);
       reply.evidence.push_back(fmt::format("{} was {} in {} of {}", names.of(missing.now.object),
                                            in_words(place.place), missing.visits,
                                            counted(place.visits, "visit")));
@@ -316,8 +321,10 @@ void write_reply(const MissingAnswer& answer, const ReplyContext& context, Reply
   } else {
     reply.number = list.size();
     if (asks_whether) reply.verdict = list.empty() ? Verdict::no : Verdict::yes;
-    reply.text = fmt::format("{}{} {} missing.", asks_whether ? (list.empty() ? "No: " : "Yes: ") : "",
-                             list_in_words(list), list.size() > 1 ? "are" : "is");
+    reply.text =
+        fmt::format("{}{} {} missing{}.", asks_whether ? (list.empty() ? "No: " : "Yes: ") : "",
+                    list_in_words(list, 4), list.size() > 1 ? "are" : "is",
+                    elsewhere.empty() ? "" : "; elsewhere than usual: " + list_in_words(elsewhere, 2));
   }
 }
 

@@ -98,9 +98,14 @@ class ClauseReader {
   void close() {
     if (!name_.empty()) {
       const bool what = clause_.mood == "what" && relation_.empty();
-      if (what && is_superlative(name_[rank_called(name_[0]) > 0 && name_.size() > 1 ? 1 : 0]))
+      // "Which is the biggest?", not "what colour is the biggest box?"
+      const bool of_property = clause_.concepts.contains("colour") || clause_.concepts.contains("size");
+      if (what && !of_property &&
+          is_superlative(name_[rank_called(name_[0]) > 0 && name_.size() > 1 ? 1 : 0]))
         relation_ = "most";
-      if (what && name_.size() == 1 && is_color_word(name_[0])) relation_ = "coloured";
+      // "What is red?", "how many cups are red?"
+      const bool of_kind = clause_.mood == "howmany" && relation_.empty() && !clause_.phrases.empty();
+      if ((what || of_kind) && name_.size() == 1 && is_color_word(name_[0])) relation_ = "coloured";
       if (!joint_.empty() && relation_.empty()) relation_ = joint_;
       const bool coloured = clause_.mood == "yes" && name_.size() > 1 && is_color_word(name_.back());
       const std::string colour = coloured ? name_.back() : "";
@@ -272,8 +277,9 @@ class ClauseReader {
       close();
       return true;
     }
-    const bool existential =
-        class_of(previous()) == WordClass::auxiliary || class_of(lemma(1)) == WordClass::auxiliary;
+    // "Has the milk been there?" means the place.
+    const bool existential = (class_of(previous()) == WordClass::auxiliary && previous() != "been") ||
+                             class_of(lemma(1)) == WordClass::auxiliary;
     const bool after_relation = kAtRelations.contains(relation_);
     close();
     if (existential && !after_relation) {

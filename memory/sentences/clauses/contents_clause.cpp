@@ -9,6 +9,7 @@
 
 #include "mapping/base/text/text.h"
 #include "memory/questions/names/names.h"
+#include "memory/questions/names/related_words.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/mentions.h"
 #include "memory/sentences/sentence_time.h"
@@ -25,7 +26,8 @@ const std::map<std::string, char>& letters() {
     for (const auto& [letter, words] : std::map<char, const char*>{
              {'-',
               "there here it the a an any my our thing things object objects item items stuff on in at from "
-              "inside i we have else currently present please been before earlier previously anymore longer "
+              "inside i we have has had got else currently present please been before earlier previously "
+              "anymore longer "
               "me then "
               "only list show name tell"},
              {'Q', "what"},
@@ -36,11 +38,14 @@ const std::map<std::string, char>& letters() {
              {'B', "do does is are stands stand lies lie sits sit"},
              {'N', "not no nolonger gone missing removed taken away disappeared vanished"},
              {'S', "still also too left remain remains remaining stayed"},
-             {'M', "more"},
+             {'M', "more morethings"},
              {'F', "fewer less"},
              {'E', "emptier"},
              {'U', "fuller"},
              {'X', "than"},
+             {'Y', "as same"},
+             {'J', "or"},
+             {'L', "where"},
              {'O', "of"},
              {'V', "compared versus"}})
       for (const std::string& word : words_of(words)) result[word] = letter;
@@ -55,6 +60,7 @@ struct Skeleton {
   std::vector<std::string> places = {}, objects = {};
   std::vector<SentencePeriod> times = {};
   bool inside = false;  ///< in the place
+  bool known = true;    ///< all objects are called so
 };
 
 /// False where a word has no part in the construction.
@@ -74,7 +80,7 @@ std::optional<Skeleton> skeleton_of(const std::string& sentence, const Snapshot&
                                     const TimeReader& times) {
   const Tokens tokens = tokens_of(sentence_words(sentence));
   const Words& words = tokens.words;
-  if (words.size() < 6 || !letters().contains(words[0])) return std::nullopt;
+  if (words.size() < 5 || !letters().contains(words[0])) return std::nullopt;
   const auto mentions = find_mentions(tokens, snapshot, [](const std::string&) { return true; });
   Skeleton skeleton;
   for (size_t i = 0; i < words.size();) {
@@ -90,7 +96,8 @@ std::optional<Skeleton> skeleton_of(const std::string& sentence, const Snapshot&
       }
     }
     const auto mention = std::ranges::find(mentions, i, &Mention::first);
-    if (mention != mentions.end() && mention->known && !letters().contains(words[i])) {
+    if (mention != mentions.end() && (mention->known || !mention->place) && !letters().contains(words[i])) {
+      skeleton.known = skeleton.known && mention->known;
       skeleton.letters += mention->place ? 'P' : 'K';
       (mention->place ? skeleton.places : skeleton.objects).push_back(mention->text);
       if (mention->place && i > 0) skeleton.inside = words[i - 1] == "in" || (i > 1 && words[i - 2] == "in");
@@ -193,27 +200,94 @@ std::optional<ContentsComparison> read_groups(const Skeleton& skeleton, const st
                                                          : Relation::fewer;
   result.first = contents_query(skeleton, time[0], ever);
   result.second = contents_query(skeleton, time[1], false);
-  result.first_time = text_of(time[0], ever);
-  result.second_time = text_of(time[1], false);
-  if (result.first_time == result.second_time) return std::nullopt;
+  result.first_label = text_of(time[0], ever);
+  result.second_label = text_of(time[1], false);
+  if (result.first_label == result.second_label) return std::nullopt;
   return result;
 }
 
-/// "Are there more mugs on the table than on the counter?"
+Relation relation_of(const std::string& letters) {
+  return letters == "M" ? Relation::more : letters == "F" ? Relation::fewer : Relation::equal;
+}
+
+/// The letters of quantities, without those of times, and of places where one is named.
+std::string quantities(const Skeleton& skeleton) {
+  std::string letters = skeleton.letters;
+  std::erase(letters, 'T');
+  if (skeleton.places.size() == 1) std::erase(letters, 'P');
+  return letters;
+}
+
+/// "Are there more mugs on the table than on the counter?", "which has more mugs, the table or the counter?"
 std::optional<ContentsComparison> two_places(Skeleton skeleton) {
-  static const std::regex form("[WB]?([MF])KPX[WB]?P(T?)");
+  static const std::regex whether("[WB]*(?:(M|F|YH)K?P|P(M|F|YH)K?)[XY][WB]*P"),
+      which("[QRL][WB]*(M|F)O?K?J?PJP");
+  const std::string letters = quantities(skeleton);
   std::smatch groups;
-  if (!std::regex_match(skeleton.letters, groups, form)) return std::nullopt;
+  const bool chooses = std::regex_match(letters, groups, which);
+  if ((!chooses && !std::regex_match(letters, groups, whether)) || skeleton.times.size() > 1)
+    return std::nullopt;
   const SentencePeriod* time = skeleton.times.empty() ? nullptr : &skeleton.times.front();
-  ContentsComparison result{.relation = groups[1] == "M" ? Relation::more : Relation::fewer,
+  ContentsComparison result{.relation = relation_of(groups[1].matched ? groups[1] : groups[2]),
                             .first = contents_query(skeleton, time, false),
                             .place = skeleton.places[0],
-                            .first_time = "on " + skeleton.places[0],
-                            .second_time = "on " + skeleton.places[1],
-                            .asks = Asks::verdict};
+                            .first_label = "on " + skeleton.places[0],
+                            .second_label = "on " + skeleton.places[1],
+                            .asks = chooses ? Asks::place : Asks::verdict};
   std::swap(skeleton.places[0], skeleton.places[1]);
   result.second = contents_query(skeleton, time, false);
   return result;
+}
+
+/// How many there are in the room, at a moment.
+Query number_query(const std::string& object, const SentencePeriod* time) {
+  Query query{.question = "where", .arguments = {{"object", object}}, .asks = Asks::number};
+  if (time != nullptr) query.arguments["at"] = time->from;
+  return query;
+}
+
+/// "Are there more cups than plates on the table?", "what do we have more of, cups or plates?"
+std::optional<ContentsComparison> two_kinds(Skeleton skeleton) {
+  static const std::regex whether("[WB]*(M|F|YH)K[XY][WB]*K"), which("[QR][WB]*(M|F)O?J?KJK");
+  const std::string letters = quantities(skeleton);
+  std::smatch groups;
+  const bool chooses = std::regex_match(letters, groups, which);
+  if ((!chooses && !std::regex_match(letters, groups, whether)) || skeleton.times.size() > 1)
+    return std::nullopt;
+  const SentencePeriod* time = skeleton.times.empty() ? nullptr : &skeleton.times.front();
+  if (skeleton.places.empty() && time != nullptr && !time->moment) return std::nullopt;
+  const auto number_of = [&](const std::string& object) {
+    if (skeleton.places.empty()) return number_query(object, time);
+    skeleton.objects.front() = object;
+    return contents_query(skeleton, time, false);
+  };
+  const std::string first = skeleton.objects[0], second = skeleton.objects[1];
+  return ContentsComparison{.relation = relation_of(groups[1]),
+                            .first = number_of(first),
+                            .second = number_of(second),
+                            .place = skeleton.places.empty() ? "" : skeleton.places.front(),
+                            .first_label = first,
+                            .second_label = second,
+                            .asks = chooses ? Asks::objects : Asks::verdict};
+}
+
+/// "Are there fewer cups than at nine?", "were there more cups at nine than now?"
+std::optional<ContentsComparison> two_times(const Skeleton& skeleton) {
+  static const std::regex form("[WB]*(M|F|YH)K[WB]*(T?)[XY][WB]*(T?)");
+  std::smatch groups;
+  if (!std::regex_match(skeleton.letters, groups, form) || skeleton.times.empty()) return std::nullopt;
+  const SentencePeriod* first = groups[2].length() > 0 ? &skeleton.times.front() : nullptr;
+  const SentencePeriod* second = groups[3].length() > 0 ? &skeleton.times.back() : nullptr;
+  for (const SentencePeriod& time : skeleton.times)
+    if (!time.moment) return std::nullopt;
+  const std::string& object = skeleton.objects.front();
+  return ContentsComparison{.relation = relation_of(groups[1]),
+                            .first = number_query(object, first),
+                            .second = number_query(object, second),
+                            .place = "",
+                            .first_label = text_of(first, false),
+                            .second_label = text_of(second, false),
+                            .asks = Asks::verdict};
 }
 
 std::string names_in_words(const std::vector<Id>& objects, const Snapshot& snapshot) {
@@ -222,16 +296,42 @@ std::string names_in_words(const std::vector<Id>& objects, const Snapshot& snaps
   return list_in_words(names);
 }
 
-std::string in_time(const std::string& time) {
-  return time.empty() ? "before" : time;
+std::string labelled(const std::string& label) {
+  return label.empty() ? "before" : label;
 }
 
-Reply counted(const ContentsComparison& comparison, size_t first, size_t second) {
-  const bool more = comparison.relation == Relation::more;
-  const bool yes = more ? first > second : first < second;
-  return {.text = fmt::format("{}: {} {}, {} {}.", yes ? "Yes" : "No", first, in_time(comparison.first_time),
-                              second, in_time(comparison.second_time)),
-          .verdict = yes ? Verdict::yes : Verdict::no};
+/// "1 red cup" of "red cups".
+std::string amount(size_t number, const std::string& kind) {
+  const size_t noun = kind.rfind(' ') + 1;
+  return fmt::format("{} {}{}", number, kind.substr(0, noun),
+                     number == 1 ? singular_of(kind.substr(noun)) : kind.substr(noun));
+}
+
+Reply counted(const ContentsComparison& comparison, const Reply& first, const Reply& second,
+              const Snapshot& snapshot) {
+  const size_t a = first.objects.size(), b = second.objects.size();
+  const bool of_kinds = comparison.first.argument("object") != comparison.second.argument("object");
+  const std::string amounts =
+      of_kinds ? amount(a, comparison.first_label) + ", " + amount(b, comparison.second_label)
+               : fmt::format("{} {}, {} {}", a, labelled(comparison.first_label), b,
+                             labelled(comparison.second_label));
+  const bool is_first = comparison.relation == Relation::more ? a > b : a < b;
+  Reply reply;
+  if (comparison.asks == Asks::verdict) {
+    const bool yes = comparison.relation == Relation::equal ? a == b : is_first;
+    reply.verdict = yes ? Verdict::yes : Verdict::no;
+    reply.text = fmt::format("{}: {}.", yes ? "Yes" : "No", amounts);
+  } else if (a == b) {
+    reply.text = fmt::format("As many: {}.", amounts);
+  } else {
+    reply.objects = is_first ? first.objects : second.objects;
+    const Query& query = is_first ? comparison.first : comparison.second;
+    if (comparison.asks == Asks::place)
+      reply.places = {snapshot.find_places(query.argument("place")).front().name};
+    reply.text = fmt::format(
+        "{}: {}.", capitalised(is_first ? comparison.first_label : comparison.second_label), amounts);
+  }
+  return reply;
 }
 
 }  // namespace
@@ -240,9 +340,12 @@ std::optional<ContentsComparison> find_contents_comparison(const std::string& se
                                                            const Snapshot& snapshot,
                                                            const TimeReader& times) {
   auto skeleton = skeleton_of(sentence, snapshot, times);
-  if (!skeleton || skeleton->objects.size() > 1) return std::nullopt;
-  if (skeleton->places.size() == 2) return two_places(*skeleton);
-  if (skeleton->places.size() != 1) return std::nullopt;
+  if (!skeleton || skeleton->times.size() > 2) return std::nullopt;
+  const size_t kinds = skeleton->objects.size(), places = skeleton->places.size();
+  if (kinds == 2 && places < 2) return two_kinds(*skeleton);
+  if (kinds < 2 && places == 2) return two_places(*skeleton);
+  if (kinds == 1 && places == 0) return two_times(*skeleton);
+  if (kinds > 1 || places != 1 || !skeleton->known) return std::nullopt;
   // "What is missing from the table compared with noon?"
   static const std::regex missing("QBNPVT");
   if (std::regex_match(skeleton->letters, missing)) {
@@ -260,8 +363,8 @@ Reply compared(const ContentsComparison& comparison, const Reply& first, const R
                const Snapshot& snapshot) {
   for (const Reply* one : {&first, &second})
     if (one->not_known) return *one;
-  if (comparison.relation == Relation::more || comparison.relation == Relation::fewer)
-    return counted(comparison, first.objects.size(), second.objects.size());
+  if (comparison.relation != Relation::without && comparison.relation != Relation::common)
+    return counted(comparison, first, second, snapshot);
   const auto in_second = [&](Id id) { return std::ranges::count(second.objects, id) > 0; };
   std::vector<Id> such, others;
   for (const Id id : first.objects)
@@ -281,9 +384,9 @@ Reply compared(const ContentsComparison& comparison, const Reply& first, const R
   }
   reply.text = shortened(reply.text);
   for (const auto& [time, objects] :
-       {std::pair(comparison.first_time, first.objects), std::pair(comparison.second_time, second.objects)})
+       {std::pair(comparison.first_label, first.objects), std::pair(comparison.second_label, second.objects)})
     reply.evidence.push_back(
-        fmt::format("{}, {}: {}", comparison.place, in_time(time), names_in_words(objects, snapshot)));
+        fmt::format("{}, {}: {}", comparison.place, labelled(time), names_in_words(objects, snapshot)));
   return reply;
 }
 

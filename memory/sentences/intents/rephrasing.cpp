@@ -230,6 +230,11 @@ const std::vector<Pattern>& meanings() {
       {"^ what is|was it that? i|we|you|someone|somebody <x>", "what did someone <x>"},
       {"^ where is|was it that? i|we|you|someone|somebody <x>", "where did someone <x>"},
       {"^ when is|was it that? i|we|you|someone|somebody <x>", "when did someone <x>"},
+      // What changed since then.
+      {"^ what|anything is? different|changed from|than|to <t> $", "what changed since <t>"},
+      {"^ is|are everything|all still? where|as it|they was|were <t> $", "was nothing moved since <t>"},
+      {"^ does everything|it|the? kitchen|room? still? look the same as <t> $",
+       "was nothing moved since <t>"},
       // What is there now and was not then.
       {"^ what|which <x> on|in|at <p:name> that|which was|were not there|here <t> $",
        "what newsince is on <p> <t>"},
@@ -263,6 +268,12 @@ const std::vector<Pattern>& meanings() {
       {"^ did <p:name> stay|remain put", "was <p> never moved"},
       // A choice of places in the past: where it was.
       {"^ was|were <x:name> in|on|at <a:name> or in|on|at? <b:name> <t> $", "where was <x> <t>"},
+      // How much room there is nobody measures; what takes it up is known.
+      {"^ is there still? any|enough|some? space|room left|free? on|at <p:name> $", "what is on <p>"},
+      {"^ is there still? any|enough|some? space|room left|free? in|inside <p:name> $", "what is in <p>"},
+      {"^ which|what place|places|surface|surfaces|spot|spots is|are empty|free|clear|unused $",
+       "what furniture is empty"},
+      {"^ has|have|was|were <x:name> been? anywhere|somewhere else $", "where has <x> been"},
       // Telegrams.
       {"^ objects|things|items that|which <x>", "what <x>"},
       {"^ objects|things|items within <x>", "what is within <x>"},
@@ -320,12 +331,16 @@ const std::vector<Pattern>& constructions() {
       {"^ is more big|large <a> or <b> $", "which is bigger <a> or <b>"},
       {"^ is bigger|larger <a> or <b> $", "which is bigger <a> or <b>"},
       {"^ what is|was the|that|this <c:colour> <n:noun> $", "which <c> <n> are there"},
+      {"^ is|are|was|were <x:name> a|an? <c:colour> one|ones|thing|things|object|objects $", "is <x> <c>"},
+      {"^ is|are|was|were <x:name> one|some of the <c:colour> ones|things|objects $", "is <x> <c>"},
       {"are there any? <n:noun> that? you|we have never <v> $", "which <n> were never <v>"},
       {"is|are there more <a:noun> than <b:noun> $", "does the <a> outnumber the <b>"},
       {"is|are there fewer|less <a:noun> than <b:noun> $", "does the <b> outnumber the <a>"},
       // Not moved since.
       {"^ is|are <p:name> still? where it|they was|were at|in? <t> $", "was <p> never moved since <t>"},
       {"^ is|are <p:name> still? where i|we|someone left|put it|them $", "was <p> never moved"},
+      {"^ is|are <p:name> still where it|they was|were $", "was <p> never moved"},
+      {"^ is? there? anything|something unusual|odd|strange $", "is anything out of place"},
       {"^ is|are it|they still? where i|we|someone left|put it|them $", "was it never moved"},
       // When it ends.
       {"how long <x> before|until|till someone|somebody|anyone|anybody <v> it|them|that away|up|again|shut? "

@@ -201,6 +201,15 @@ TEST_F(Ingest, ResumeTakesASecondSceneWithAnEqualStamp) {
   EXPECT_EQ(take(write(first + second), resume()).scenes, 0U);
 }
 
+TEST_F(Ingest, ResumeKnowsARepeatedLineAgain) {
+  const std::string first = moment("08:00:00", kMug), second = moment("08:10:00", kBox);
+  take(write(first + first + second));
+  const IngestResult again = take(write(first + first + second), resume());
+  EXPECT_EQ(again.scenes, 0U);
+  EXPECT_EQ(again.repeated, 1U);
+  EXPECT_EQ(again.bad, 0U);
+}
+
 TEST_F(Ingest, LongLinesAreNotHeld) {
   const auto file = write("short\n" + std::string(3000, 'x') + "\nlast");
   LineReader reader(file, 1000);

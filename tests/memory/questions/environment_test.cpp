@@ -106,6 +106,26 @@ TEST_F(Room, OpensWhatHasAJointAsItStoodAtThatTime) {
   EXPECT_FALSE(then.parts[1].motion->closed);
 }
 
+TEST_F(Room, WhatTurnsWithoutLimitsIsClosedNearItsZero) {
+  store_.reset();
+  {
+    Store store = Store::open_write(file_);
+    const Id map = store.add_map("tap.urdf", R"(<robot name="room"><link name="map"/>
+      <link name="tap_1"><visual><geometry><box size="0.02 0.1 0.02"/></geometry></visual></link>
+      <joint name="tap_1_joint" type="continuous"><parent link="map"/><child link="tap_1"/>
+        <axis xyz="0 0 1"/></joint></robot>)",
+                                 "");
+    SceneTransaction scene(store, store.begin_run("test", "{}"));
+    scene.add_scene({.time = 12 * 3600 * kSecond, .map = map, .joints = {{"tap_1_joint", 0.05}}});
+    scene.commit();
+  }
+  store_.emplace(Store::open_read(file_));
+  const OpensAnswer answer = ask(*store_, OpensQuestion{});
+  ASSERT_THAT(names(answer.parts), ElementsAre("tap_1"));
+  EXPECT_EQ(answer.parts[0].motion->open(), false);
+  EXPECT_THAT(to_text(answer, TimeWriter(*store_)), HasSubstr("turns up to 180 degrees"));
+}
+
 TEST_F(Room, BetweenLooksThatDifferTheStateIsNotKnown) {
   const auto reply = [&](const char* part, const char* at, Asks asks) {
     const Query query{.question = "opens", .arguments = {{"part", part}, {"at", at}}, .asks = asks};

@@ -51,11 +51,14 @@ TEST(PeopleTime, ReadsTimesInWords) {
   expect_span("nine o'clock", "2026-05-01T07:00:00Z", "2026-05-01T07:00:59.999999999Z");
   expect_span("half past nine", "2026-05-01T07:30:00Z", "2026-05-01T07:30:59.999999999Z");
   expect_span("quarter to ten", "2026-05-01T07:45:00Z", "2026-05-01T07:45:59.999999999Z");
+  expect_span("twenty-five past nine", "2026-05-01T07:25:00Z", "2026-05-01T07:25:59.999999999Z");
+  expect_span("nine thirty five", "2026-05-01T07:35:00Z", "2026-05-01T07:35:59.999999999Z");
   expect_span("9pm", "2026-05-01T19:00:00Z", "2026-05-01T19:00:59.999999999Z");
   expect_span("nine in the evening", "2026-05-01T19:00:00Z", "2026-05-01T19:00:59.999999999Z");
   expect_span("the day before yesterday", "2026-04-28T22:00:00Z", "2026-04-29T21:59:59.999999999Z");
   expect_span("this week", "2026-04-26T22:00:00Z", "2026-05-03T21:59:59.999999999Z");
   expect_span("two hours ago", "2026-05-01T06:30:00Z", "2026-05-01T06:30:00Z");
+  expect_span("forty-five minutes ago", "2026-05-01T07:45:00Z", "2026-05-01T07:45:00Z");
   expect_span("half an hour ago", "2026-05-01T08:00:00Z", "2026-05-01T08:00:00Z");
 }
 

@@ -43,7 +43,19 @@ TEST_F(ContentsClause, WhatIsStillThere) {
 TEST_F(ContentsClause, WhetherThereWasMoreThen) {
   EXPECT_EQ(reply("Was there more on the table at half past eight than now?").verdict, Verdict::yes);
   EXPECT_EQ(reply("Was the table emptier at half past eight than it is now?").verdict, Verdict::no);
-  EXPECT_EQ(reply("Are there more cups on the counter than on the table?").verdict, Verdict::yes);
+  EXPECT_EQ(reply("Are there more tea cups on the counter than on the table?").verdict, Verdict::yes);
+}
+
+TEST_F(ContentsClause, WhetherThereAreMoreOfOneThanOfTheOther) {
+  EXPECT_EQ(reply("Are there more tea cups than blue things?").verdict, Verdict::no);
+  EXPECT_EQ(reply("Do we have as many tea cups as blue things?").verdict, Verdict::yes);
+  EXPECT_EQ(reply("Are there fewer tea cups than blue things on the table?").verdict, Verdict::yes);
+  EXPECT_EQ(reply("Are there the same number of tea cups as blue things on the table?").verdict, Verdict::no);
+  EXPECT_EQ(reply("Does the counter have fewer things on it than the table?").verdict, Verdict::no);
+  EXPECT_THAT(reply("Which has more tea cups, the table or the counter?").places, ElementsAre("counter_1"));
+  EXPECT_EQ(reply("Are there fewer blue things than at half past eight?").verdict, Verdict::no);
+  EXPECT_EQ(reply("Is there more on the table than at half past eight?").verdict, Verdict::no);
+  EXPECT_THAT(reply("What is there more of on the table, tea cups or blue things?").objects, ElementsAre(2));
 }
 
 TEST_F(ContentsClause, WhatSaysMoreIsNoComparison) {

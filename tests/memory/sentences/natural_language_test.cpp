@@ -119,6 +119,30 @@ TEST_F(NaturalLanguage, NothingOfAColourIsNoUnknownName) {
   EXPECT_EQ(answer.reply->verdict, Verdict::no);
 }
 
+TEST_F(NaturalLanguage, WhatHasAnotherColourIsNotOfThatColour) {
+  EXPECT_EQ(say("Is there a purple tea cup?").reply->verdict, Verdict::no);
+  EXPECT_EQ(say("Are there any purple things?").reply->verdict, Verdict::no);
+}
+
+TEST_F(NaturalLanguage, AFollowUpNamesAnotherPlace) {
+  for (const char* sentence :
+       {"How about on the counter?", "What about the counter?", "And how many on the counter?"}) {
+    const auto answers =
+        ask(*store_, NaturalLanguageQuestion{{"How many objects are on the table?", sentence}, {}});
+    EXPECT_EQ(answers.at(1).query->text(), "on counter") << sentence;
+  }
+}
+
+TEST_F(NaturalLanguage, FurnitureIsThereIfItIsCalledSo) {
+  EXPECT_EQ(say("Is there a table?").reply->verdict, Verdict::yes);
+  EXPECT_FALSE(say("Is there a fridge?").reply);
+}
+
+TEST_F(NaturalLanguage, NobodyInViewIsNotNobody) {
+  const Reply reply = *say("Was anybody in the kitchen?").reply;
+  EXPECT_EQ(reply.verdict, Verdict::not_observed);
+}
+
 TEST_F(NaturalLanguage, WhatHasGoneHasNoNeighbours) {
   const NaturalLanguageAnswer answer = say("What was next to the tea cup at 09:10?");
   ASSERT_TRUE(answer.reply);
@@ -305,6 +329,10 @@ TEST_F(NaturalLanguage, WhoMovedItNamesTheLastSceneWithAPerson) {
   }
   store_.emplace(Store::open_read(file_));
   EXPECT_EQ(say("Who moved the red thing?").reply->evidence.at(0), "somebody was in view at 09:15");
+  EXPECT_EQ(say("Was anybody in the kitchen before nine?").reply->text,
+            "Yes: somebody was in view at 08:45.");
+  EXPECT_EQ(say("When was somebody here last?").reply->text, "At 09:15: somebody was in view then.");
+  EXPECT_EQ(say("How often was somebody here?").reply->number, 2U);
   const TimeNs from = testing_support::day_time("08:00"), to = testing_support::day_time("09:00");
   EXPECT_EQ(store_->last_annotated("loci.annotation.PersonAnnotation", from, to),
             testing_support::day_time("08:45"));

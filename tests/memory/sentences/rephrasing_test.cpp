@@ -52,6 +52,23 @@ TEST(Rephrasing, CleftsAndCountsAskPlainly) {
             "what newsince is on the table at nine ?");
 }
 
+TEST(Rephrasing, WhatIsOtherwiseThanThenHasChanged) {
+  EXPECT_EQ(as_meant("What's different from this morning?", is_name), "what changed since this morning ?");
+  EXPECT_EQ(as_meant("Is everything where it was this morning?", is_name),
+            "was nothing moved since this morning ?");
+  EXPECT_EQ(plain("Is the tea still where it was?"), "was the tea ever moved ?") << "and the contrary of that";
+}
+
+TEST(Rephrasing, WhatTakesUpAPlaceIsAskedForItsRoom) {
+  EXPECT_EQ(as_meant("Is there any space left on the table?", is_name), "what is on the table ?");
+  EXPECT_EQ(as_meant("Which surface is free?", is_name), "what furniture is empty ?");
+}
+
+TEST(Rephrasing, OneOfAColourIsOfThatColour) {
+  EXPECT_EQ(plain("Is the jar a red one?"), "is the jar red ?");
+  EXPECT_EQ(plain("Is the jar one of the red ones?"), "is the jar red ?");
+}
+
 TEST(Rephrasing, WhatStaysAndWhatIsLeftOutIsSaidPlainly) {
   EXPECT_EQ(as_meant("Has the tea stayed where it was?", is_name), "was the tea never moved ?");
   EXPECT_EQ(as_meant("Has the tea been left where I put it at nine?", is_name),

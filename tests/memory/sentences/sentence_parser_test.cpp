@@ -100,6 +100,42 @@ TEST(Sentences, AColourIsAPropertyAndAnOrangeIsAFruit) {
   });
 }
 
+TEST(Sentences, AColourAfterAKindChoosesOfIt) {
+  expect_commands({
+      {"Which cup is red?", "objects 'red cup'"},
+      {"How many cups are red?", "objects 'red cups'"},
+      {"Which box on the counter is red?", "on counter --object 'red box'"},
+      {"How many boxes on the counter are red?", "on counter --object 'red boxes'"},
+      {"What on the table is green?", "on table --object green"},
+      {"What colour is the biggest box?", "about 'biggest box' --property colour"},
+  });
+}
+
+TEST(Sentences, NeighboursAreAskedForOnOnePlace) {
+  expect_commands({
+      {"Which thing on the table is nearest to the plate?",
+       "near plate --count 1 --place table --radius '10 m'"},
+      {"Which cup on the table is behind the plate?",
+       "near plate --object cup --place table --relation behind"},
+  });
+}
+
+TEST(Sentences, WhereSomethingHasBeenIsNoQuestionWhetherItExists) {
+  expect_commands({
+      {"How long has the milk been there?", "history milk --place there"},
+      {"Since when has it been there?", "history it --place there"},
+      {"Has the milk ever been there?", "was milk on there"},
+  });
+}
+
+TEST(Sentences, PeopleWereInView) {
+  expect_commands({
+      {"Was anybody in the kitchen between nine and ten?", "people --between nine ten"},
+      {"Did you see anybody today?", "people --between today today"},
+      {"Was anybody at the counter?", "changes --place counter"},
+  });
+}
+
 TEST(Sentences, ACanIsANounAfterAVerb) {
   expect_commands({
       {"Where could the grey can be?", "where 'grey can'"},
