@@ -24,6 +24,6 @@ struct Supposition {
 /// `before`: the belief before the first of the scenes, which may have known objects. Gives what is known
 /// then, besides, by the number of the observation. Empty where no decision was wrong.
 std::map<int64_t, Supposition> hindsight(const BeliefState& before, const std::vector<Scene>& scenes,
-                                     const BeliefOptions& options, Progress& progress);
+                                         const BeliefOptions& options, Progress& progress);
 
 }  // namespace loci::memory::belief

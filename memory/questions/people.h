@@ -22,7 +22,8 @@ struct PeopleAnswer {
 };
 PeopleAnswer ask(const Store& store, const PeopleQuestion& question);
 std::string to_text(const PeopleAnswer& answer, const TimeWriter& times);
-/// That nobody was recognised does not say that nobody was there: looks see a part of the room and of the time.
+/// That nobody was recognised does not say that nobody was there: looks see a part of the room and of the
+/// time.
 void write_reply(const PeopleAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const PeopleAnswer& answer);
 
