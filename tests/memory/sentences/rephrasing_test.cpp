@@ -56,7 +56,8 @@ TEST(Rephrasing, WhatIsOtherwiseThanThenHasChanged) {
   EXPECT_EQ(as_meant("What's different from this morning?", is_name), "what changed since this morning ?");
   EXPECT_EQ(as_meant("Is everything where it was this morning?", is_name),
             "was nothing moved since this morning ?");
-  EXPECT_EQ(plain("Is the tea still where it was?"), "was the tea ever moved ?") << "and the contrary of that";
+  EXPECT_EQ(plain("Is the tea still where it was?"), "was the tea ever moved ?")
+      << "and the contrary of that";
 }
 
 TEST(Rephrasing, WhatTakesUpAPlaceIsAskedForItsRoom) {
