@@ -13,7 +13,7 @@ namespace loci::memory {
 
 /// Two objects or places against each other.
 struct ComparisonQuestion {
-  std::string subject = {};  ///< an object; for "more" a place
+  std::string subject = {};  ///< an object; for "more" a place, for heights also furniture
   std::string with = {};     ///< likewise; of distances also a place: from the nearest point of its outline
   std::string than = {};     ///< "nearer" to `with` than to this
   /// "distance" between them; whether the first is "nearer", "bigger" (by volume), "smaller", "left-before",

@@ -18,9 +18,9 @@ using namespace replies;
 PeopleAnswer ask(const Store& store, const PeopleQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   PeopleAnswer answer;
-  for (const SceneRow& scene : store.scenes_annotated(
-           "loci.annotation.PersonAnnotation", question.from.value_or(std::numeric_limits<TimeNs>::min()),
-           question.to.value_or(std::numeric_limits<TimeNs>::max()), question.as_of))
+  for (const SceneRow& scene :
+       store.scenes_annotated(kPersonType, question.from.value_or(std::numeric_limits<TimeNs>::min()),
+                              question.to.value_or(std::numeric_limits<TimeNs>::max()), question.as_of))
     answer.scenes.push_back(snapshot.scene_ref(scene));
   return answer;
 }

@@ -12,6 +12,8 @@ namespace loci::memory {
 
 // ---- people
 
+inline constexpr const char* kPersonType = "loci.annotation.PersonAnnotation";
+
 /// When people were in view. Who they are is not recognised.
 struct PeopleQuestion {
   std::optional<TimeNs> from = {}, to = {};

@@ -94,7 +94,7 @@ TimeNs floor_to(TimeNs time, TimeNs unit) {
   return time - (rest < 0 ? rest + unit : rest);
 }
 
-/// 0 of what is no number in letters.
+/// The number that a word spells in letters; 0 for any other word.
 int spelled_count(const std::string& word) {
   if (word.empty() || is_digit(word[0]) || word == "a" || word == "an") return 0;
   return count_of(word).value_or(0);

@@ -12,6 +12,7 @@
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
 #include "memory/questions/names/names.h"
+#include "memory/questions/people.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
 #include "memory/questions/routines/digest.h"
@@ -245,8 +246,8 @@ bool counts_objects(const Query& query) {
 
 /// The time of the last scene with a person in view from before a change was seen to that moment.
 std::optional<TimeNs> person_in_view(const ReplyContext& context, const Change& change) {
-  return context.store.last_annotated("loci.annotation.PersonAnnotation", change.since.value_or(change.time),
-                                      change.time, context.as_of);
+  return context.store.last_annotated(kPersonType, change.since.value_or(change.time), change.time,
+                                      context.as_of);
 }
 
 /// The last change; of several that one look showed, the one whose time is known best.

@@ -210,32 +210,42 @@ Relation relation_of(const std::string& letters) {
   return letters == "M" ? Relation::more : letters == "F" ? Relation::fewer : Relation::equal;
 }
 
-/// The letters of quantities, without those of times, and of places where one is named.
-std::string quantities(const Skeleton& skeleton) {
+/// What a sentence asks of two quantities, at one time or without one.
+struct QuantityForm {
+  Relation relation = Relation::more;
+  bool chooses = false;  ///< which of the two
+  const SentencePeriod* time = nullptr;
+};
+
+/// By its letters without those of times, and of places where one is named; one group of a form that matches
+/// is the relation.
+std::optional<QuantityForm> quantity_form(const Skeleton& skeleton, const std::regex& whether,
+                                          const std::regex& which) {
   std::string letters = skeleton.letters;
   std::erase(letters, 'T');
   if (skeleton.places.size() == 1) std::erase(letters, 'P');
-  return letters;
+  std::smatch groups;
+  const bool chooses = std::regex_match(letters, groups, which);
+  if ((!chooses && !std::regex_match(letters, groups, whether)) || skeleton.times.size() > 1)
+    return std::nullopt;
+  return QuantityForm{relation_of(groups.size() < 3 || groups[1].matched ? groups[1] : groups[2]), chooses,
+                      skeleton.times.empty() ? nullptr : &skeleton.times.front()};
 }
 
 /// "Are there more mugs on the table than on the counter?", "which has more mugs, the table or the counter?"
 std::optional<ContentsComparison> two_places(Skeleton skeleton) {
   static const std::regex whether("[WB]*(?:(M|F|YH)K?P|P(M|F|YH)K?)[XY][WB]*P"),
       which("[QRL][WB]*(M|F)O?K?J?PJP");
-  const std::string letters = quantities(skeleton);
-  std::smatch groups;
-  const bool chooses = std::regex_match(letters, groups, which);
-  if ((!chooses && !std::regex_match(letters, groups, whether)) || skeleton.times.size() > 1)
-    return std::nullopt;
-  const SentencePeriod* time = skeleton.times.empty() ? nullptr : &skeleton.times.front();
-  ContentsComparison result{.relation = relation_of(groups[1].matched ? groups[1] : groups[2]),
-                            .first = contents_query(skeleton, time, false),
+  const auto form = quantity_form(skeleton, whether, which);
+  if (!form) return std::nullopt;
+  ContentsComparison result{.relation = form->relation,
+                            .first = contents_query(skeleton, form->time, false),
                             .place = skeleton.places[0],
                             .first_label = "on " + skeleton.places[0],
                             .second_label = "on " + skeleton.places[1],
-                            .asks = chooses ? Asks::place : Asks::verdict};
+                            .asks = form->chooses ? Asks::place : Asks::verdict};
   std::swap(skeleton.places[0], skeleton.places[1]);
-  result.second = contents_query(skeleton, time, false);
+  result.second = contents_query(skeleton, form->time, false);
   return result;
 }
 
@@ -249,26 +259,22 @@ Query number_query(const std::string& object, const SentencePeriod* time) {
 /// "Are there more cups than plates on the table?", "what do we have more of, cups or plates?"
 std::optional<ContentsComparison> two_kinds(Skeleton skeleton) {
   static const std::regex whether("[WB]*(M|F|YH)K[XY][WB]*K"), which("[QR][WB]*(M|F)O?J?KJK");
-  const std::string letters = quantities(skeleton);
-  std::smatch groups;
-  const bool chooses = std::regex_match(letters, groups, which);
-  if ((!chooses && !std::regex_match(letters, groups, whether)) || skeleton.times.size() > 1)
-    return std::nullopt;
-  const SentencePeriod* time = skeleton.times.empty() ? nullptr : &skeleton.times.front();
-  if (skeleton.places.empty() && time != nullptr && !time->moment) return std::nullopt;
+  const auto form = quantity_form(skeleton, whether, which);
+  const SentencePeriod* time = form ? form->time : nullptr;
+  if (!form || (skeleton.places.empty() && time != nullptr && !time->moment)) return std::nullopt;
   const auto number_of = [&](const std::string& object) {
     if (skeleton.places.empty()) return number_query(object, time);
     skeleton.objects.front() = object;
     return contents_query(skeleton, time, false);
   };
   const std::string first = skeleton.objects[0], second = skeleton.objects[1];
-  return ContentsComparison{.relation = relation_of(groups[1]),
+  return ContentsComparison{.relation = form->relation,
                             .first = number_of(first),
                             .second = number_of(second),
                             .place = skeleton.places.empty() ? "" : skeleton.places.front(),
                             .first_label = first,
                             .second_label = second,
-                            .asks = chooses ? Asks::objects : Asks::verdict};
+                            .asks = form->chooses ? Asks::objects : Asks::verdict};
 }
 
 /// "Are there fewer cups than at nine?", "were there more cups at nine than now?"
