@@ -5,9 +5,10 @@
 #include <QEvent>
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <optional>
 #include <utility>
+
+#include "mapping/base/stopwatch.h"
 
 namespace loci::gui {
 namespace {
@@ -28,13 +29,6 @@ bool draws(QEvent::Type type) {
          type == QEvent::UpdateLater;
 }
 
-/// Of this thread.
-double thread_cpu_ms() {
-  timespec now = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) / 1e6;
-}
-
 }  // namespace
 
 DrawingScope::DrawingScope() {
@@ -53,7 +47,7 @@ bool TimedApplication::notify(QObject* receiver, QEvent* event) {
   std::optional<DrawingScope> drawing;
   if (draws(event->type())) drawing.emplace();
   const auto start = Clock::now();
-  const double drawn_before = drawn_ms, cpu_before = thread_cpu_ms();
+  const double drawn_before = drawn_ms, cpu_before = 1000 * thread_cpu_seconds();
   // The receiver may be gone afterwards.
   const char* receiver_class = receiver->metaObject()->className();
   const QEvent::Type type = event->type();
@@ -64,7 +58,7 @@ bool TimedApplication::notify(QObject* receiver, QEvent* event) {
   const double ms = ms_since(start) - (drawn_ms - drawn_before);
   if (ms > longest_.ms)
     longest_ = {
-        ms, std::min(ms, thread_cpu_ms() - cpu_before),
+        ms, std::min(ms, 1000 * thread_cpu_seconds() - cpu_before),
         task_name.empty() ? fmt::format("{}, event {}", receiver_class, static_cast<int>(type)) : task_name};
   return result;
 }

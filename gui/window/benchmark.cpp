@@ -7,12 +7,12 @@
 #include <QEventLoop>
 #include <QTimer>
 #include <algorithm>
-#include <ctime>
 #include <vector>
 
 #include "gui/core/background.h"
 #include "gui/window/main_window.h"
 #include "mapping/base/error.h"
+#include "mapping/base/stopwatch.h"
 
 namespace loci::gui {
 namespace {
@@ -20,11 +20,6 @@ namespace {
 constexpr int kMouseMs = 8;
 constexpr int kObjects = 10;
 constexpr int kOpenTimeoutMs = 120000;
-
-/// Of all threads of this program.
-double process_cpu_ms() {
-  return static_cast<double>(std::clock()) * 1000 / CLOCKS_PER_SEC;
-}
 
 void run_for(double ms) {
   QEventLoop loop;
@@ -57,7 +52,7 @@ void scrub(MainWindow& window, double seconds, WindowFigures& figures) {
     const auto at = static_cast<size_t>(part * static_cast<double>(scenes.size() - 1));
     window.browser().selection().set_time(scenes[at].time);
   });
-  const double cpu_before = process_cpu_ms();
+  const Stopwatch watch;
   clock.start();
   since_frame.start();
   mouse.start(kMouseMs);
@@ -66,7 +61,7 @@ void scrub(MainWindow& window, double seconds, WindowFigures& figures) {
   QObject::disconnect(connection);
   if (intervals.empty()) return;
   figures.frames = intervals.size();
-  figures.frame_cpu_ms = (process_cpu_ms() - cpu_before) / static_cast<double>(intervals.size());
+  figures.frame_cpu_ms = 1000 * watch.cpu_seconds() / static_cast<double>(intervals.size());
   figures.frames_per_s = static_cast<double>(intervals.size()) / seconds;
   std::sort(intervals.begin(), intervals.end());
   figures.frame_median_ms = intervals[intervals.size() / 2];

@@ -234,7 +234,10 @@ std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& pa
   if (!found.empty()) return found;
   if (const std::string singular = singular_of(name); singular != name) return parts_called(parts, singular);
   if (const std::string other = furniture_called(name); !other.empty()) return parts_called(parts, other);
-  if (const size_t space = name.find(' '); space != std::string::npos) {
+  // "widest drawer", "kitchen drawer"; not "mugs on counter".
+  const bool of_place = std::ranges::any_of(
+      asked_words, [](const std::string& word) { return word == "on" || word == "in" || word == "at"; });
+  if (const size_t space = name.find(' '); space != std::string::npos && !of_place) {
     const std::string first = name.substr(0, space);
     found = parts_called(parts, name.substr(space + 1));
     if (const auto level = level_called(first)) keep_level(*level, found);

@@ -14,6 +14,7 @@
 #include "mapping/base/text/text.h"
 #include "memory/questions/comparison.h"
 #include "memory/questions/contents.h"
+#include "memory/questions/emptiness.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
 #include "memory/questions/location.h"
@@ -276,7 +277,7 @@ const std::vector<Question>& questions() {
     for (const auto& family :
          {location_questions(), presence_questions(), contents_questions(), event_questions(),
           routine_questions(), co_occurrence_questions(), search_questions(), comparison_questions(),
-          people_questions(), task_questions(), object_questions(), environment_questions(),
+          people_questions(), emptiness_questions(), task_questions(), object_questions(), environment_questions(),
           digest_questions()})
       result.insert(result.end(), family.begin(), family.end());
     return result;

@@ -133,7 +133,8 @@ std::optional<Id> most_of(const std::vector<Id>& objects, SizeMeasure measure, s
 }
 
 /// What a colour and a noun mean where nothing is called so: the only one of that noun in a colour that is
-/// like it, or the only object in that colour that nobody could name. Unset where that is not one.
+/// like it, or those of a plural that share such a colour, or the only object in that colour that nobody
+/// could name. Unset where there is no such choice.
 std::optional<std::string> only_similar(const Snapshot& snapshot, std::vector<std::string> words) {
   std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
   if (words.size() != 2 || !is_color_word(words[0]) || is_color_word(words[1])) return {};
@@ -148,8 +149,14 @@ std::optional<std::string> only_similar(const Snapshot& snapshot, std::vector<st
         called.empty() && is_package(words[1]) && color == asked && !snapshot.object_belief(id).object.label;
     if (nameless || (is_called && are_similar_colors(color, asked))) similar.push_back(id);
   }
-  if (similar.size() != 1) return {};
-  const std::string name = fmt::format("{} {}", *snapshot.belief(similar[0])->color, words[1]);
+  const auto color_of = [&](Id id) { return *snapshot.belief(id)->color; };
+  const bool plural = words[1].ends_with('s') && singular_of(words[1]) != words[1];
+  const bool alike = plural && !called.empty() && std::ranges::all_of(similar, [&](Id id) {
+                       return color_of(id) == color_of(similar[0]);
+                     });
+  if (similar.empty() || (similar.size() > 1 && !alike)) return {};
+  const std::string name = fmt::format("{} {}", color_of(similar[0]), words[1]);
+  if (similar.size() > 1) return name;
   const bool one = !called.empty() && snapshot.find_objects(name).size() == 1;
   return one ? name : object_name(similar[0]);
 }

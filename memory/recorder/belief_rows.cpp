@@ -3,6 +3,7 @@
 #include <set>
 
 #include "memory/recorder/belief_rows.h"
+#include "memory/store/scene_images.h"
 
 namespace loci::memory {
 namespace {
@@ -187,9 +188,52 @@ class RowBuilder {
       if (event.from) row.from_position = event.from->centre;
       row.probability = std::clamp(event.probability, 0.0, 1.0);
       row.since = event.since;
+      if (event.kind == EventKind::appeared || event.kind == EventKind::reappeared)
+        row.since = std::max({row.since, last_look_without(event), gone_from_there(event)});
       row.clock = clock(event.time);
       rows_.events.push_back(row);
     }
+  }
+
+  /// When an object that is back at its spot was found to have gone from it; unset for others.
+  std::optional<TimeNs> gone_from_there(const belief::Event& event) const {
+    const auto before = c_.before.find(event.object);
+    if (before == c_.before.end() || before->second.status != ObjectStatus::gone || !event.to ||
+        !before->second.position ||
+        (*before->second.position - event.to->centre).norm() > event.to->size.norm() / 2)
+      return std::nullopt;
+    return before->second.clock.valid_from;
+  }
+
+  /// The last of the looks before at the place where an object came up that showed its spot without it; unset
+  /// where the last ones did not. Where the place moves with a joint, the spot is not known.
+  std::optional<TimeNs> last_look_without(const belief::Event& event) const {
+    constexpr int kMaxLooks = 8;
+    const std::optional<Id> at = place(event.to_place);
+    const auto known = std::ranges::find(c_.record.places, event.to_place, &PlaceRow::name);
+    if (!at || !event.to || (known != c_.record.places.end() && known->joint)) return std::nullopt;
+    TimeNs before = event.time - 1;
+    for (int i = 0; i < kMaxLooks; ++i) {
+      const std::optional<VisibilityRow> view = c_.store.last_visibility(*at, {.at = before});
+      if (!view) return std::nullopt;
+      const SceneRow scene = c_.store.scene(view->scene);
+      if (shows_empty(scene, *event.to)) return scene.time;
+      before = scene.time - 1;
+    }
+    return std::nullopt;
+  }
+
+  /// Whether a scene saw behind the middle of a box and behind its side towards the camera: the middle of a
+  /// bowl is empty.
+  bool shows_empty(const SceneRow& scene, const belief::AxisBox& box) const {
+    const auto depth = DepthThumbnail::of(c_.store, scene);
+    if (!depth) return false;
+    const Vector2d towards = (scene.map_from_camera->translation() - box.centre).head<2>();
+    const double radii = towards.cwiseQuotient(box.size.head<2>().cwiseMax(1e-3) / 2).norm();
+    Vector3d near = box.centre;
+    if (radii > 1) near.head<2>() += towards / radii;  // on the ellipse within the box
+    return depth->spot_status(box.centre) == SpotStatus::seen_empty &&
+           depth->spot_status(near) == SpotStatus::seen_empty;
   }
 
   bool was_seen_now(const belief::ProtoObject& object) const {

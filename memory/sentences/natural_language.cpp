@@ -79,7 +79,7 @@ class Conversation {
         references_(store, question.as_of, question.about) {}
 
   NaturalLanguageAnswer answer(const std::string& sentence) {
-    const std::string named = snapshot_.with_names_joined(joined(words_of(sentence), " "));
+    const std::string named = snapshot_.with_names_joined(joined(words_of(at_time_of_last(sentence)), " "));
     const std::vector<Id> spoken_of = references_.last_objects();
     if (auto among = answer_of_them(named)) {
       among->sentence = sentence;
@@ -101,6 +101,20 @@ class Conversation {
   }
 
  private:
+  /// "And ten minutes later?" with the time that it means after the question before; others as they are.
+  std::string at_time_of_last(const std::string& sentence) const {
+    Words words = sentence_words(sentence);
+    if (!words.empty() && words[0] == "and") words.erase(words.begin());
+    const std::string base = last_ ? last_->argument("at") : "";
+    if (words.size() < 3 || base.empty() || (words.back() != "later" && words.back() != "earlier"))
+      return sentence;
+    const auto ago = times_.try_read(join_words(words, 0, words.size() - 1) + " ago");
+    const auto time = times_.try_read(base);
+    if (!ago || !time) return sentence;
+    const TimeNs passed = times_.now() - ago->first;
+    return "and at " + format_time(time->first + (words.back() == "later" ? passed : -passed)) + "?";
+  }
+
   /// "Which of those is the biggest?" asks of what the last answer named.
   NaturalLanguageAnswer answer_choice(const std::string& sentence, const std::vector<Id>& objects) {
     constexpr size_t kMaxChoices = 10;
@@ -176,6 +190,7 @@ class Conversation {
     NaturalLanguageAnswer answer = answer_or_rephrase(elided ? elided->question : meant);
     if (elided && answer.reply) add_more(elided->more, answer);
     if (elided && !answer.query) answer = answer_or_rephrase(meant);
+    if (!answer.query) answer = answer_two(meant);
     if (!answer.reply)
       if (auto both = answer_both(meant)) return *both;
     return answer;
@@ -210,6 +225,17 @@ class Conversation {
     first.reply = combined({*first.reply, *second.reply}, {{*first.query, *second.query}, "and"});
     first.notes.insert(first.notes.end(), second.notes.begin(), second.notes.end());
     return first;
+  }
+
+  /// "Is the tea back, and when was it put there?": both answers; none where one is not understood.
+  NaturalLanguageAnswer answer_two(const std::string& sentence) {
+    const auto two = two_questions(sentence);
+    if (!two) return not_understood(sentence);
+    NaturalLanguageAnswer answer = answer_or_rephrase(two->question);
+    const NaturalLanguageAnswer more = answer.reply ? answer_or_rephrase(two->more) : answer;
+    if (!more.reply) return not_understood(sentence);
+    answer.reply = in_lines({*answer.reply, *more.reply});
+    return answer;
   }
 
   /// "How long was the tea away?": when it left, then when it came back.

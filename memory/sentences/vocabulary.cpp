@@ -232,7 +232,7 @@ constexpr Compound kCompounds[] = {
     {"(at|in|on) (its|their|the|his|her) (usual|normal|regular|customary|accustomed|proper|right) "
      "(place|spot|position|location|home)",
      "asusual"},
-    {"where (it|they) [always|usually|normally|really] (belong|belongs|live|lives)", "asusual"},
+    {"[back] where (it|they) [always|usually|normally|really] (belong|belongs|live|lives)", "asusual"},
     {"where (it|they) (always|usually|normally|generally|typically) "
      "(is|are|was|were|stand|stands|sit|sits|lie|lies|go|goes)",
      "asusual"},
@@ -259,7 +259,19 @@ constexpr Compound kCompounds[] = {
     {"(turned|turn|turns|showed|show|shows) up", "come"},
     {"(become|became|becomes) of", "happen to"},
     {"(take|took|takes|taken|taking) place", "happen"},
-    {"(change|changed|changes|swap|swapped) (place|places|position|positions|location)", "move"},
+    {"(change|changed|changes|swap|swapped) "
+     "(place|places|position|positions|location|counters|tables|shelves|drawers|surfaces)",
+     "move"},
+    {"(moved|relocated|shifted|carried|transferred) to (another|a different|some other) "
+     "(place|spot|location|surface|counter|table|shelf|drawer)",
+     "moved"},
+    {"(visit|visits|visited)", "come to"},
+    {"(can|could) be (seen|found) [right] (now|currently)", "are there"},
+    {"(ever|last) [been|stood|completely|totally|entirely|fully|quite] (empty|bare|free|clear)", "everempty"},
+    {"(ever|last) (been|stood) (completely|totally|entirely|fully|quite) (empty|bare|free|clear)",
+     "everempty"},
+    {"in the course of", "during"},
+    {"if only for (a|one) (while|moment|minute|time|bit)|(even|if) only (briefly|shortly)", ""},
     {"(play|playing|played|fiddle|fiddling|fiddled|mess|messing|messed|tamper|tampering|tampered|meddle|"
      "meddling|meddled|interfere|interfered) [about|around] with",
      "move"},
@@ -294,6 +306,7 @@ constexpr Compound kCompounds[] = {
      "(two|three|four|five|six)",
      "any"},
     {"all of (the|my|our|your|these|those|them)", "all the"},
+    {"all (two|three|four|five|six|seven)", "all the"},
     {"both of (the|my|our|your|these|those|them)", "both the"},
     {"(none|neither) of (the|my|our|your|these|those|them)", "no"},
     {"(one|any|some|either|each|several) of (the|my|our|your|these|those|them)", "any"},
@@ -319,7 +332,7 @@ constexpr Compound kCompounds[] = {
     {"(nearest|closest) (to|from|by)", "nearest near"},
     {"(most distant|farthest away|furthest away)", "farthest"},
     {"different (colours|colors)|(a|another) different (colour|color)", "differentcolour"},
-    {"back (where|to where) (it|they) (was|were|is|are|belong|belongs|came from|go|goes)", "back"},
+    {"back (where|to where) (it|they) (was|were|is|are|came from)", "back"},
     {"(out of|off of|away from)", "from"},
     {"[back] (into|onto)", "into"},
     {"in front of", "infront"},

@@ -280,7 +280,7 @@ CREATE TABLE event (
   joint TEXT,                      -- of joint_changed
   position REAL, from_position REAL,    -- of the joint: metres or radians
   probability REAL NOT NULL CHECK (probability BETWEEN 0 AND 1),
-  since INTEGER,                   -- it happened after this time (the last view before) and until valid_from
+  since INTEGER,                   -- it happened after this time (the last look before it) and until valid_from
   valid_from INTEGER NOT NULL,
   valid_to INTEGER,
   known_from INTEGER NOT NULL,

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <thread>
 
 #include "mapping/base/stopwatch.h"
@@ -27,13 +26,6 @@ struct Step::Attempt {
 };
 
 namespace {
-
-/// Processor time of the thread that asks.
-double thread_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 /// What an exception says. Interrupted is none of the annotator's, and goes on.
 std::string reason_of(const std::exception_ptr& exception) {
@@ -133,7 +125,7 @@ void Step::join(const std::shared_ptr<Attempt>& attempt, cas::Cas& cas, Context&
 
 void Step::try_until_done(cas::Cas& cas, Context& context, std::shared_ptr<Attempt> first) {
   const Stopwatch watch;
-  const double thread_begin = thread_seconds();
+  const double thread_begin = thread_cpu_seconds();
   std::string why;
   bool done = false;
   for (int left = policy_.retry; !done; --left) {
@@ -154,7 +146,7 @@ void Step::try_until_done(cas::Cas& cas, Context& context, std::shared_ptr<Attem
   ++statistics_.scenes;
   statistics_.clusters += static_cast<int64_t>(types::SceneCas(cas).clusters().size());
   statistics_.seconds += seconds;
-  cpu_seconds_ += context.alone ? watch.cpu_seconds() : thread_seconds() - thread_begin;
+  cpu_seconds_ += context.alone ? watch.cpu_seconds() : thread_cpu_seconds() - thread_begin;
   if (!done) return fail(why, cas, context);
   types::SceneCas(cas).log(descriptor_.name, "info", "done", seconds * 1e3);
 }

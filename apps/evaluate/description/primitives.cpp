@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include "apps/evaluate/description/primitive_scenes.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/base/text/json.h"
 
 namespace loci::apps::description_evaluation {
@@ -80,9 +80,9 @@ PrimitivesResult evaluate_primitives(size_t scenes, const Random& random, Progre
     const auto scene = static_cast<size_t>(perception::scene_number(each.frame));
     const PrimitiveTruth truth =
         primitive_truths(scene, random).at(static_cast<size_t>(each.object / 10 - 2));
-    const std::clock_t start = std::clock();
+    const Stopwatch watch;
     const std::optional<perception::PrimitiveShape> found = fit_primitive(each.view.surface, each.ground);
-    seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    seconds += watch.cpu_seconds();
     ++result.kinds[name_of(truth.shape.kind)][found ? name_of(found->kind) : "nothing"];
     if (found && truth.exact && found->kind == truth.shape.kind) compare(truth.shape, *found, result);
   }

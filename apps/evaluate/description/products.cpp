@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <ctime>
 #include <filesystem>
 #include <numeric>
 #include <opencv2/core.hpp>
@@ -102,7 +101,7 @@ class Counting {
   explicit Counting(ProductsScore& score) : score_(score) {}
   void done(const std::vector<std::string>& answers, const std::string& truth) {
     score_.seconds += watch_.seconds();
-    score_.cpu_seconds += static_cast<double>(std::clock() - start_) / CLOCKS_PER_SEC;
+    score_.cpu_seconds += watch_.cpu_seconds();
     ++score_.queries;
     const auto found = std::find(answers.begin(), answers.end(), truth);
     if (found == answers.begin() && !answers.empty()) ++score_.first;
@@ -112,7 +111,6 @@ class Counting {
  private:
   ProductsScore& score_;
   Stopwatch watch_;
-  std::clock_t start_ = std::clock();
 };
 
 /// Every query feature against every catalogue image.

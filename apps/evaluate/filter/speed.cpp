@@ -225,17 +225,12 @@ JointState random_joints(const mapping::World& robot, Random& random) {
   return joints;
 }
 
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
 Time best_time(int repeats, const std::function<void()>& work) {
   Time best;
   for (int i = 0; i < repeats; ++i) {
-    const double begin = cpu_seconds();
     const Stopwatch watch;
     work();
-    const double clock = 1e3 * watch.seconds(), processor = 1e3 * (cpu_seconds() - begin);
+    const double clock = 1e3 * watch.seconds(), processor = 1e3 * watch.cpu_seconds();
     best.clock_ms = i == 0 ? clock : std::min(best.clock_ms, clock);
     best.processor_ms = i == 0 ? processor : std::min(best.processor_ms, processor);
   }

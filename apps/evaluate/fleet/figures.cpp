@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <ctime>
 #include <fstream>
 #include <mutex>
 #include <sstream>
@@ -47,12 +46,6 @@ double server_cpu_s() {
     ticks += user + system + children_user + children_system;
   }
   return ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
-}
-
-double thread_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
 /// Seeds and names of the robots.
@@ -103,12 +96,12 @@ void push_all(const FleetOptions& options, const Robots& robots, FleetFigures& f
   std::vector<double> again;
   for (int robot = 0; robot < options.robots; ++robot) {
     progress.check(0.4 + 0.2 * robot / options.robots, "pushing");
-    const double server = server_cpu_s(), client = thread_cpu_s();
+    const double server = server_cpu_s(), client = thread_cpu_seconds();
     const Stopwatch wall;
     memory::MemoryPush push = robots.push(robot);
     figures.rows += push.run(silent).added_rows();
     figures.push_wall_s += wall.seconds();
-    figures.push_client_s += thread_cpu_s() - client;
+    figures.push_client_s += thread_cpu_seconds() - client;
     figures.push_server_s += server_cpu_s() - server;
     const Stopwatch second;
     push.run(silent);
@@ -159,9 +152,9 @@ void ask_all(const FleetOptions& options, const Robots& robots, FleetFigures& fi
       for (int i = 0; i < options.questions; ++i) {
         const auto robot = random.index(replicas.size());
         const Stopwatch wall;
-        const double cpu = thread_cpu_s();
+        const double cpu = thread_cpu_seconds();
         ask_one(memory::Store::open_read(replicas[robot].update(silent, memory::kFreshReplica_s)), random);
-        const double took_cpu = 1000 * (thread_cpu_s() - cpu), took = 1000 * wall.seconds();
+        const double took_cpu = 1000 * (thread_cpu_seconds() - cpu), took = 1000 * wall.seconds();
         const std::lock_guard lock(mutex);
         wall_ms.push_back(took);
         cpu_ms.push_back(took_cpu);

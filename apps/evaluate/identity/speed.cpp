@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <ctime>
 
 #include "apps/evaluate/identity/experiment.h"
 #include "mapping/base/math/random.h"
+#include "mapping/base/stopwatch.h"
 
 namespace loci::apps::identity_experiment {
 namespace {
@@ -23,25 +23,18 @@ memory::LogOddsProblem problem_of(Eigen::Index size, Eigen::Index block, Random 
   return problem;
 }
 
-/// CPU time of this thread.
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * double(now.tv_sec) + 1e-6 * double(now.tv_nsec);
-}
-
 SpeedRow measure(const std::string& name, Eigen::Index size, Eigen::Index block, double aim, int seed) {
   const memory::LogOddsProblem problem = problem_of(size, block, Random(static_cast<uint64_t>(seed)));
   memory::IdentityOptions options;
   options.best = 1;
   SpeedRow row{name, 1e300, aim, 0};
-  const double start = cpu_ms();
+  const double start = thread_cpu_seconds();
   for (int repeat = 0; repeat < 200; ++repeat) {
-    const double before = cpu_ms();
+    const double before = thread_cpu_seconds();
     row.gate_bound = solve(problem, options).gate_bound;
-    const double after = cpu_ms();
-    row.milliseconds = std::min(row.milliseconds, after - before);
-    if (repeat >= 5 && after - start > 1000) break;
+    const double after = thread_cpu_seconds();
+    row.milliseconds = std::min(row.milliseconds, 1000 * (after - before));
+    if (repeat >= 5 && after - start > 1) break;
   }
   return row;
 }

@@ -5,7 +5,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include <atomic>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -82,13 +81,6 @@ void kill_writers(const MemoryOptions& options, const std::filesystem::path& fil
 
 namespace fs = std::filesystem;
 
-/// Of this thread: what other programs do does not count.
-double processor_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
-}
-
 double resident_megabytes() {
   std::ifstream statm("/proc/self/statm");
   double pages = 0, resident = 0;
@@ -112,9 +104,9 @@ class Writer {
     while (observations_ < end) {
       const memory::SceneRecord record = detections_to_scene(home_.look(), options_.home.noise_m, {});
       const Stopwatch wall;
-      const double begin = processor_s();
+      const double begin = thread_cpu_seconds();
       const memory::RecordedScene recorded = recorder_.record(record);
-      processor_ += processor_s() - begin;
+      processor_ += thread_cpu_seconds() - begin;
       wall_ += wall.seconds();
       judge(recorded.update);
       observations_ += record.observations.size();
@@ -279,9 +271,9 @@ class Asker {
   std::vector<double> milliseconds(Ask ask_one, size_t& most) {
     std::vector<double> times;
     for (int i = 0; i < options_.questions; ++i) {
-      const double begin = processor_s();
+      const double begin = thread_cpu_seconds();
       most = std::max(most, ask_one());
-      times.push_back(1000 * (processor_s() - begin));
+      times.push_back(1000 * (thread_cpu_seconds() - begin));
     }
     return times;
   }
@@ -359,22 +351,22 @@ void take_in(const MemoryOptions& options, const fs::path& file, MemoryFigures& 
 /// Opens, asks and verifies a memory that nobody writes to.
 void examine(const MemoryOptions& options, const fs::path& file, const fs::path& plain_file,
              MemoryFigures& figures, Progress& progress) {
-  const double before_open = processor_s();
+  const double before_open = thread_cpu_seconds();
   const memory::Store store = memory::Store::open_read(file);
   ask(store, memory::WhereQuestion{memory::object_name(1), {}});
-  figures.open_ms = 1000 * (processor_s() - before_open);
+  figures.open_ms = 1000 * (thread_cpu_seconds() - before_open);
   figures.objects = static_cast<size_t>(store.max_object_id());
   figures.bytes_per_observation = double(fs::file_size(file)) / double(store.max_observation_id());
   std::optional<PlainTables> plain;
   if (!options.reuse) figures.plain_rate = plain.emplace(plain_file, file).write_rate();
   progress.check(0.8, "asking");
   figures.questions = Asker(options, store, plain ? &*plain : nullptr).run();
-  const double before_rows = processor_s();
+  const double before_rows = thread_cpu_seconds();
   store.statistics(false);
-  figures.statistics_ms = 1000 * (processor_s() - before_rows);
-  const double before_bytes = processor_s();
+  figures.statistics_ms = 1000 * (thread_cpu_seconds() - before_rows);
+  const double before_bytes = thread_cpu_seconds();
   store.statistics();
-  figures.table_bytes_ms = 1000 * (processor_s() - before_bytes);
+  figures.table_bytes_ms = 1000 * (thread_cpu_seconds() - before_bytes);
   PartialProgress part(progress, 0.9, 1);
   const Stopwatch verify;
   if (const auto problems = store.verify(part).problems; !problems.empty())

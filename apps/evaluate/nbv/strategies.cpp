@@ -1,7 +1,6 @@
 #include "apps/evaluate/nbv/strategies.h"
 
 #include <cmath>
-#include <ctime>
 #include <mutex>
 
 #include "mapping/base/math/math.h"
@@ -11,21 +10,11 @@
 namespace loci::apps::nbv_evaluation {
 namespace {
 
-/// Seconds since it was made, wall time and CPU time.
-class DecisionWatch {
- public:
-  double seconds() const { return watch_.seconds(); }
-  /// Tells a decision what it took since the watch was made.
-  void stop(Decision& decision) const {
-    decision.seconds = seconds();
-    decision.cpu_seconds = processor() - begin_;
-  }
-
- private:
-  static double processor() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-  Stopwatch watch_;
-  double begin_ = processor();
-};
+/// States in a decision what it took since `watch` was made.
+void state_times(const Stopwatch& watch, Decision& decision) {
+  decision.seconds = watch.seconds();
+  decision.cpu_seconds = watch.cpu_seconds();
+}
 
 /// What the peers see of a map: the same as our planner.
 struct Surroundings {
@@ -51,9 +40,9 @@ struct Surroundings {
 Decision ours(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
               const mapping::LaserModel& laser, const nbv::PlannerOptions& options, Random& random) {
   Decision decision;
-  const DecisionWatch watch;
+  const Stopwatch watch;
   const nbv::NextView view = next_view(map, robot, laser, options, random.fork(random.bits()));
-  watch.stop(decision);
+  state_times(watch, decision);
   decision.pose = view.pose;
   decision.overlap = view.expected_overlap;
   return decision;
@@ -62,13 +51,13 @@ Decision ours(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot
 Decision random_pose(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
                      const mapping::LaserModel& laser, const nbv::PlannerOptions& options, Random& random) {
   Decision decision;
-  const DecisionWatch watch;
+  const Stopwatch watch;
   const Surroundings around(map, robot, laser, options);
   if (!around.standing.empty()) {
     const Vector2d place = around.center(around.standing[random.index(around.standing.size())]);
     decision.pose = mapping::PlanarPose{place.x(), place.y(), random.uniform(-kPi, kPi)};
   }
-  watch.stop(decision);
+  state_times(watch, decision);
   return decision;
 }
 
@@ -112,7 +101,7 @@ std::vector<std::vector<size_t>> frontiers(const mapping::FloorGrid& floor) {
 Decision nearest_frontier(const mapping::OccupancyMap& map, const mapping::PlanarPose& robot,
                           const mapping::LaserModel& laser, const nbv::PlannerOptions& options, Random&) {
   Decision decision;
-  const DecisionWatch watch;
+  const Stopwatch watch;
   const Surroundings around(map, robot, laser, options);
   float nearest = nbv::Reachability::kUnreachable;
   for (const auto& group : frontiers(around.floor)) {
@@ -135,7 +124,7 @@ Decision nearest_frontier(const mapping::OccupancyMap& map, const mapping::Plana
     decision.pose =
         mapping::PlanarPose{at.x(), at.y(), look.norm() > 1e-6 ? std::atan2(look.y(), look.x()) : robot.yaw};
   }
-  watch.stop(decision);
+  state_times(watch, decision);
   return decision;
 }
 
@@ -143,7 +132,7 @@ Decision exhaustive(const mapping::OccupancyMap& map, const mapping::PlanarPose&
                     const mapping::LaserModel& laser, const nbv::PlannerOptions& options, double limit,
                     Random& random) {
   Decision decision;
-  const DecisionWatch watch;
+  const Stopwatch watch;
   const Surroundings around(map, robot, laser, options);
   const nbv::ViewVoxels frontier = nbv::find_frontier(around.voxels, options.threads);
   const nbv::ViewCaster caster(around.voxels, frontier, laser, options.max_distance_m, options.ray_step_deg);
@@ -153,7 +142,7 @@ Decision exhaustive(const mapping::OccupancyMap& map, const mapping::PlanarPose&
   nbv::ViewCounts best;
   size_t looked_at = 0;
   Decision prepared;
-  watch.stop(prepared);
+  state_times(watch, prepared);
   parallel_for(places.size(), options.threads, [&](size_t from, size_t to) {
     for (size_t i = from; i < to && watch.seconds() < limit; ++i) {
       const Vector2d place = around.center(places[i]);
@@ -170,7 +159,7 @@ Decision exhaustive(const mapping::OccupancyMap& map, const mapping::PlanarPose&
       }
     }
   });
-  watch.stop(decision);
+  state_times(watch, decision);
   decision.cut = looked_at < places.size();
   const double share =
       static_cast<double>(places.size()) / static_cast<double>(std::max<size_t>(looked_at, 1));

@@ -7,6 +7,7 @@
 
 #include "apps/evaluate/normals/peers.h"
 #include "apps/evaluate/normals/surfaces.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/base/text/json.h"
 #include "mapping/recording/recording.h"
 
@@ -22,9 +23,9 @@ class Ours : public Method {
       bias_ = measure_inclination_bias(camera, options_);
       bias_camera_ = camera;
     }
-    const double begin = thread_seconds();
+    const double begin = thread_cpu_seconds();
     smooth_depth_and_normals(depth, camera, options_, bias_, found_);
-    return {found_.normals, thread_seconds() - begin};
+    return {found_.normals, thread_cpu_seconds() - begin};
   }
 
  private:

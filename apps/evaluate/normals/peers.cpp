@@ -8,8 +8,9 @@
 #include <pcl/search/kdtree.h>
 
 #include <cmath>
-#include <ctime>
 #include <limits>
+
+#include "mapping/base/stopwatch.h"
 
 namespace loci::apps::normals_evaluation {
 namespace {
@@ -37,9 +38,9 @@ class PclMethod : public Method {
   Estimate estimate(const cv::Mat& depth, const mapping::PinholeCamera& camera) override {
     const Cloud::Ptr cloud = cloud_of(depth, camera);
     Normals normals;
-    const double begin = thread_seconds();
+    const double begin = thread_cpu_seconds();
     compute(cloud, normals);
-    Estimate result{cv::Mat(depth.size(), CV_32FC3), thread_seconds() - begin};
+    Estimate result{cv::Mat(depth.size(), CV_32FC3), thread_cpu_seconds() - begin};
     for (int v = 0; v < depth.rows; ++v)
       for (int u = 0; u < depth.cols; ++u) {
         const pcl::Normal& n = normals.at(u, v);
@@ -73,12 +74,6 @@ class Organized : public PclMethod {
 };
 
 }  // namespace
-
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 std::unique_ptr<Method> pcl_normal_estimation() {
   return std::make_unique<KdTree>();

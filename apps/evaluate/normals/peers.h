@@ -22,9 +22,6 @@ class Method {
   virtual Estimate estimate(const cv::Mat& depth, const mapping::PinholeCamera& camera) = 0;
 };
 
-/// Processor time of the calling thread.
-double thread_seconds();
-
 /// pcl::NormalEstimation (kd-tree, 20 neighbours; "the reference implementation" of §4.2.1).
 std::unique_ptr<Method> pcl_normal_estimation();
 /// pcl::IntegralImageNormalEstimation as constructed: AVERAGE_3D_GRADIENT.

@@ -4,7 +4,6 @@
 #include <octomap/OcTree.h>
 
 #include <algorithm>
-#include <ctime>
 #include <functional>
 #include <sstream>
 
@@ -44,17 +43,12 @@ std::string stream_of(const octomap::OcTree& tree) {
   return stream.str();
 }
 
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
 /// Times the insertion of all scans and keeps it when it is the best so far.
 void time_insertion(Insertion& way, size_t scans, const std::function<void()>& insert_all) {
-  const double begin = cpu_seconds();
   const Stopwatch watch;
   insert_all();
   const double count = static_cast<double>(scans);
-  const double seconds = watch.seconds() / count, processor = (cpu_seconds() - begin) / count;
+  const double seconds = watch.seconds() / count, processor = watch.cpu_seconds() / count;
   way.seconds = way.seconds == 0 ? seconds : std::min(way.seconds, seconds);
   way.cpu_seconds = way.cpu_seconds == 0 ? processor : std::min(way.cpu_seconds, processor);
 }

@@ -8,7 +8,6 @@
 #include <pcl/registration/ndt.h>
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <map>
 #include <numeric>
 #include <string>
@@ -16,6 +15,7 @@
 
 #include "mapping/base/math/math.h"
 #include "mapping/base/parallel.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/base/text/json.h"
 #include "mapping/sensor/scan.h"
 
@@ -113,13 +113,6 @@ Answer answer_of(const std::string& method, const mapping::Scan& target, const m
   return {pair.target_from_source, pair.trusted};
 }
 
-/// Time that this thread computed: fair when other programs run beside.
-double thread_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 Json number(double value, double unit) {
   return std::round(value / unit) * unit;
 }
@@ -164,10 +157,10 @@ std::vector<MethodRow> compare_methods(const PairSet& set, const std::vector<Dis
         progress.check(static_cast<double>(p) / static_cast<double>(set.pairs.size()),
                        set.name + ": " + methods[m]);
         MethodRow& row = rows[d * methods.size() + m];
-        const double begin = thread_seconds();
+        const double begin = thread_cpu_seconds();
         const Answer answer =
             answer_of(methods[m], thin.at(pair.target), thin.at(pair.source), start, options);
-        row.seconds.push_back(thread_seconds() - begin);
+        row.seconds.push_back(thread_cpu_seconds() - begin);
         row.names.push_back(pair.name);
         row.errors_m.push_back(metres_off(answer.target_from_source, pair.target_from_source));
         row.errors_deg.push_back(degrees_off(answer.target_from_source, pair.target_from_source));

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
-#include <list>
 #include <map>
 #include <mutex>
 #include <set>
@@ -14,6 +13,7 @@
 #include "mapping/base/error.h"
 #include "mapping/recording/compression.h"
 #include "mapping/recording/ros/bag.h"
+#include "mapping/recording/ros/chunk_cache.h"
 #include "mapping/recording/ros/mcap_format.h"
 
 namespace loci::mapping {
@@ -24,7 +24,6 @@ using namespace mcap;
 
 constexpr uint64_t kMaxChunk = uint64_t{1} << 30;
 constexpr uint64_t kMaxRecord = uint64_t{1} << 31;
-constexpr size_t kChunksKept = 4;
 
 /// RecordFields of a record: little endian, texts and arrays with a length of four bytes before them.
 class RecordFields {
@@ -161,7 +160,7 @@ class McapReader : public BagReader {
   void take_chunk(uint64_t at, uint64_t length) {
     ++chunks_;
     try {
-      const std::string& records = unpacked(at, length);
+      const std::string records = unpack(at, length);
       for (size_t place = 0; place < records.size();) {
         RecordFields head(std::string_view(records).substr(place));
         const auto op = static_cast<Op>(head.take<uint8_t>());
@@ -200,13 +199,8 @@ class McapReader : public BagReader {
     }
   }
 
-  /// Records of the chunk at a position, unpacked; the last few are kept.
-  const std::string& unpacked(uint64_t at, uint64_t length) const {
-    for (auto each = kept_.begin(); each != kept_.end(); ++each)
-      if (each->first == at) {
-        kept_.splice(kept_.begin(), kept_, each);
-        return kept_.front().second;
-      }
+  /// Records of the chunk at a position.
+  std::string unpack(uint64_t at, uint64_t length) const {
     const std::string content = read(at + kRecordHead, length);
     RecordFields fields(content);
     fields.next(16);  // times of the first and last message
@@ -218,9 +212,7 @@ class McapReader : public BagReader {
     std::string records = decompress(compression, packed, size);
     if (records.size() != size) throw Error("a chunk unpacks to another size than it says");
     if (crc != 0 && crc32_of(records) != crc) throw Error("the checksum is wrong");
-    kept_.emplace_front(at, std::move(records));
-    if (kept_.size() > kChunksKept) kept_.pop_back();
-    return kept_.front().second;
+    return records;
   }
 
   /// Valid until the next call.
@@ -229,7 +221,8 @@ class McapReader : public BagReader {
       if (message.chunk != 0) {
         const std::string head = read(message.chunk, kRecordHead);
         const auto length = RecordFields(std::string_view(head).substr(1)).take<uint64_t>();
-        return std::string_view(unpacked(message.chunk, length)).substr(message.at, message.size);
+        return std::string_view(unpacked_.at(message.chunk, [&] { return unpack(message.chunk, length); }))
+            .substr(message.at, message.size);
       }
       plain_ = read(message.at, message.size);
       return plain_;
@@ -266,7 +259,7 @@ class McapReader : public BagReader {
   mutable std::mutex mutex_;
   mutable std::ifstream file_;
   uint64_t size_ = 0;
-  mutable std::list<std::pair<uint64_t, std::string>> kept_;  ///< unpacked chunks, last used first
+  mutable ChunkCache unpacked_;
   mutable std::string plain_;
   std::map<uint16_t, Schema> schemas_;
   std::map<uint16_t, Channel> channels_;

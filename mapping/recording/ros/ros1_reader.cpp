@@ -7,13 +7,13 @@
 
 #include <cstring>
 #include <fstream>
-#include <list>
 #include <map>
 #include <mutex>
 
 #include "mapping/base/error.h"
 #include "mapping/recording/compression.h"
 #include "mapping/recording/ros/bag.h"
+#include "mapping/recording/ros/chunk_cache.h"
 
 namespace loci::mapping {
 namespace {
@@ -102,7 +102,6 @@ class Ros1Reader : public BagReader {
  private:
   static constexpr size_t kMaxChunk = size_t{1} << 28;  // unpacked; recorders begin a new one before 1 MB
   static constexpr size_t kMaxHeader = size_t{1} << 20;
-  static constexpr size_t kChunksKept = 4;
   static constexpr const char* kReindex = "'rosbag reindex' repairs bags whose recording was interrupted";
 
   struct Message {
@@ -197,13 +196,8 @@ class Ros1Reader : public BagReader {
     topics_ = with_sorted_messages(topics, messages_);
   }
 
-  /// Records of the chunk at a position, unpacked; the last few are kept.
-  const std::string& unpacked(uint64_t at) const {
-    for (auto each = kept_.begin(); each != kept_.end(); ++each)
-      if (each->first == at) {
-        kept_.splice(kept_.begin(), kept_, each);
-        return kept_.front().second;
-      }
+  /// Records of the chunk at a position.
+  std::string unpack(uint64_t at) const {
     const Record record = record_at(at);
     const HeaderFields fields(record.header);
     const size_t size = fields.number<uint32_t>("size");
@@ -211,15 +205,13 @@ class Ros1Reader : public BagReader {
     std::string records =
         decompress(fields.text("compression"), read(record.data_at, record.data_size), size);
     if (records.size() != size) throw Error("a chunk unpacks to another size than it says");
-    kept_.emplace_front(at, std::move(records));
-    if (kept_.size() > kChunksKept) kept_.pop_back();
-    return kept_.front().second;
+    return records;
   }
 
   /// Valid until the next call.
   std::string_view bytes_of(const Message& message) const {
     try {
-      std::string_view records = unpacked(message.chunk);
+      std::string_view records = unpacked_.at(message.chunk, [&] { return unpack(message.chunk); });
       take(records, message.at);
       const HeaderFields fields(take_sized(records));
       if (fields.kind() != RecordKind::message || fields.number<uint32_t>("conn") != message.connection)
@@ -235,7 +227,7 @@ class Ros1Reader : public BagReader {
   mutable std::ifstream file_;
   uint64_t size_ = 0;
   bool indexed_ = false;
-  mutable std::list<std::pair<uint64_t, std::string>> kept_;  ///< unpacked chunks, last used first
+  mutable ChunkCache unpacked_;
   std::map<uint32_t, BagTopic> connections_;
   std::map<uint32_t, std::vector<Message>> by_connection_;
   std::map<std::string, std::vector<Message>> messages_;

@@ -58,7 +58,7 @@ std::set<std::string> singulars(const std::string& word) {
 
 bool is_kind(const std::string& name, const std::string& word) {
   constexpr int kMaxSteps = 6;
-  return wordnet::relation_of(name, word, kMaxSteps) != Relation::none;
+  return wordnet::relation_of(name, word, kMaxSteps) != wordnet::Relation::none;
 }
 
 }  // namespace
@@ -83,7 +83,8 @@ std::set<std::string> related_names(const std::string& word, const std::set<std:
   if (!found.empty() || listed != household_kinds().end()) return found;
   // A teaspoon is a spoon; that a kettle is a pot makes it none of the pots that are here.
   for (const std::string& name : names)
-    if (word != name && word.ends_with(name) && wordnet::relation_of(word, name, 2) != Relation::none)
+    if (word != name && word.ends_with(name) &&
+        wordnet::relation_of(word, name, 2) != wordnet::Relation::none)
       found.insert(name);
   return found;
 }

@@ -325,6 +325,28 @@ void how_long_ago(const Change& last, const std::string& what, const ReplyContex
                            context.times.text(last.time));
 }
 
+/// Which share of the time in which a change may have happened lies in the period that was asked about.
+double share_within(const Change& change, const ChangesAnswer& answer) {
+  if (!answer.from || !change.since || *change.since >= *answer.from) return 1;
+  return static_cast<double>(change.time - *answer.from) / static_cast<double>(change.time - *change.since);
+}
+
+void whether_changed(const ChangesAnswer& answer, const Names& names, const ReplyContext& context,
+                     Reply& reply) {
+  const Change& last = last_of(answer.changes);
+  const std::string what = happened(last, names);
+  double none = 1;  // probability that all happened before
+  for (const Change& change : answer.changes) none *= 1 - share_within(change, answer);
+  if (none <= 0.5) {
+    reply.verdict = Verdict::yes;
+    reply.text = fmt::format("Yes: {} by {}.", what, context.times.text(last.time));
+  } else {
+    reply.verdict = Verdict::not_observed;
+    reply.text = fmt::format("Not observed whether then: {} between {} and {}.", what,
+                             context.times.text(*last.since), context.times.text(last.time));
+  }
+}
+
 void who_did(const Change& last, const std::string& what, const ReplyContext& context, Reply& reply) {
   reply.not_known = true;
   reply.text =
@@ -351,8 +373,7 @@ void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& r
     reply.places = {last.place->name};
   switch (asks) {
     case Asks::verdict:
-      reply.verdict = Verdict::yes;
-      reply.text = fmt::format("Yes: {} by {}.", what, by);
+      whether_changed(answer, names, context, reply);
       break;
     case Asks::last_time:
       when_changed(last, names, context.times, reply);

@@ -164,18 +164,23 @@ void set_verdict(bool is, const std::string& why, Reply& reply) {
   reply.text = fmt::format("{}: {}", is ? "Yes" : "No", why);
 }
 
-/// Whether all are at one place, or one of each name is; `place` says where they are.
+/// Whether all are at one place, or one of each name is; `place` says where those are that are `there`.
 void where_together(const WhereAnswer& answer, const std::vector<const ObjectBelief*>& there,
                     const Reply& place, const ReplyContext& context, const Snapshot& snapshot, Reply& reply) {
   const std::string object = context.query.argument("object");
   const auto shared = place_of_each(object, there, snapshot);
-  const bool all = there.size() > 1 && there.size() == answer.objects.size();
+  const size_t others = answer.objects.size() - there.size();  // that have gone, or whose place is not known
   const auto at = [](const ObjectBelief* one) { return one->place ? one->place->id : Id{0}; };
-  const bool at_one =
-      all && std::ranges::all_of(there, [&](const auto* one) { return at(one) == at(there[0]); });
-  set_verdict(at_one || shared,
-              at_one || !shared ? place.text : fmt::format("{} are {}.", object, spot_in_words(shared, {})),
-              reply);
+  const bool at_one = there.size() > 1 &&
+                      std::ranges::all_of(there, [&](const auto* one) { return at(one) == at(there[0]); });
+  std::string where = place.text;
+  if (at_one && others > 0 && where.ends_with('.')) {
+    where.pop_back();
+    where += fmt::format("; {} of {} {} not.", others, answer.objects.size(), others > 1 ? "are" : "is");
+  }
+  const bool all = at_one && others == 0;
+  set_verdict(all || shared,
+              all || !shared ? where : fmt::format("{} are {}.", object, spot_in_words(shared, {})), reply);
   reply.places = place.places;
 }
 

@@ -46,6 +46,7 @@ const std::map<std::string, char>& letters() {
              {'Y', "as same"},
              {'J', "or"},
              {'L', "where"},
+             {'D', "both"},
              {'O', "of"},
              {'V', "compared versus"}})
       for (const std::string& word : words_of(words)) result[word] = letter;
@@ -62,6 +63,15 @@ struct Skeleton {
   bool inside = false;  ///< in the place
   bool known = true;    ///< all objects are called so
 };
+
+/// "Both counters": the two that are called so; false where there are not two.
+bool add_both(const std::string& name, const Snapshot& snapshot, Skeleton& skeleton) {
+  const std::vector<PlaceRow> places = snapshot.places_meant(name);
+  if (places.size() != 2) return false;
+  skeleton.letters += "PRP";
+  for (const PlaceRow& place : places) skeleton.places.push_back(place.name);
+  return true;
+}
 
 /// False where a word has no part in the construction.
 bool add_word(const Words& words, size_t at, Skeleton& skeleton) {
@@ -97,6 +107,10 @@ std::optional<Skeleton> skeleton_of(const std::string& sentence, const Snapshot&
     }
     const auto mention = std::ranges::find(mentions, i, &Mention::first);
     if (mention != mentions.end() && (mention->known || !mention->place) && !letters().contains(words[i])) {
+      if (mention->place && skeleton.letters.ends_with('D') && add_both(mention->text, snapshot, skeleton)) {
+        i = mention->last;
+        continue;
+      }
       skeleton.known = skeleton.known && mention->known;
       skeleton.letters += mention->place ? 'P' : 'K';
       (mention->place ? skeleton.places : skeleton.objects).push_back(mention->text);
@@ -249,6 +263,23 @@ std::optional<ContentsComparison> two_places(Skeleton skeleton) {
   return result;
 }
 
+/// "What has been on both counters?", "which cups are on both the table and the counter?"
+std::optional<ContentsComparison> both_places(Skeleton skeleton) {
+  static const std::regex form("([QRH])O?K?([WB]?)K?[WB]?(T?)DPRP(T?)");
+  std::smatch groups;
+  if (!std::regex_match(skeleton.letters, groups, form) || skeleton.times.size() > 1) return std::nullopt;
+  const SentencePeriod* time = skeleton.times.empty() ? nullptr : &skeleton.times.front();
+  const bool ever = groups[2] != "B" && time == nullptr;
+  ContentsComparison result{.relation = Relation::common,
+                            .first = contents_query(skeleton, time, ever),
+                            .first_label = "on " + skeleton.places[0],
+                            .second_label = "on " + skeleton.places[1],
+                            .asks = groups[1] == "H" ? Asks::number : Asks::objects};
+  std::swap(skeleton.places[0], skeleton.places[1]);
+  result.second = contents_query(skeleton, time, ever);
+  return result;
+}
+
 /// How many there are in the room, at a moment.
 Query number_query(const std::string& object, const SentencePeriod* time) {
   Query query{.question = "where", .arguments = {{"object", object}}, .asks = Asks::number};
@@ -349,7 +380,10 @@ std::optional<ContentsComparison> find_contents_comparison(const std::string& se
   if (!skeleton || skeleton->times.size() > 2) return std::nullopt;
   const size_t kinds = skeleton->objects.size(), places = skeleton->places.size();
   if (kinds == 2 && places < 2) return two_kinds(*skeleton);
-  if (kinds < 2 && places == 2) return two_places(*skeleton);
+  if (kinds < 2 && places == 2) {
+    if (auto both = both_places(*skeleton)) return both;
+    return two_places(*skeleton);
+  }
   if (kinds == 1 && places == 0) return two_times(*skeleton);
   if (kinds > 1 || places != 1 || !skeleton->known) return std::nullopt;
   // "What is missing from the table compared with noon?"
@@ -391,8 +425,8 @@ Reply compared(const ContentsComparison& comparison, const Reply& first, const R
   reply.text = shortened(reply.text);
   for (const auto& [time, objects] :
        {std::pair(comparison.first_label, first.objects), std::pair(comparison.second_label, second.objects)})
-    reply.evidence.push_back(
-        fmt::format("{}, {}: {}", comparison.place, labelled(time), names_in_words(objects, snapshot)));
+    reply.evidence.push_back(fmt::format("{}{}: {}", comparison.place.empty() ? "" : comparison.place + ", ",
+                                         labelled(time), names_in_words(objects, snapshot)));
   return reply;
 }
 

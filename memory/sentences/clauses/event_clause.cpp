@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "mapping/base/text/text.h"
 #include "memory/sentences/lexicon.h"
@@ -29,10 +30,11 @@ bool is_clause(const Words& words) {
   return first != WordClass::auxiliary && first != WordClass::question && first != WordClass::relation;
 }
 
-/// The first name in a clause; "" = none.
-std::string named_in(const Words& words, const Snapshot& snapshot) {
+/// The first name in a clause, or its first place; "" = none.
+std::string named_in(const Words& words, bool place, const Snapshot& snapshot) {
   const auto mentions = find_mentions(tokens_of(words), snapshot, [](const std::string&) { return true; });
-  return mentions.empty() ? "" : mentions.front().text;
+  const auto found = std::ranges::find_if(mentions, [&](const Mention& one) { return !place || one.place; });
+  return found == mentions.end() ? "" : found->text;
 }
 
 /// The pronoun that begins or ends a clause, or follows its verb, is what the other clause names.
@@ -40,7 +42,10 @@ void resolve(Words& words, const Words& other, const Snapshot& snapshot) {
   const auto pronoun = std::ranges::find_if(
       words, [](const std::string& word) { return is_pronoun(word) || word == "there"; });
   if (pronoun == words.end()) return;
-  const std::string name = named_in(other, snapshot);
+  static const std::set<std::string> of_places = {"to", "on", "onto", "in", "into", "from", "off"};
+  const bool place = pronoun != words.begin() && of_places.contains(*(pronoun - 1));  // "what came to it"
+  std::string name = place ? named_in(other, true, snapshot) : "";
+  if (name.empty()) name = named_in(other, false, snapshot);
   if (name.empty()) return;
   Words by = words_of("the " + name);
   if (*pronoun == "there") by.insert(by.begin(), "on");

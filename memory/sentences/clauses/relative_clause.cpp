@@ -17,7 +17,8 @@ namespace {
 struct RelativeClause {
   size_t first = 0, last = 0;  ///< words, the name included
   std::string name = {}, place = {};
-  bool left = false;  ///< it was taken from the place
+  bool left = false;    ///< it was taken from the place
+  bool beside = false;  ///< `place` is an object that it was near
   std::optional<SentencePeriod> period = {};
 };
 
@@ -59,10 +60,17 @@ std::optional<RelativeClause> find_clause(const Tokens& tokens, const Snapshot& 
   for (size_t i = 0; i + 1 < mentions.size(); ++i) {
     const Mention &name = mentions[i], &place = mentions[i + 1];
     bool left = false;
-    if (name.place || !place.place || !links(tokens, name.last, place.first, left)) continue;
-    RelativeClause clause{
-        .first = name.first, .last = place.last, .name = name.text, .place = place.text, .left = left};
+    if (name.place || !links(tokens, name.last, place.first, left)) continue;
+    const bool beside = tokens.lemmas[place.first - 1] == "near" || tokens.lemmas[place.first - 2] == "near";
+    if (place.place == beside) continue;
+    RelativeClause clause{.first = name.first,
+                          .last = place.last,
+                          .name = name.text,
+                          .place = place.text,
+                          .left = left,
+                          .beside = beside};
     clause.period = time_at(tokens.words, clause.last, times);
+    if (beside && !(clause.period && clause.period->moment)) continue;  // what is near changes
     return clause;
   }
   return std::nullopt;
@@ -85,11 +93,20 @@ std::vector<Id> objects_of(const RelativeClause& clause, const Snapshot& snapsho
     query.arguments["from"] = clause.period->from;
   if (query.question != "on" && clause.period && !clause.period->to.empty())
     query.arguments["to"] = clause.period->to;
+  if (clause.beside)
+    query = {.question = "near",
+             .arguments = {{"around", clause.place},
+                           {"object", clause.name},
+                           {"at", clause.period->from},
+                           {"count", "1"}},
+             .asks = Asks::objects};
   try {
     const std::vector<Id> called = snapshot.find_objects(clause.name);
     std::vector<Id> found =
         ask(snapshot.store(), query, snapshot.as_of())
-            .reply({snapshot.store(), query, snapshot.as_of(), TimeWriter(snapshot.store())})
+            .reply({snapshot.store(), query,
+                    read_as_of(snapshot.store(), query.argument("at"), "", snapshot.as_of()),
+                    TimeWriter(snapshot.store())})
             .objects;
     std::erase_if(found, [&](Id id) { return std::ranges::count(called, id) == 0; });
     return found;

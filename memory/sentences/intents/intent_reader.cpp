@@ -183,6 +183,7 @@ bool restricts(const std::string& lemma) {
       "empty full fresh new hide usually "
       "breakfast lunch dinner supper noon midday midnight morning afternoon evening night tonight "
       "colour shape size weight material "
+      "percentage percent proportion fraction alone change "
       "will should howlong howmany howmuch howsure howfar howbig howoften when where why who whose which");
   return restricting.contains(lemma) || count_of(lemma).value_or(0) > 1 || is_digit(lemma[0]) ||
          lemma.size() == 1 || is_degree(lemma);
@@ -252,6 +253,17 @@ bool drops_deed(const std::string& form, const Tokens& tokens) {
   return state && says("did") && says("someone") && !asks_for_event(form);
 }
 
+/// Whether the sentence asks with one question word of what another one restricts, and the form has only the
+/// other: "what stands where OBJECT was" is not "where was OBJECT".
+bool drops_question(const std::string& form, const Tokens& tokens) {
+  static const std::set<std::string> words = {"what", "which", "who", "when", "where", "why"};
+  const Tokens of_form = tokens_of(words_of(lower_case(form), " ?,."));
+  if (tokens.words.empty() || !words.contains(tokens.words[0])) return false;
+  const auto asks = [](const std::string& word) { return words.contains(word); };
+  const bool two = std::ranges::count_if(tokens.words, asks) > 1;
+  return two && std::ranges::count(of_form.words, tokens.words[0]) == 0;
+}
+
 /// Whether the sentence denies what the form does not: "no OBJECT", "neither OBJECT", "what was not moved".
 bool drops_negation(const std::string& form, const Tokens& tokens) {
   static const std::set<std::string> none = {"no", "neither"};
@@ -305,7 +317,7 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   if (tokens.lemmas.size() < 2 || best.probability < kMinProbability || form == kNoIntent)
     return std::nullopt;
   if (!is_covered(best, tokens) || drops_relation(form, tokens) || drops_negation(form, tokens) ||
-      drops_deed(form, tokens))
+      drops_deed(form, tokens) || drops_question(form, tokens))
     return std::nullopt;
   // "Is it on the table or on the counter?" asks for one of them.
   const bool choice = form == "Is OBJECT on PLACE?" && sentence.places[0].find(" or ") != std::string::npos;
@@ -323,7 +335,12 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
 /// it is no part of another sentence.
 std::optional<Delexicalised> embedded_question(const Delexicalised& sentence) {
   static const std::set<std::string> bridges = {"where", "what", "how", "why", "whose", "whether"};
+  static const std::set<std::string> asking = {"what", "which", "who"};
   const Words& words = sentence.words;
+  // "What stands where OBJECT was?", but "What I want to know is where OBJECT is."
+  if (words.size() > 1 && asking.contains(words[0]) && class_of(lemma_of(words[1])) != WordClass::person &&
+      !is_pronoun(words[1]))
+    return std::nullopt;
   for (size_t i = 1; i + 1 < words.size(); ++i) {
     if (words[i] == "OBJECT" || words[i] == "PLACE") return std::nullopt;
     if (!bridges.contains(words[i])) continue;
@@ -517,8 +534,11 @@ std::vector<std::vector<PlainQuestion>> plain_questions(const std::string& sente
       if ((coordinated || attached) && mentions.size() == all[i].mentions.size()) continue;
       add_readings(mentions);
     }
-    // "I popped round with the shopping and ...": names that mean nothing may be words.
-    if (std::ranges::none_of(readings, &PlainQuestion::reworded)) {
+    // "I popped round with the shopping and ...": names that mean nothing may be words, but not "cup".
+    const bool household = std::ranges::any_of(all[i].mentions, [](const Mention& mention) {
+      return !mention.known && is_household_noun(singular_of(words_of(mention.text).back()));
+    });
+    if (!household && std::ranges::none_of(readings, &PlainQuestion::reworded)) {
       std::vector<Mention> meant;
       std::ranges::copy_if(all[i].mentions, std::back_inserter(meant), &Mention::known);
       if (!meant.empty() && meant.size() < all[i].mentions.size()) add_readings(meant);

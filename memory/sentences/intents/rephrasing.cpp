@@ -180,6 +180,9 @@ class Pattern {
     if (kind == "noun")
       return single && class_of(lemma_of(words[first])) == WordClass::name &&
              !wordnet::base_forms(words[first], wordnet::PartOfSpeech::noun).empty();
+    if (kind == "plural")
+      return is_of_kind(match, "noun", first, last) && words[first].ends_with('s') &&
+             singular_of(words[first]) != words[first];
     if (kind == "courtesy") return is_courtesy(words, first, last);
     return kind == "matrix" && is_matrix(match, first, last);
   }
@@ -266,6 +269,25 @@ const std::vector<Pattern>& meanings() {
       {"something|anything else|other than <x:name> on|at <p:name>", "anything on <p> except <x>"},
       {"something|anything else|other than <x:name> in|inside <p:name>", "anything in <p> except <x>"},
       {"^ did <p:name> stay|remain put", "was <p> never moved"},
+      {"^ <x> , <c> included|including $", "<x>"},
+      {"^ <x> , including <c:name> $", "<x>"},
+      // Which of two did it more often.
+      {"^ which|what <x> more|most often , <a:name> or <b:name> $", "which of <a> and <b> <x> most often"},
+      {"which|what <x:name> disappeared|vanished|left and|but came|returned back? $", "which <x> came back"},
+      {"be seen|found right? now|currently", "be seen"},
+      {"the|my|our dark <n:noun>", "the black <n>"},
+      {"^ where should|could|can i|we look|search|check $", "where should i look for it"},
+      {"^ since when do|have|had i|we have|had|got? a|an|any|some <x:name> $", "when was the <x> first seen"},
+      {"^ since when is|are there a|an|any <x:name> $", "when was the <x> first seen"},
+      {"^ from which|what <n:noun> did|has|was <x:name> come|came|taken|moved|go $",
+       "where did <x> come from"},
+      {"^ which|what <n:noun> did|has|was <x:name> come|came|taken from $", "where did <x> come from"},
+      {"moved|handled|used|touched the? most $", "moved most often"},
+      {"opened the? most $", "opened most often"},
+      {"^ when was the? last time that? anything|something <x>", "when did something <x> last"},
+      {"^ how long has|have|had|was|were <x:name> been? out $", "how long was <x> there"},
+      {"^ next to|beside|near which object|objects|thing|things is|are|was|were <x:name> $",
+       "what is next to <x>"},
       // A choice of places in the past: where it was.
       {"^ was|were <x:name> in|on|at <a:name> or in|on|at? <b:name> <t> $", "where was <x> <t>"},
       // How much room there is nobody measures; what takes it up is known.
@@ -314,7 +336,8 @@ const std::vector<Pattern>& constructions() {
       {"the? last time i|we|you|anyone looked|checked $", ""},
       {"when you last looked|checked $", ""},
       {"^ where is the|my? <x> , the|my <n:name> $", "where is the <n>"},
-      {"^ how much <n:noun> is|are <x>", "how many <n> are <x>"},
+      {"^ how much <n:noun> are <x>", "how many <n> are <x>"},
+      {"^ how much <n:plural> is <x>", "how many <n> are <x>"},
       // Who does it, and how often.
       {"keep|keeps|kept|keep|been <v:doing>", "<v>"},
       {"in front of me|us|you", ""},
@@ -548,7 +571,20 @@ bool chooses(const std::string& sentence) {
   return false;
 }
 
-std::optional<ElidedQuestion> elided_question(const std::string& sentence) {
+std::optional<TwoQuestions> two_questions(const std::string& sentence) {
+  const Words words = words_and_marks(sentence);
+  for (size_t i = 3; i + 3 < words.size(); ++i) {
+    if (words[i] != "and" || !is_question_word(words[i + 1]) ||
+        class_of(lemma_of(words[i + 2])) != WordClass::auxiliary)
+      continue;
+    size_t end = i;
+    while (end > 0 && is_mark(words[end - 1])) --end;
+    return TwoQuestions{join_words(words, 0, end) + "?", join_words(words, i + 1, words.size())};
+  }
+  return std::nullopt;
+}
+
+std::optional<TwoQuestions> elided_question(const std::string& sentence) {
   static const std::vector<Words> more =
       expand_form("when|where|why|who|since when|until when|how long|how often|how many times");
   Words words = words_and_marks(sentence);
@@ -558,7 +594,7 @@ std::optional<ElidedQuestion> elided_question(const std::string& sentence) {
     Words question(words.begin(), words.end() - std::ssize(one));
     if (question.back() != "and") continue;
     while (question.back() == "and" || is_mark(question.back())) question.pop_back();
-    return ElidedQuestion{joined(question, " ") + "?", joined(one, " ") + "?"};
+    return TwoQuestions{joined(question, " ") + "?", joined(one, " ") + "?"};
   }
   return std::nullopt;
 }

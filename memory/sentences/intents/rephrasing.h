@@ -39,10 +39,13 @@ std::string without_partitive(const std::string& question);
 /// Whether the sentence asks which of what was spoken of: an answer about everything is none.
 bool chooses(const std::string& sentence);
 
-/// "Was the pot moved, and when?": the question, and the question word that asks more of the same.
-struct ElidedQuestion {
+/// A question, and another one of the same.
+struct TwoQuestions {
   std::string question = {}, more = {};
 };
-std::optional<ElidedQuestion> elided_question(const std::string& sentence);
+/// "Was the pot moved, and when?"; unset for other sentences.
+std::optional<TwoQuestions> elided_question(const std::string& sentence);
+/// "Is the tea back, and when was it put there?"; likewise.
+std::optional<TwoQuestions> two_questions(const std::string& sentence);
 
 }  // namespace loci::memory

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "mapping/base/text/json.h"
+#include "memory/questions/emptiness.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/reply.h"
 #include "memory/questions/snapshot.h"
@@ -92,6 +93,48 @@ TEST_F(Room, PlacesThatWereLookedAtAreEmptyOrInUse) {
   };
   EXPECT_THAT(of_state("empty"), ElementsAre("table_1"));
   EXPECT_THAT(of_state("in use"), testing::IsEmpty());
+}
+
+TEST_F(Room, WhatWasSeenWithNothingOnItWasEmpty) {
+  const EmptinessAnswer answer = ask(*store_, EmptinessQuestion{.place = "table"});
+  ASSERT_EQ(answer.places.size(), 1U);
+  EXPECT_EQ(answer.places[0].looks, 2U);
+  EXPECT_EQ(answer.places[0].empty.size(), 2U);
+  EXPECT_FALSE(answer.places[0].occupied_throughout);
+  const Query query{"empty", {{"place", "table"}}, Asks::verdict};
+  const Reply reply = ask(*store_, query).reply({*store_, query, {}, TimeWriter(*store_)});
+  EXPECT_EQ(reply.verdict, Verdict::yes);
+  EXPECT_THAT(reply.text, HasSubstr("table_1 was empty in 2 of 2 looks"));
+  EXPECT_EQ(ask(*store_, EmptinessQuestion{.place = "table", .from = 9 * 3600 * kSecond}).places[0].looks,
+            1U);
+}
+
+TEST_F(Room, TheWidestDrawerIsOneOfTheDrawers) {
+  store_.reset();
+  {
+    Store store = Store::open_write(file_);
+    const Id map = store.add_map("drawers.urdf", R"(<robot name="room"><link name="map"/>
+      <link name="drawer_1_front"><visual><geometry><box size="0.02 0.4 0.2"/></geometry></visual>
+        <collision><geometry><box size="0.02 0.4 0.2"/></geometry></collision></link>
+      <link name="drawer_2_front"><visual><geometry><box size="0.02 0.6 0.1"/></geometry></visual>
+        <collision><geometry><box size="0.02 0.6 0.1"/></geometry></collision></link>
+      <link name="table_1"><visual><geometry><box size="0.8 1.2 0.04"/></geometry></visual>
+        <collision><geometry><box size="0.8 1.2 0.04"/></geometry></collision></link>
+      <joint name="a" type="fixed"><parent link="map"/><child link="drawer_1_front"/></joint>
+      <joint name="b" type="fixed"><parent link="map"/><child link="drawer_2_front"/></joint>
+      <joint name="c" type="fixed"><parent link="map"/><child link="table_1"/></joint></robot>)",
+                                 "");
+    SceneTransaction scene(store, store.begin_run("test", "{}"));
+    scene.add_scene({.time = 12 * 3600 * kSecond, .map = map});
+    scene.commit();
+  }
+  store_.emplace(Store::open_read(file_));
+  const auto named = [&](const char* part) {
+    const Query query{"room", {{"part", part}}, Asks::place};
+    return ask(*store_, query).reply({*store_, query, {}, TimeWriter(*store_)}).places;
+  };
+  EXPECT_THAT(named("widest drawer"), ElementsAre("drawer_2_front"));
+  EXPECT_THAT(named("tallest drawer"), ElementsAre("drawer_1_front"));
 }
 
 TEST_F(Room, OpensWhatHasAJointAsItStoodAtThatTime) {

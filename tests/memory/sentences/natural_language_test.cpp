@@ -138,6 +138,47 @@ TEST_F(NaturalLanguage, FurnitureIsThereIfItIsCalledSo) {
   EXPECT_FALSE(say("Is there a fridge?").reply);
 }
 
+TEST_F(NaturalLanguage, EverEmptyAsksForAllLooks) {
+  const Reply ever = *say("Was the table ever completely empty?").reply;
+  EXPECT_EQ(ever.verdict, Verdict::no);
+  EXPECT_EQ(ever.text, "No: table_1 was not empty in 3 looks, from 08:00 to 10:00.");
+  EXPECT_EQ(say("Has the table ever been empty before 8:30?").reply->verdict, Verdict::not_observed);
+  EXPECT_TRUE(say("When was the table last empty?").reply->not_known);
+  EXPECT_EQ(say("How often was the table empty?").reply->number, 0U);
+}
+
+TEST_F(NaturalLanguage, WhatMayHaveHappenedBeforeThePeriodIsNotObserved) {
+  // It was seen on the table at 08:00, and on the counter at 09:30.
+  EXPECT_EQ(say("Was the red thing moved between 8:10 and 9:40?").reply->verdict, Verdict::yes);
+  const Reply late = *say("Was the red thing moved between 9:20 and 9:40?").reply;
+  EXPECT_EQ(late.verdict, Verdict::not_observed);
+  EXPECT_THAT(late.text, HasSubstr("between 08:00 and 09:30"));
+}
+
+TEST_F(NaturalLanguage, BothPlacesHaveSeenIt) {
+  EXPECT_EQ(say("What has been on both the table and the counter?").reply->objects, std::vector<Id>{1});
+  EXPECT_EQ(say("How many things were on both the counter and the table?").reply->number, 1U);
+}
+
+TEST_F(NaturalLanguage, AnObjectIsTheOneThatStoodBesideAnother) {
+  const NaturalLanguageAnswer answer = say("Where is the red thing that stood next to the blue one at 8:00?");
+  ASSERT_TRUE(answer.reply);
+  EXPECT_EQ(answer.reply->objects, std::vector<Id>{1});
+  EXPECT_FALSE(say("Where is the spoon that stood next to the blue thing at 8:00?").reply);
+}
+
+TEST_F(NaturalLanguage, TwoQuestionsAreBothAnswered) {
+  const Reply reply = *say("Is the red thing back where it belongs, and when was it put back?").reply;
+  EXPECT_TRUE(reply.verdict);
+  EXPECT_THAT(reply.text, HasSubstr("moved from table_1 to counter_1"));
+}
+
+TEST_F(NaturalLanguage, APlaceThatAClauseNamesIsWhatItStandsFor) {
+  const NaturalLanguageAnswer answer = say("After the red thing left the table, what came to it?");
+  ASSERT_TRUE(answer.query);
+  EXPECT_EQ(answer.query->argument("place"), "table");
+}
+
 TEST_F(NaturalLanguage, NobodyInViewIsNotNobody) {
   const Reply reply = *say("Was anybody in the kitchen?").reply;
   EXPECT_EQ(reply.verdict, Verdict::not_observed);

@@ -1,0 +1,200 @@
+#include "memory/questions/emptiness.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mapping/base/text/text.h"
+#include "memory/questions/location.h"
+#include "memory/questions/replies/answer_fields.h"
+#include "memory/questions/replies/answer_format.h"
+#include "memory/questions/replies/reply_parts.h"
+#include "memory/questions/routines/routines.h"
+#include "memory/questions/snapshot.h"
+
+namespace loci::memory {
+
+using namespace format;
+using namespace replies;
+
+namespace {
+
+/// The scenes of the period that saw at least half of a place, in order of time.
+std::vector<SceneRef> looks_at(const Snapshot& snapshot, Id place, const EmptinessQuestion& question) {
+  std::vector<SceneRef> looks;
+  for (const VisibilityRow& view : snapshot.store().visibility_of_place(place)) {
+    const SceneRow* scene = snapshot.scene(view.scene);
+    if (scene == nullptr || view.fraction.value_or(0) < kMinSeenFraction ||
+        (question.from && scene->time < *question.from) || (question.to && scene->time > *question.to))
+      continue;
+    looks.push_back(snapshot.scene_ref(*scene));
+  }
+  std::ranges::stable_sort(looks, {}, &SceneRef::time);
+  return looks;
+}
+
+/// When objects were at a place: what is there still is until the last scene.
+std::vector<TimeSpan> occupied_spans(const Store& store, const PlaceRow& place, const AsOf& as_of) {
+  const auto latest = store.latest_scene(as_of);
+  std::vector<TimeSpan> occupied;
+  for (const PlaceContentsHistory& history :
+       ask(store, ContentsHistoryQuestion{.place = place.name, .as_of = as_of}).places)
+    for (const PastContent& object : history.objects) {
+      const HistoryAnswer stays =
+          ask(store, HistoryQuestion{.subject = object.now.object.name, .as_of = as_of, .place = place.name});
+      std::vector<TimeSpan> spans = spans_of(stays.objects.front().stays);
+      if (object.still_there && is_there(object.now) && latest && !spans.empty())
+        spans.back().last = std::max(spans.back().last, latest->time);
+      occupied.insert(occupied.end(), spans.begin(), spans.end());
+    }
+  return occupied;
+}
+
+PlaceEmptiness emptiness_of(const Snapshot& snapshot, const PlaceRow& place,
+                            const EmptinessQuestion& question) {
+  const std::vector<SceneRef> looks = looks_at(snapshot, place.id, question);
+  PlaceEmptiness result{.place = {place.id, place.name, place.container}, .looks = looks.size()};
+  if (looks.empty()) return result;
+  result.first = looks.front();
+  result.last = looks.back();
+  result.occupied_throughout = true;
+  const std::vector<TimeSpan> occupied = occupied_spans(snapshot.store(), place, question.as_of);
+  const auto is_occupied = [&](TimeNs from, TimeNs to) {
+    return std::ranges::any_of(occupied,
+                               [&](const TimeSpan& span) { return span.first <= from && span.last >= to; });
+  };
+  for (size_t i = 0; i < looks.size(); ++i) {
+    if (!is_occupied(looks[i].time, looks[i].time)) result.empty.push_back(looks[i]);
+    const TimeNs next = i + 1 < looks.size() ? looks[i + 1].time : looks[i].time;
+    result.occupied_throughout = result.occupied_throughout && is_occupied(looks[i].time, next);
+  }
+  return result;
+}
+
+}  // namespace
+
+EmptinessAnswer ask(const Store& store, const EmptinessQuestion& question) {
+  const Snapshot snapshot(store, question.as_of);
+  EmptinessAnswer answer{.asked = question.place};
+  for (const PlaceRow& place : snapshot.find_places(question.place))
+    answer.places.push_back(emptiness_of(snapshot, place, question));
+  return answer;
+}
+
+std::string to_text(const EmptinessAnswer& answer, const TimeWriter& times) {
+  std::vector<std::string> lines;
+  for (const PlaceEmptiness& place : answer.places) {
+    const std::string looks = counted(place.looks, "look");
+    lines.push_back(fmt::format("{}: empty in {} of {}", place.place.name, place.empty.size(), looks));
+    for (const SceneRef& scene : place.empty)
+      lines.push_back(fmt::format("  {} ({})", times.text(scene.time), scene_text(scene)));
+  }
+  return lines_text(lines);
+}
+
+namespace {
+
+const Record<PlaceEmptiness>& place_emptiness_record() {
+  static const auto record = Record<PlaceEmptiness>("PlaceEmptiness")
+                                 .value("place", &PlaceEmptiness::place)
+                                 .value("looks", &PlaceEmptiness::looks)
+                                 .record("empty", &PlaceEmptiness::empty, scene_record())
+                                 .record("first_look", &PlaceEmptiness::first, scene_record())
+                                 .record("last_look", &PlaceEmptiness::last, scene_record())
+                                 .value("occupied_throughout", &PlaceEmptiness::occupied_throughout);
+  return record;
+}
+
+const Record<EmptinessAnswer>& emptiness_record() {
+  static const auto record = Record<EmptinessAnswer>("EmptinessAnswer")
+                                 .value("asked", &EmptinessAnswer::asked)
+                                 .record("places", &EmptinessAnswer::places, place_emptiness_record());
+  return record;
+}
+
+/// Whether at least half of the period asked about, or of the memory's, lies between the first look and the
+/// last one.
+bool covers_period(const PlaceEmptiness& place, const ReplyContext& context) {
+  const TimeReader times(context.store);
+  const auto from = times.try_read(context.query.argument("from")),
+             to = times.try_read(context.query.argument("to"));
+  const TimeNs first = from ? from->first : times.first_scene().value_or(place.first->time),
+               last = to ? std::min(to->last, times.now()) : times.now();
+  return 2 * (place.last->time - place.first->time) >= last - first;
+}
+
+/// Whether, or when, it was empty where no look found it so.
+void never_empty(const PlaceEmptiness& place, const ReplyContext& context, Reply& reply) {
+  const std::string never =
+      fmt::format("{} was not empty in {}, {}", place.place.name, counted(place.looks, "look"),
+                  context.times.span_text(place.first->time, place.last->time));
+  const bool verdict = context.query.asks == Asks::verdict;
+  reply.not_known = !verdict;
+  if (verdict)
+    reply.verdict =
+        place.occupied_throughout && covers_period(place, context) ? Verdict::no : Verdict::not_observed;
+  reply.text = fmt::format("{}: {}.",
+                           !verdict                       ? "Not known"
+                           : reply.verdict == Verdict::no ? "No"
+                                                          : "Not observed",
+                           never);
+}
+
+}  // namespace
+
+Json to_json(const EmptinessAnswer& answer) {
+  return emptiness_record().json(answer);
+}
+
+void write_reply(const EmptinessAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const PlaceEmptiness* found = &answer.places.front();  // of several, the one that was empty last
+  for (const PlaceEmptiness& place : answer.places)
+    if (!place.empty.empty() && (found->empty.empty() || place.empty.back().time > found->empty.back().time))
+      found = &place;
+  const Asks asks = context.query.asks;
+  reply.places = {found->place.name};
+  if (asks == Asks::number) reply.number = found->empty.size();
+  if (found->looks == 0) {
+    if (asks == Asks::verdict) reply.verdict = Verdict::not_observed;
+    reply.not_known = true;
+    reply.text = fmt::format("Not observed: nobody looked {} then.", in_words(found->place));
+    return;
+  }
+  if (found->empty.empty() && asks != Asks::number) return never_empty(*found, context, reply);
+  for (const SceneRef& scene : found->empty)
+    reply.evidence.push_back(
+        fmt::format("{} was empty at {}", found->place.name, context.times.text(scene.time)));
+  const std::string counts = fmt::format("in {} of {}", found->empty.size(), counted(found->looks, "look"));
+  if (asks == Asks::number) {
+    reply.text = fmt::format("{} was empty {}.", found->place.name, counts);
+    return;
+  }
+  const TimeNs last = found->empty.back().time;
+  reply.time = at_once(last);
+  if (asks == Asks::verdict) reply.verdict = Verdict::yes;
+  reply.text = asks == Asks::verdict
+                   ? fmt::format("Yes: {} was empty {}, last at {}.", found->place.name, counts,
+                                 context.times.text(last))
+                   : fmt::format("At {}: {} was empty then.", context.times.text(last), found->place.name);
+}
+
+std::vector<Question> emptiness_questions() {
+  using enum Asks;
+  return {{.name = "empty",
+           .description = "When a place was seen with nothing on or in it",
+           .parameters = {place_parameter()},
+           .period = true,
+           .asks = last_time,
+           .examples = {"table_1", "drawer_1 --from 09:00 --json"},
+           .answer = format::schema_by<emptiness_record>,
+           .run = [](const Arguments& given) -> Answer {
+             return ask(given.store(),
+                        EmptinessQuestion{given.text("place"), given.as_of(), given.from(), given.to()});
+           },
+           .time = SentenceTime::period,
+           .sentences = {{"yes: everempty <place>", verdict, "Was the table ever empty?"},
+                         {"when: everempty <place> [last]", last_time, "When was the table last empty?"},
+                         {"howoften: empty|everempty <place>", number, "How often was the table empty?"}}}};
+}
+
+}  // namespace loci::memory
