@@ -277,8 +277,8 @@ const std::vector<Question>& questions() {
     for (const auto& family :
          {location_questions(), presence_questions(), contents_questions(), event_questions(),
           routine_questions(), co_occurrence_questions(), search_questions(), comparison_questions(),
-          people_questions(), emptiness_questions(), task_questions(), object_questions(), environment_questions(),
-          digest_questions()})
+          people_questions(), emptiness_questions(), task_questions(), object_questions(),
+          environment_questions(), digest_questions()})
       result.insert(result.end(), family.begin(), family.end());
     return result;
   }();

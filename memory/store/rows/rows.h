@@ -179,8 +179,8 @@ struct EventRow {
   std::optional<double> joint_position = {};
   std::optional<double> from_joint_position = {};
   double probability = 1;
-  /// It happened after this time and until clock.valid_from: since the object was seen last, or, where it came
-  /// up, since its spot was seen without it.
+  /// It happened after this time and until clock.valid_from: since the object was seen last, or, where it
+  /// came up, since its spot was seen without it.
   std::optional<TimeNs> since = {};
   Bitemporal clock = {};
 };
