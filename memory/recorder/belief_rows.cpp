@@ -223,16 +223,18 @@ class RowBuilder {
     return std::nullopt;
   }
 
-  /// Whether a scene saw behind the middle of a box and behind its side towards the camera: the middle of a
-  /// bowl is empty.
+  /// Whether a scene saw behind the axis of a box and behind its side towards the camera: the middle of a bowl
+  /// is empty. Both at three quarters of its height, where the support behind is farther away than below, and
+  /// bottles are still as wide as their box.
   bool shows_empty(const SceneRow& scene, const belief::AxisBox& box) const {
     const auto depth = DepthThumbnail::of(c_.store, scene);
     if (!depth) return false;
     const Vector2d towards = (scene.map_from_camera->translation() - box.centre).head<2>();
     const double radii = towards.cwiseQuotient(box.size.head<2>().cwiseMax(1e-3) / 2).norm();
-    Vector3d near = box.centre;
+    const Vector3d axis = box.centre + Vector3d(0, 0, box.size.z() / 4);
+    Vector3d near = axis;
     if (radii > 1) near.head<2>() += towards / radii;  // on the ellipse within the box
-    return depth->spot_status(box.centre) == SpotStatus::seen_empty &&
+    return depth->spot_status(axis) == SpotStatus::seen_empty &&
            depth->spot_status(near) == SpotStatus::seen_empty;
   }
 

@@ -117,6 +117,34 @@ TEST_F(RecorderTest, MemoryIsSoundAndTellsWhatHappened) {
   EXPECT_GT(store.visibility_of_place(store.places().front().id).front().fraction.value_or(0), 0.8);
 }
 
+TEST_F(RecorderTest, WhatComesUpCameAfterTheLastLookWithoutIt) {
+  Store store = Store::open_write(folder / "day.loci");
+  Recorder recorder(store, store.begin_run("test", "{}"));
+  const auto box = kitchen.objects.back();
+  const auto look = [&](double seconds, bool with_box) {
+    kitchen.objects.resize(1);
+    if (with_box) kitchen.objects.push_back(box);
+    SceneRecord scene = record(seconds);
+    const mapping::PinholeCamera& camera = scene.view.camera;
+    scene.row.camera =
+        SceneCamera{camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, 0.3, 5};
+    scene.row.map_from_camera = scene.view.map_from_camera;
+    recorder.record(scene);
+  };
+  look(1000, false);
+  look(2000, false);
+  look(3000, true);   // the box appears
+  look(9000, false);  // and goes
+  look(9500, false);
+  look(9900, true);  // and is back
+  std::map<EventKind, std::optional<TimeNs>> since;
+  for (const EventRow& event : store.events())
+    if (event.object == 2) since[event.kind] = event.since;
+  EXPECT_EQ(since.at(EventKind::appeared), 2000 * kSecond);
+  EXPECT_EQ(since.at(EventKind::gone), 3000 * kSecond);
+  EXPECT_EQ(since.at(EventKind::reappeared), 9500 * kSecond);
+}
+
 TEST_F(RecorderTest, PrintsOfObjectsAreStoredOnceAndForgottenWithThem) {
   const fs::path file = folder / "day.loci";
   const auto prints = [&] {
