@@ -11,8 +11,10 @@ struct Parameters {
   double footing_m = 0.02;    ///< lowest part of a box, which merges with the supporting surface …
   double footing_share = 0.4;      ///< … at most this share of its height
   double min_sigma_m = 0.005;      ///< position uncertainty below this is not sampled: less than a pixel
-  double min_detectable = 0.15;    ///< below a sixth in view nothing is detected …
-  double detectable_range = 0.45;  ///< … from three fifths on a detector works as usual
+  // Detection of what is partly hidden: of objects of simulated days of which a fifth to two fifths were in view,
+  // half to two thirds were found, and from two fifths on as many as of whole ones
+  double min_detectable = 0.05;    ///< below this share in view nothing is detected …
+  double detectable_range = 0.25;  ///< … and this much above it a detector works as usual
 
   // Prediction and absence
   double base_appearance_change = 0.002;  ///< per view, even without motion: glare, shadows
