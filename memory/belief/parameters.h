@@ -9,12 +9,15 @@ struct Parameters {
   // Visibility
   double unobstructed = 0.5;  ///< share of the frustum a detector without depth sees: it reports no occlusion
   double footing_m = 0.02;    ///< lowest part of a box, which merges with the supporting surface …
-  double footing_share = 0.4;      ///< … at most this share of its height
-  double min_sigma_m = 0.005;      ///< position uncertainty below this is not sampled: less than a pixel
-  // Detection of what is partly hidden: of objects of simulated days of which a fifth to two fifths were in view,
-  // half to two thirds were found, and from two fifths on as many as of whole ones
-  double min_detectable = 0.05;    ///< below this share in view nothing is detected …
+  double footing_share = 0.4;  ///< … at most this share of its height
+  double min_sigma_m = 0.005;  ///< position uncertainty below this is not sampled: less than a pixel
+  // Detection of what is partly hidden. Of objects of simulated days of which a tenth to two fifths were in
+  // view, two thirds were found, of those with more as many as of whole ones. In a video the parts that are
+  // found vary from frame to frame, and what is missed there would be gone.
+  double min_detectable = 0.05;  ///< a second after the last scene, below this share nothing is detected …
   double detectable_range = 0.25;  ///< … and this much above it a detector works as usual
+  double min_detectable_in_video = 0.15;
+  double detectable_range_in_video = 0.45;
 
   // Prediction and absence
   double base_appearance_change = 0.002;  ///< per view, even without motion: glare, shadows

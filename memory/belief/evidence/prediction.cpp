@@ -164,7 +164,7 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
     }
     // Without a size the sampled box is the uncertainty of the position. Nothing is certainly out of view.
     constexpr double kMinInView = 1e-3;
-    p.undetectable = object.has_size ? undetectable(p.seen.visibility)
+    p.undetectable = object.has_size ? undetectable(p.seen.visibility, timing.seconds)
                                      : std::clamp(1 - p.seen.visibility.observed(), 0.0, 1 - kMinInView);
     if (p.with_depth && object.has_size)
       p.resolved = std::min(1.0, resolved(scene.view, scene.view.map_from_camera, p.box) /

@@ -193,8 +193,11 @@ Visibility visibility_of(const SceneView& view, const AxisBox& box, double sigma
   return box_visibility(view, box, sigma, 0, options).visibility;
 }
 
-double undetectable(const Visibility& visibility) {
-  const double visible = (visibility.observed() - kParameters.min_detectable) / kParameters.detectable_range;
+double undetectable(const Visibility& visibility, double seconds) {
+  const double apart = std::clamp(2 * seconds - 1, 0.0, 1.0);
+  const double least = std::lerp(kParameters.min_detectable_in_video, kParameters.min_detectable, apart),
+               range = std::lerp(kParameters.detectable_range_in_video, kParameters.detectable_range, apart);
+  const double visible = (visibility.observed() - least) / range;
   return 1.0 - std::clamp(visible, 0.0, 1.0);
 }
 

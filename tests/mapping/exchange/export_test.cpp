@@ -338,7 +338,7 @@ TEST(ColoredMeshFiles, PlyComesBackAsItWasWritten) {
 }
 
 TEST(ColoredMeshFiles, DamagedPlyIsRefused) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "room.ply";
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "damaged_room.ply";
   const std::string whole = ply_text(small_mesh());
   std::string out_of_range = whole, other_count = whole;
   out_of_range[out_of_range.size() - 2] = 1;  // a corner beyond the vertices
