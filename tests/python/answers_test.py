@@ -21,6 +21,7 @@ ARGUMENTS = {
     "co_occurrence": [{"object": "mug"}, {"object": "mug", "with_": "bowl"}],
     "compare": [{"object": "mug", "with_": "bowl"}, {"object": "mug", "with_": "bowl", "by": "left-before"}],
     "contents_history": [{"place": "counter_1"}],
+    "empty": [{"place": "counter_1"}, {"place": "table_1", "from_": "07:00"}],
     "history": [{"object": "mug"}],
     "in_": [{"place": "counter_1"}],
     "life_cycle": [{"object": "mug"}],
