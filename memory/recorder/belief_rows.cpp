@@ -223,9 +223,9 @@ class RowBuilder {
     return std::nullopt;
   }
 
-  /// Whether a scene saw behind the axis of a box and behind its side towards the camera: the middle of a bowl
-  /// is empty. Both at three quarters of its height, where the support behind is farther away than below, and
-  /// bottles are still as wide as their box.
+  /// Whether a scene saw behind the axis of a box and behind its side towards the camera: the middle of a
+  /// bowl is empty. Both at three quarters of its height, where the support behind is farther away than
+  /// below, and bottles are still as wide as their box.
   bool shows_empty(const SceneRow& scene, const belief::AxisBox& box) const {
     const auto depth = DepthThumbnail::of(c_.store, scene);
     if (!depth) return false;
