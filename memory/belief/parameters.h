@@ -14,9 +14,9 @@ struct Parameters {
   // Detection of what is partly hidden. Of objects of simulated days of which a tenth to two fifths were in
   // view, two thirds were found, of those with more as many as of whole ones. In a video the parts that are
   // found vary from frame to frame, and what is missed there would be gone.
-  double min_detectable = 0.05;  ///< a second after the last scene, below this share nothing is detected …
-  double detectable_range = 0.25;  ///< … and this much above it a detector works as usual
-  double min_detectable_in_video = 0.15;
+  double min_detectable = 0.05;  ///< of views a second apart: below this share in view nothing is detected …
+  double detectable_range = 0.25;         ///< … and this much above it a detector works as usual
+  double min_detectable_in_video = 0.15;  ///< the same where scenes follow within half a second
   double detectable_range_in_video = 0.45;
 
   // Prediction and absence

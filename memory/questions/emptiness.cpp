@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "mapping/base/text/text.h"
-#include "memory/questions/location.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
@@ -22,31 +21,21 @@ namespace {
 /// The scenes of the period that saw at least half of a place, in order of time.
 std::vector<SceneRef> looks_at(const Snapshot& snapshot, Id place, const EmptinessQuestion& question) {
   std::vector<SceneRef> looks;
-  for (const VisibilityRow& view : snapshot.store().visibility_of_place(place)) {
+  for (const VisibilityRow& view : snapshot.store().visibility_of_place(place, question.from, question.to)) {
     const SceneRow* scene = snapshot.scene(view.scene);
-    if (scene == nullptr || view.fraction.value_or(0) < kMinSeenFraction ||
-        (question.from && scene->time < *question.from) || (question.to && scene->time > *question.to))
-      continue;
-    looks.push_back(snapshot.scene_ref(*scene));
+    if (scene != nullptr && view.fraction.value_or(0) >= kMinSeenFraction)
+      looks.push_back(snapshot.scene_ref(*scene));
   }
-  std::ranges::stable_sort(looks, {}, &SceneRef::time);
   return looks;
 }
 
-/// When objects were at a place: what is there still is until the last scene.
+/// When objects were at a place.
 std::vector<TimeSpan> occupied_spans(const Store& store, const PlaceRow& place, const AsOf& as_of) {
-  const auto latest = store.latest_scene(as_of);
   std::vector<TimeSpan> occupied;
   for (const PlaceContentsHistory& history :
        ask(store, ContentsHistoryQuestion{.place = place.name, .as_of = as_of}).places)
-    for (const PastContent& object : history.objects) {
-      const HistoryAnswer stays =
-          ask(store, HistoryQuestion{.subject = object.now.object.name, .as_of = as_of, .place = place.name});
-      std::vector<TimeSpan> spans = spans_of(stays.objects.front().stays);
-      if (object.still_there && is_there(object.now) && latest && !spans.empty())
-        spans.back().last = std::max(spans.back().last, latest->time);
-      occupied.insert(occupied.end(), spans.begin(), spans.end());
-    }
+    for (const PastContent& object : history.objects)
+      for (const TimeSpan& span : spans_at(store, as_of, object, history.place)) occupied.push_back(span);
   return occupied;
 }
 

@@ -134,7 +134,7 @@ std::optional<Id> most_of(const std::vector<Id>& objects, SizeMeasure measure, s
 
 /// What a colour and a noun mean where nothing is called so: the only one of that noun in a colour that is
 /// like it, or those of a plural that share such a colour, or the only object in that colour that nobody
-/// could name. Unset where there is no such choice.
+/// could name. Unset where nothing fits.
 std::optional<std::string> only_similar(const Snapshot& snapshot, std::vector<std::string> words) {
   std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
   if (words.size() != 2 || !is_color_word(words[0]) || is_color_word(words[1])) return {};

@@ -232,7 +232,8 @@ class Conversation {
     const auto two = two_questions(sentence);
     if (!two) return not_understood(sentence);
     NaturalLanguageAnswer answer = answer_or_rephrase(two->question);
-    const NaturalLanguageAnswer more = answer.reply ? answer_or_rephrase(two->more) : answer;
+    if (!answer.reply) return not_understood(sentence);
+    const NaturalLanguageAnswer more = answer_or_rephrase(two->more);
     if (!more.reply) return not_understood(sentence);
     answer.reply = in_lines({*answer.reply, *more.reply});
     return answer;

@@ -194,7 +194,7 @@ Visibility visibility_of(const SceneView& view, const AxisBox& box, double sigma
 }
 
 double undetectable(const Visibility& visibility, double seconds) {
-  const double apart = std::clamp(2 * seconds - 1, 0.0, 1.0);
+  const double apart = std::clamp(2 * seconds - 1, 0.0, 1.0);  // from half a second to a second on
   const double least = std::lerp(kParameters.min_detectable_in_video, kParameters.min_detectable, apart),
                range = std::lerp(kParameters.detectable_range_in_video, kParameters.detectable_range, apart);
   const double visible = (visibility.observed() - least) / range;

@@ -47,7 +47,7 @@ BoxVisibility box_visibility_without_depth(const SceneView& view, const AxisBox&
 
 /// Probability that an object in the box is not detected because too little of it is in view, so many seconds
 /// after the last scene: frames of a video follow at once.
-double undetectable(const Visibility& visibility, double seconds = 1);
+double undetectable(const Visibility& visibility, double seconds);
 
 /// Probability that an object in a box of which nothing is hidden is told from the noise of the depth, seen
 /// with the camera of a view from `map_from_camera`: whether enough pixels show it.

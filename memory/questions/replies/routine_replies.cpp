@@ -153,19 +153,12 @@ void seen_there_last(const ContentsHistoryAnswer& answer, const Names& names, co
 /// scene.
 void there_longest(const ContentsHistoryAnswer& answer, const Names& names, const ReplyContext& context,
                    Reply& reply) {
-  const auto latest = context.store.latest_scene(context.as_of);
   TimeSpan longest = {0, -1};
   std::vector<std::string> list;
   reply.objects.clear();
   for (const PlaceContentsHistory& place : answer.places)
     for (const PastContent& object : place.objects) {
-      const HistoryAnswer history = ask(context.store, HistoryQuestion{.subject = object.now.object.name,
-                                                                       .as_of = context.as_of,
-                                                                       .place = place.place.name});
-      std::vector<TimeSpan> spans = spans_of(history.objects.front().stays);
-      if (object.still_there && is_there(object.now) && latest && !spans.empty())
-        spans.back().last = latest->time;
-      for (const TimeSpan& span : spans) {
+      for (const TimeSpan& span : spans_at(context.store, context.as_of, object, place.place)) {
         const TimeNs more = span.last - span.first - (longest.last - longest.first);
         if (more < 0 || (more == 0 && std::ranges::count(reply.objects, object.now.object.id) > 0)) continue;
         if (more > 0) {

@@ -350,6 +350,17 @@ ContentsHistoryAnswer ask(const Store& store, const ContentsHistoryQuestion& que
   return answer;
 }
 
+std::vector<TimeSpan> spans_at(const Store& store, const AsOf& as_of, const PastContent& object,
+                               const PlaceRef& place) {
+  const HistoryAnswer history =
+      ask(store, HistoryQuestion{.subject = object.now.object.name, .as_of = as_of, .place = place.name});
+  std::vector<TimeSpan> spans = spans_of(history.objects.front().stays);
+  const auto latest = store.latest_scene(as_of);
+  if (object.still_there && replies::is_there(object.now) && latest && !spans.empty())
+    spans.back().last = latest->time;
+  return spans;
+}
+
 std::string to_text(const ContentsHistoryAnswer& answer, const TimeWriter& times) {
   std::vector<std::string> lines;
   for (const PlaceContentsHistory& history : answer.places) {

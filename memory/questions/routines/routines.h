@@ -88,6 +88,10 @@ struct ContentsHistoryAnswer {
   std::vector<PlaceContentsHistory> places = {};
 };
 ContentsHistoryAnswer ask(const Store& store, const ContentsHistoryQuestion& question);
+/// When an object was at a place, without having been elsewhere in between; what is there still is until the
+/// last scene.
+std::vector<TimeSpan> spans_at(const Store& store, const AsOf& as_of, const PastContent& object,
+                               const PlaceRef& place);
 std::string to_text(const ContentsHistoryAnswer& answer, const TimeWriter& times);
 void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const ContentsHistoryAnswer& answer);

@@ -273,6 +273,7 @@ const std::vector<Pattern>& meanings() {
       {"^ <x> , including <c:name> $", "<x>"},
       // Which of two did it more often.
       {"^ which|what <x> more|most often , <a:name> or <b:name> $", "which of <a> and <b> <x> most often"},
+      // What has an own question.
       {"which|what <x:name> disappeared|vanished|left and|but came|returned back? $", "which <x> came back"},
       {"be seen|found right? now|currently", "be seen"},
       {"the|my|our dark <n:noun>", "the black <n>"},

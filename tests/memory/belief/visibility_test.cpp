@@ -19,7 +19,7 @@ TEST(Visibility, PresentObjectOccupiesItsSpot) {
   const Visibility v = visibility_of(kitchen.scene(0).view, kCup, 0.005);
   EXPECT_GT(v.occupied, 0.95);
   EXPECT_NEAR(sum(v), 1, 1e-9);
-  EXPECT_LT(undetectable(v), 0.05);
+  EXPECT_LT(undetectable(v, 1), 0.05);
 }
 
 TEST(Visibility, EmptyTableIsSeenThrough) {
@@ -33,7 +33,7 @@ TEST(Visibility, ObjectInFrontHides) {
   kitchen.objects = {{"board", SyntheticKitchen::on_table(0, -0.25, 0.3), Vector3d(0.4, 0.02, 0.3), {}}};
   const Visibility v = visibility_of(kitchen.scene(0).view, kCup, 0.005);
   EXPECT_GT(v.hidden, 0.95);
-  EXPECT_GT(undetectable(v), 0.95);
+  EXPECT_GT(undetectable(v, 1), 0.95);
 }
 
 TEST(Visibility, BesideTheImageIsOutOfView) {
@@ -69,7 +69,7 @@ TEST(Visibility, NoMeasurementIsNoEvidence) {
   const Visibility v = visibility_of(scene.view, kCup, 0.005);
   EXPECT_DOUBLE_EQ(v.unmeasured, 1);
   EXPECT_DOUBLE_EQ(v.empty_share(), 0);
-  EXPECT_DOUBLE_EQ(undetectable(v), 1);
+  EXPECT_DOUBLE_EQ(undetectable(v, 1), 1);
 }
 
 TEST(Visibility, MapHidesEvenWhereTheSensorMeasuresNothing) {
