@@ -4,6 +4,7 @@
 
 #include "apps/map/commands.h"
 #include "mapping/base/text/json.h"
+#include "mapping/recording/pose_check.h"
 #include "mapping/tracking/tracking.h"
 
 namespace loci::apps {
@@ -37,6 +38,9 @@ void run_track(TrackArguments& arguments, Session& session) {
   arguments.options.threads = session.flags().threads;
   std::unique_ptr<mapping::Recording> recording =
       mapping::open_recording(arguments.recording, arguments.reading, &session.progress());
+  if (arguments.options.refine)
+    for (const std::string& doubt : mapping::doubts_about_poses(*recording, arguments.reading))
+      session.warnings().add(doubt);
   const mapping::TrackingResult result = track(*recording, arguments.options, session.progress());
   session.timing("track", result.seconds);
   require_usable(result, arguments.recording);

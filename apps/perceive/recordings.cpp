@@ -132,6 +132,7 @@ class AnonymousRecording : public mapping::Recording {
   }
   TimeNs time_of(size_t i) const override { return recording_->time_of(i); }
   int64_t index_of(size_t i) const override { return recording_->index_of(i); }
+  std::optional<Isometry3d> pose_of(size_t i) const override { return recording_->pose_of(i); }
   std::string name_of(size_t i) const override { return recording_->name_of(i); }
   std::string color_name_of(size_t i) const override { return recording_->color_name_of(i); }
 

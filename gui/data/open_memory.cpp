@@ -12,6 +12,7 @@
 #include "memory/questions/snapshot.h"
 #include "memory/questions/time_parser.h"
 #include "memory/sentences/natural_language.h"
+#include "memory/sentences/suggestions.h"
 #include "memory/store/scene_images.h"
 
 namespace loci::gui {

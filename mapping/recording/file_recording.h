@@ -48,6 +48,7 @@ class FrameListRecording : public Recording {
   size_t size() const override { return frames_.size(); }
   TimeNs time_of(size_t i) const override { return frames_.at(i).time_ns; }
   int64_t index_of(size_t i) const override { return frames_.at(i).index; }
+  std::optional<Isometry3d> pose_of(size_t i) const override { return frames_.at(i).map_from_camera; }
 
  protected:
   RecordingInfo info_;
@@ -72,6 +73,7 @@ class FileRecording : public Recording {
   RgbdFrame frame(size_t i) const override;
   TimeNs time_of(size_t i) const override { return files(i).time_ns; }
   int64_t index_of(size_t i) const override { return files(i).index; }
+  std::optional<Isometry3d> pose_of(size_t i) const override { return files(i).map_from_camera; }
   std::string name_of(size_t i) const override { return frame_name(files(i).depth); }
   std::string color_name_of(size_t i) const override {
     return files(i).color.empty() || files(i).video_frame ? name_of(i) : frame_name(files(i).color);

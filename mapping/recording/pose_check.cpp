@@ -14,23 +14,20 @@ namespace loci::mapping {
 namespace {
 
 constexpr struct {
-  size_t places = 12;                   ///< in the recording, where pairs are taken
-  std::array<size_t, 3> gaps = {1, 5};  ///< frames between the two of a pair
-  int samples = 60;                     ///< pixels along the longer side of an image
-  double tolerance_m = 0.03;            ///< in depth
-  double tolerance_share = 0.02;        ///< of the depth, besides
-  size_t min_compared = 2000;           ///< pixels that say anything
-  double min_share = 0.55;              ///< of poses that fit
-  double no_doubt = 0.85;               ///< of poses for which no other cause is tried …
+  size_t places = 12;                       ///< in the recording, where pairs are taken
+  std::array<size_t, 3> gaps = {1, 5, 30};  ///< frames between the two of a pair: far ones show late poses
+  int samples = 60;                         ///< pixels along the longer side of an image
+  double tolerance_m = 0.03;                ///< in depth
+  double tolerance_share = 0.02;            ///< of the depth, besides
+  size_t min_compared = 2000;               ///< pixels that say anything
+  double min_share = 0.55;                  ///< of poses that fit
+  double no_doubt = 0.85;                   ///< of poses for which no other cause is tried …
   double min_overlap = 0.5;     ///< … where views meet: in the wrong unit only those of a camera at rest
   double min_gain = 1.25;       ///< times as much agrees with a cause that is named
   double min_share_then = 0.5;  ///< of what is compared then
+  int64_t max_shift = 90;       ///< frames that poses are late or early: 3 s of a video
   double level = 0.94;          ///< z of the poses is up within 20 degrees
 } kCheck;
-
-struct Pair {
-  size_t first, second;  ///< frames of the recording
-};
 
 using Pose = std::function<std::optional<Isometry3d>(size_t)>;
 
@@ -41,37 +38,42 @@ struct Counts {
   }
 };
 
+/// By the frames between the two of a pair, as kCheck.gaps.
+using CountsByGap = std::array<Counts, kCheck.gaps.size()>;
+
+Counts sum(const CountsByGap& counts) {
+  Counts sum;
+  for (const Counts& of_gap : counts) {
+    sum.sampled += of_gap.sampled;
+    sum.compared += of_gap.compared;
+    sum.agreeing += of_gap.agreeing;
+  }
+  return sum;
+}
+
 /// The frames that are compared, read once.
 class Views {
  public:
-  explicit Views(const Recording& recording) : recording_(recording), camera_(recording.info().camera.depth) {
-    const size_t size = recording.size(), step = std::max<size_t>(1, size / kCheck.places);
+  explicit Views(const Recording& recording)
+      : recording_(recording), camera_(recording.info().camera.depth) {}
+
+  CountsByGap counts(const Pose& pose) {
+    CountsByGap counts;
+    const size_t size = recording_.size(), step = std::max<size_t>(1, size / kCheck.places);
     for (size_t first = 0; first < size; first += step)
-      for (const size_t gap : kCheck.gaps)
-        if (first + gap < size) pairs_.push_back({first, first + gap});
-  }
-
-  std::optional<Isometry3d> pose(size_t i) {
-    return i < recording_.size() ? view(i).map_from_camera : std::nullopt;
-  }
-
-  Counts counts(const Pose& pose) {
-    Counts counts;
-    for (const Pair& pair : pairs_) {
-      const auto first = pose(pair.first), second = pose(pair.second);
-      if (!first || !second) continue;
-      compare(view(pair.first).depth, view(pair.second).depth, second->inverse() * *first, counts);
-    }
+      for (size_t g = 0; g < kCheck.gaps.size(); ++g) {
+        const size_t second = first + kCheck.gaps[g];
+        if (second >= size) continue;
+        const auto from = pose(first), to = pose(second);
+        if (from && to) compare(depth(first), depth(second), to->inverse() * *from, counts[g]);
+      }
     return counts;
   }
 
  private:
-  const RgbdFrame& view(size_t i) {
-    const auto [at, is_new] = views_.try_emplace(i);
-    if (is_new) {
-      at->second = recording_.frame(i);
-      at->second.color.release();
-    }
+  const cv::Mat& depth(size_t i) {
+    const auto [at, is_new] = depths_.try_emplace(i);
+    if (is_new) at->second = recording_.frame(i).depth;
     return at->second;
   }
 
@@ -98,8 +100,7 @@ class Views {
 
   const Recording& recording_;
   PinholeCamera camera_;
-  std::vector<Pair> pairs_;
-  std::map<size_t, RgbdFrame> views_;
+  std::map<size_t, cv::Mat> depths_;
 };
 
 struct Cause {
@@ -140,13 +141,34 @@ std::vector<Cause> causes_for(const Pose& given) {
                         pose.translation() *= factor;
                         return pose;
                       })});
-  for (const int shift : {1, 2, 3, 4, 6, -1, -2, -3, -4, -6})
-    causes.push_back(
-        {fmt::format("{} by about {}", shift > 0 ? "late" : "early",
-                     std::abs(shift) == 1 ? "one frame" : fmt::format("{} frames", std::abs(shift))),
-         "check the clocks of camera and poses",
-         [given, shift](size_t i) { return given(static_cast<size_t>(static_cast<int64_t>(i) + shift)); }});
   return causes;
+}
+
+/// Poses of a clock that runs `shift` frames, of so many seconds, late.
+Cause late_by(int64_t shift, double frame_s, const Pose& given) {
+  std::string by = std::abs(shift) == 1 ? "one frame" : fmt::format("{} frames", std::abs(shift));
+  if (frame_s > 0) by += fmt::format(", {:.2g} s", static_cast<double>(std::abs(shift)) * frame_s);
+  return {fmt::format("{} by about {}", shift > 0 ? "late" : "early", by),
+          "check the clocks of camera and poses",
+          [given, shift](size_t i) { return given(static_cast<size_t>(static_cast<int64_t>(i) + shift)); }};
+}
+
+/// Times as much agrees in the pairs that tell most.
+double gain(const CountsByGap& then, const CountsByGap& now) {
+  double gain = 0;
+  for (size_t g = 0; g < then.size(); ++g)
+    if (then[g].compared >= kCheck.min_compared && then[g].share() > kCheck.min_share_then)
+      gain = std::max(gain, static_cast<double>(then[g].agreeing) /
+                                static_cast<double>(std::max<size_t>(1, now[g].agreeing)));
+  return gain;
+}
+
+bool raises_doubt(const CountsByGap& counts) {
+  const Counts all = sum(counts);
+  const bool meet = static_cast<double>(all.compared) > kCheck.min_overlap * static_cast<double>(all.sampled);
+  return !meet || std::any_of(counts.begin(), counts.end(), [](const Counts& of_gap) {
+    return of_gap.compared >= kCheck.min_compared && of_gap.share() <= kCheck.no_doubt;
+  });
 }
 
 /// As parse_direction() takes it: an axis where it is near one.
@@ -173,27 +195,32 @@ std::string PoseAgreement::text() const {
 
 PoseAgreement check_poses(const Recording& recording) {
   PoseAgreement result;
-  if (recording.info().frames_with_pose < 2) return result;
+  const RecordingInfo& info = recording.info();
+  if (info.frames_with_pose < 2) return result;
   Views views(recording);
-  const Pose given = [&](size_t i) { return views.pose(i); };
-  const Counts counts = views.counts(given);
-  result.compared = counts.compared;
-  result.share = counts.share();
-  const bool meet =
-      static_cast<double>(counts.compared) > kCheck.min_overlap * static_cast<double>(counts.sampled);
-  if (meet && result.share > kCheck.no_doubt) return result;
-  size_t agreeing = counts.agreeing;
-  for (const Cause& cause : causes_for(given)) {
-    const Counts then = views.counts(cause.pose);
-    const double gain =
-        static_cast<double>(then.agreeing) / static_cast<double>(std::max<size_t>(1, counts.agreeing));
-    const bool is_better = gain > kCheck.min_gain && then.agreeing > agreeing &&
-                           then.share() > kCheck.min_share_then && then.compared >= kCheck.min_compared;
-    if (!is_better) continue;
-    agreeing = then.agreeing;
+  const Pose given = [&](size_t i) { return i < recording.size() ? recording.pose_of(i) : std::nullopt; };
+  const CountsByGap now = views.counts(given);
+  result.compared = sum(now).compared;
+  result.share = sum(now).share();
+  if (!raises_doubt(now)) return result;
+  std::vector<Cause> causes = causes_for(given);
+  const double frame_s = info.time_assumed
+                             ? 0
+                             : static_cast<double>(info.last_time - info.first_time) /
+                                   static_cast<double>(kSecond) / static_cast<double>(recording.size() - 1);
+  for (int64_t shift = -kCheck.max_shift; shift <= kCheck.max_shift; ++shift)
+    if (shift != 0) causes.push_back(late_by(shift, frame_s, given));
+  size_t agreeing = sum(now).agreeing;
+  for (const Cause& cause : causes) {
+    const CountsByGap then = views.counts(cause.pose);
+    const Counts all = sum(then);
+    if (gain(then, now) <= kCheck.min_gain || all.agreeing <= agreeing ||
+        all.share() <= kCheck.min_share_then || all.compared < kCheck.min_compared)
+      continue;
+    agreeing = all.agreeing;
     result.cause = cause.text;
     result.hint = cause.hint;
-    result.gain = gain;
+    result.gain = gain(then, now);
   }
   return result;
 }

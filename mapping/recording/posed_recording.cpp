@@ -27,6 +27,12 @@ class ChangedRecording : public Recording {
   size_t size() const override { return recording_->size(); }
   TimeNs time_of(size_t i) const override { return times_.empty() ? recording_->time_of(i) : times_.at(i); }
   int64_t index_of(size_t i) const override { return recording_->index_of(i); }
+  std::optional<Isometry3d> pose_of(size_t i) const override {
+    RgbdFrame frame;
+    frame.map_from_camera = recording_->pose_of(i);
+    change_(frame, i);
+    return frame.map_from_camera;
+  }
   std::string name_of(size_t i) const override { return recording_->name_of(i); }
   std::string color_name_of(size_t i) const override { return recording_->color_name_of(i); }
   RgbdFrame frame(size_t i) const override {

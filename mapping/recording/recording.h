@@ -63,6 +63,8 @@ class Recording {
   /// Time and index without reading images.
   virtual TimeNs time_of(size_t i) const = 0;
   virtual int64_t index_of(size_t i) const = 0;
+  /// RgbdFrame::map_from_camera, where possible without reading images.
+  virtual std::optional<Isometry3d> pose_of(size_t i) const { return frame(i).map_from_camera; }
   /// RgbdFrame::name, where possible without reading images.
   virtual std::string name_of(size_t i) const { return frame(i).name; }
   /// The same of its colour image, where that has a name of its own.

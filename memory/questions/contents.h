@@ -6,14 +6,12 @@
 
 namespace loci::memory {
 
-// What is at a place or near a point: on, in, near.
+// What is at a place: on, in.
 
 struct Question;
 struct Reply;
 struct ReplyContext;
 std::vector<Question> contents_questions();
-
-// ---- on, in
 
 struct ContentsQuestion {
   std::string place = {};
@@ -42,42 +40,5 @@ ContentsAnswer ask(const Store& store, const ContentsQuestion& question);
 std::string to_text(const ContentsAnswer& answer, const TimeWriter& times);
 void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const ContentsAnswer& answer);
-
-// ---- near
-
-/// Where an object is of what is asked about. `between` is beside the line from it to another. The last four
-/// are quarters of the horizontal plane, as the camera saw it in the last scene that showed it.
-enum class Relation { near, on, under, between, left, right, behind, in_front };
-
-struct NearQuestion {
-  std::string subject = {};  ///< "1.2,0.4" or "1.2,0.4,0.9" (map frame, metres), an object or a place
-  double radius_m = 0.5;
-  AsOf as_of = {};
-  std::string only = {};   ///< only these objects; empty = all
-  std::string place = {};  ///< only at this place; empty = everywhere
-  std::string with = {};   ///< of `between`: the other object
-  Relation relation = Relation::near;
-  size_t count = 0;       ///< only so many, the nearest; 0 = all
-  bool farthest = false;  ///< only the one that is farthest away
-};
-struct NearObject {
-  ObjectBelief object = {};
-  double distance_m = 0;  ///< between centres; horizontal when the point has no height
-};
-struct NearAnswer {
-  std::string asked = {};
-  std::string around = {};  ///< what the point is: "object_3", "table_1" or "" for coordinates
-  std::string with = {};    ///< of `between`: the other object, "object_4"
-  Vector3d point = Vector3d::Zero();
-  bool level = false;  ///< the point has no height
-  double radius_m = 0;
-  Relation relation = Relation::near;
-  std::optional<SceneRef> seen = {};  ///< the scene whose camera says what is left, right, behind, in front
-  std::vector<NearObject> objects = {};  ///< nearest first; gone objects are left out
-};
-NearAnswer ask(const Store& store, const NearQuestion& question);
-std::string to_text(const NearAnswer& answer, const TimeWriter& times);
-void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& reply);
-Json to_json(const NearAnswer& answer);
 
 }  // namespace loci::memory

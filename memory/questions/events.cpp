@@ -8,7 +8,7 @@
 #include <set>
 #include <tuple>
 
-#include "memory/questions/environment.h"
+#include "memory/questions/environment_parts.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
@@ -463,6 +463,7 @@ std::vector<SentenceForm> changes_sentences() {
       {"howoften: take <object>", number, "", handled},
       {"howoften: leave <object> <place>", number, "", left},
       {"howoften: come|go|move|put <object> to<place>", number, "", came},
+      {"howoften: come|put|move|go|bring|take from<other> <object> to<place>", number, "", came},
       {"howoften: open|opened <place>", number, "How often was the drawer opened?", opened},
       {"howoften: move <place>", number, "", kind("place_handled")},
       {"howoften: act open|opened person <place>", number, "", opened},
@@ -475,6 +476,7 @@ std::vector<SentenceForm> changes_sentences() {
       {"who: move|take|put|leave|get|bring|lose <object> [last|away]", agent, "Who moved the pot?", handled},
       {"who: move|take|put|leave|get|bring <object> to<place> [last]", agent, "", handled},
       {"who: move|take|get <object> from<place> [last|away]", agent, "", handled},
+      {"who: move|take|put|go|bring from<other> <object> to<place> [last]", agent, "", came},
       {"who: open|opened|close <place> [last]", agent, "", opened},
       {"who: empty|clean <place> [last]", agent, "Who cleared the table?", left},
       {"who: move <place> [last]", agent, "Who moved the table?", kind("place_handled")},

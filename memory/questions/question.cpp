@@ -19,6 +19,7 @@
 #include "memory/questions/events.h"
 #include "memory/questions/location.h"
 #include "memory/questions/names/map_names.h"
+#include "memory/questions/near.h"
 #include "memory/questions/objects.h"
 #include "memory/questions/people.h"
 #include "memory/questions/presence.h"
@@ -275,10 +276,10 @@ const std::vector<Question>& questions() {
   static const std::vector<Question> all = [] {
     std::vector<Question> result;
     for (const auto& family :
-         {location_questions(), presence_questions(), contents_questions(), event_questions(),
-          routine_questions(), co_occurrence_questions(), search_questions(), comparison_questions(),
-          people_questions(), emptiness_questions(), task_questions(), object_questions(),
-          environment_questions(), digest_questions()})
+         {location_questions(), presence_questions(), contents_questions(), near_questions(),
+          event_questions(), routine_questions(), co_occurrence_questions(), search_questions(),
+          comparison_questions(), people_questions(), emptiness_questions(), task_questions(),
+          object_questions(), environment_questions(), digest_questions()})
       result.insert(result.end(), family.begin(), family.end());
     return result;
   }();

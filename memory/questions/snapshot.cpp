@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "memory/questions/environment.h"
+#include "memory/questions/environment_parts.h"
 
 namespace loci::memory {
 

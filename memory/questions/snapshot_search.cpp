@@ -9,9 +9,11 @@
 #include <set>
 
 #include "mapping/base/text/text.h"
-#include "memory/questions/environment.h"
+#include "memory/questions/environment_parts.h"
 #include "memory/questions/names/related_words.h"
+#include "memory/questions/names/seen_colors.h"
 #include "memory/questions/snapshot.h"
+#include "memory/questions/time_parser.h"
 #include "memory/wordnet/wordnet.h"
 
 namespace loci::memory {
@@ -43,15 +45,6 @@ std::vector<Id> intersection(const std::vector<Id>& a, const std::vector<Id>& b)
 const std::set<std::string> kFillers = {"the",   "a",      "an",     "my",      "our",  "your",
                                         "thing", "things", "object", "objects", "item", "items",
                                         "one",   "ones",   "all",    "any",     "some", "everything"};
-
-/// What light and shade make of one another.
-bool are_similar_colors(const std::string& a, const std::string& b) {
-  static const std::set<std::pair<std::string, std::string>> all = {
-      {"white", "grey"},  {"white", "beige"},  {"black", "grey"},   {"beige", "brown"}, {"orange", "yellow"},
-      {"orange", "red"},  {"orange", "brown"}, {"pink", "red"},     {"pink", "purple"}, {"blue", "cyan"},
-      {"blue", "purple"}, {"green", "cyan"},   {"green", "yellow"}, {"red", "brown"}};
-  return all.contains({a, b}) || all.contains({b, a});
-}
 
 /// "South counter" is counter_south.
 bool has_all_words(const std::string& name, const std::vector<std::string>& asked) {
@@ -132,24 +125,35 @@ std::optional<Id> most_of(const std::vector<Id>& objects, SizeMeasure measure, s
   return rank < ranked.size() ? std::optional(get<2>(ranked[rank])) : std::nullopt;
 }
 
-/// What a colour and a noun mean where nothing is called so: the only one of that noun in a colour that is
-/// like it, or those of a plural that share such a colour, or the only object in that colour that nobody
-/// could name. Unset where nothing fits.
+/// Of some objects those that show a colour in part: a blue bowl looks white from above.
+std::vector<Id> partly_colored(const Snapshot& snapshot, std::vector<Id> objects, const std::string& color) {
+  std::erase_if(objects, [&](Id id) {
+    return std::ranges::count(seen_colors(snapshot.store(), id, snapshot.as_of()), color) == 0;
+  });
+  return objects;
+}
+
+/// What a colour and a noun mean where nothing is called so: the only one of that noun that shows the colour
+/// in part, or is in one that is like it, or those of a plural that share such a colour, or the only object
+/// in that colour that nobody could name. Unset where nothing fits.
 std::optional<std::string> only_similar(const Snapshot& snapshot, std::vector<std::string> words) {
   std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
   if (words.size() != 2 || !is_color_word(words[0]) || is_color_word(words[1])) return {};
-  std::vector<Id> called, similar;
+  const std::string asked = same_color(words[0]);
+  std::vector<Id> called, present, similar;
   if (snapshot.means_objects(words[1])) called = snapshot.find_objects(words[1]);
   for (const Id id : snapshot.present_objects()) {
     const std::string color = same_color(lower_case(snapshot.belief(id)->color.value_or("")));
-    const std::string asked = same_color(words[0]);
     const bool is_called = std::ranges::count(called, id) > 0;
     if (is_called && color == asked) return {};
+    if (is_called) present.push_back(id);
     const bool nameless =
         called.empty() && is_package(words[1]) && color == asked && !snapshot.object_belief(id).object.label;
     if (nameless || (is_called && are_similar_colors(color, asked))) similar.push_back(id);
   }
-  const auto color_of = [&](Id id) { return *snapshot.belief(id)->color; };
+  if (const std::vector<Id> partly = partly_colored(snapshot, present, asked); partly.size() == 1)
+    return object_name(partly.front());
+  const auto color_of = [&](Id id) { return snapshot.belief(id)->color.value_or(""); };
   const bool plural = words[1].ends_with('s') && singular_of(words[1]) != words[1];
   const bool alike = plural && !called.empty() && std::ranges::all_of(similar, [&](Id id) {
                        return color_of(id) == color_of(similar[0]);

@@ -8,7 +8,7 @@
 
 #include "mapping/base/text/html.h"
 #include "mapping/world/kinematics.h"
-#include "memory/questions/environment.h"
+#include "memory/questions/environment_parts.h"
 #include "memory/questions/events.h"
 #include "memory/questions/snapshot.h"
 #include "memory/report/report_data.h"

@@ -42,9 +42,4 @@ Json to_json(const NaturalLanguageAnswer& answer);
 /// How it is written as JSON.
 const format::RecordSchema& sentence_schema();
 
-/// Questions to suggest for this memory: about its objects first, then an example of each form.
-std::vector<std::string> suggested_questions(const Store& store);
-/// Names of objects, places and parts, with aliases and classes: the words to complete in a question.
-std::vector<std::string> known_names(const Store& store);
-
 }  // namespace loci::memory

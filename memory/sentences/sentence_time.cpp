@@ -234,7 +234,7 @@ std::vector<Rewording> rewordings_of_times() {
       {"(the (whole|entire|full) time|all the time|all that time|continuously|without a break) "
        "(from|between)",
        "throughout"},
-      {"(the (whole|entire) time|all the time|continuously|the (whole|entire) day)", "all day"},
+      {"(the (whole|entire) time|all the time|continuously|the (whole|entire) day|all day long)", "all day"},
       {"(compared|comparing) (with|to)|in comparison (with|to)|relative to|as (against|opposed to)", "since"},
       {"breakfast time", "breakfast"},
       {"lunch time", "lunch"},

@@ -40,7 +40,7 @@ constexpr Lemma kLemmas[] = {
     {"move",
      "moves moved moving touching handling movement movements shift shifted shifts shifting push pushed "
      "pushes touch touched touches handle handled handles relocate relocated relocates displace displaced "
-     "budge budged budges disturb disturbed disturbs transfer transferred rearranged rearrange reposition "
+     "budge budged budges carried disturb disturbed disturbs transfer transferred rearranged rearrange reposition "
      "repositioned nudge nudged slide slid drag dragged swap swapped relocation relocations displacement "
      "displacements migrate migrated moved used use uses using tampered fiddled messed interfered meddled"},
     {"take",

@@ -159,10 +159,10 @@ bool may_be_somewhere(const std::string& noun) {
   });
 }
 
-Relation relation_of(const std::string& noun, const std::string& other, int max_steps) {
-  constexpr size_t kMaxSenses = 2;
-  std::set<Synset> reached = touchable_senses(noun, kMaxSenses);
-  const std::set<Synset> wanted = touchable_senses(other, kMaxSenses);
+namespace {
+
+/// How the most frequent senses of two nouns are related.
+Relation relation_of_senses(std::set<Synset> reached, const std::set<Synset>& wanted, int max_steps) {
   const auto meets = [&] {
     return std::ranges::any_of(reached, [&](Synset one) { return wanted.contains(one); });
   };
@@ -174,6 +174,20 @@ Relation relation_of(const std::string& noun, const std::string& other, int max_
         if (can_be_touched(above)) next.insert(above);
     reached = std::move(next);
     if (meets()) return Relation::kind;
+  }
+  return Relation::none;
+}
+
+}  // namespace
+
+Relation relation_of(const std::string& noun, const std::string& other, int max_steps) {
+  constexpr size_t kFrequent = 1, kMaxSenses = 2;
+  // In two rare senses "can" and "pot" are both a toilet.
+  for (const auto& [of_noun, of_other] :
+       {std::pair(kFrequent, kMaxSenses), std::pair(kMaxSenses, kFrequent)}) {
+    const Relation relation =
+        relation_of_senses(touchable_senses(noun, of_noun), touchable_senses(other, of_other), max_steps);
+    if (relation != Relation::none) return relation;
   }
   return Relation::none;
 }

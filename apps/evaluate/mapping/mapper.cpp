@@ -100,7 +100,7 @@ Isometry3d truth_from_tracked(const mapping::Recording& truth, const mapping::Re
   double sine = 0, cosine = 0, count = 0;
   Vector3d true_sum = Vector3d::Zero(), tracked_sum = Vector3d::Zero();
   for (size_t i = 0; i < truth.size(); i += std::max<size_t>(1, truth.size() / kFrames)) {
-    const auto from = tracked.frame(i).map_from_camera, to = truth.frame(i).map_from_camera;
+    const auto from = tracked.pose_of(i), to = truth.pose_of(i);
     if (!from || !to) continue;
     const Eigen::Matrix3d turn = to->linear() * from->linear().transpose();
     sine += turn(1, 0) - turn(0, 1);

@@ -165,7 +165,7 @@ class Experiment {
     const mapping::TrackingResult result = track(*recording, options, progress_);
     require_usable(result, folder.string());
     recording = with_tracked_poses(std::move(recording), result, false, warnings_);
-    for (size_t i = 0; i < recording->size(); ++i) visit.poses[i] = recording->frame(i).map_from_camera;
+    for (size_t i = 0; i < recording->size(); ++i) visit.poses[i] = recording->pose_of(i);
     return recording;
   }
 

@@ -29,6 +29,7 @@ class Part : public mapping::Recording {
   mapping::RgbdFrame frame(size_t i) const override { return whole_.frame(number(i)); }
   TimeNs time_of(size_t i) const override { return whole_.time_of(number(i)); }
   int64_t index_of(size_t i) const override { return whole_.index_of(number(i)); }
+  std::optional<Isometry3d> pose_of(size_t i) const override { return whole_.pose_of(number(i)); }
 
  private:
   size_t number(size_t i) const { return range_.first + i * range_.every; }
@@ -195,7 +196,7 @@ std::vector<Row> compare_trackers(const std::string& recording, const FrameRange
     throw Error("there are fewer than two frames", {recording, 0, {}}, "check --first and --last");
   Trajectory reference;
   for (size_t i = 0; i < part.size(); ++i)
-    if (const auto pose = part.frame(i).map_from_camera) reference[i] = *pose;
+    if (const auto pose = part.pose_of(i)) reference[i] = *pose;
   if (reference.empty()) throw Error("the recording has no reference poses", {recording, 0, {}});
   std::vector<Row> rows = {our_row(part, reference, threads, progress)};
   const mapping::PinholeCamera& camera = part.info().camera.depth;

@@ -10,7 +10,6 @@ namespace loci::memory {
 namespace {
 
 using wordnet::PartOfSpeech;
-using wordnet::Relation;
 
 /// What WordNet does not say: the words of kitchens for what they hold.
 const std::map<std::string, std::string>& household_kinds() {

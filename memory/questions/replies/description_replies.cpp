@@ -8,6 +8,7 @@
 
 #include "memory/questions/location.h"
 #include "memory/questions/names/names.h"
+#include "memory/questions/names/seen_colors.h"
 #include "memory/questions/objects.h"
 #include "memory/questions/presence.h"
 #include "memory/questions/replies/answer_format.h"
@@ -154,9 +155,20 @@ bool are_of_one_size(Vector3d a, Vector3d b) {
   return (a.array() <= kViewRatio * b.array()).all() && (b.array() <= kViewRatio * a.array()).all();
 }
 
+/// Its colour, and a second one that light does not make of it: "white and blue".
+std::vector<std::string> colors_of(const ObjectRef& object, const ReplyContext& context) {
+  std::vector<std::string> colors;
+  if (object.color) colors.push_back(*object.color);
+  for (const std::string& color : seen_colors(context.store, object.id, context.as_of))
+    if (colors.size() == 1 && color != colors[0] && !are_similar_colors(color, lower_case(colors[0])))
+      colors.push_back(color);
+  return colors;
+}
+
 /// "is red", "measures 6 x 4 x 25 cm"; unset where it is not known.
-std::optional<std::string> look_in_words(const ObjectRef& object, const std::string& property) {
-  if (property == "colour" && object.color) return "is " + *object.color;
+std::optional<std::string> look_in_words(const ObjectRef& object, const std::string& property,
+                                         const ReplyContext& context) {
+  if (property == "colour" && object.color) return "is " + list_in_words(colors_of(object, context), 2);
   if (property == "size" && object.size) return "measures " + size_text(*object.size);
   return {};
 }
@@ -172,7 +184,7 @@ void compare_looks(const std::vector<AboutObject>& objects, const std::string& p
     const ObjectRef& object = one.now.object;
     reply.objects.push_back(object.id);
     beliefs.push_back(one.now);
-    const std::optional<std::string> look = look_in_words(object, property);
+    const std::optional<std::string> look = look_in_words(object, property, context);
     if (!look) continue;
     list.push_back(fmt::format("{} {}", names.subject(object), *look));
     if (property == "colour") same = same && object.color == first.color;
@@ -208,17 +220,16 @@ void judge_colour(const AboutAnswer& answer, const ReplyContext& context, const 
   std::ranges::copy_if(answer.objects, std::back_inserter(there),
                        [](const AboutObject& one) { return one.now.status != ObjectStatus::gone; });
   const std::vector<AboutObject>& objects = there.empty() ? answer.objects : there;
+  const std::string value = context.query.argument("value"), asked = value == "gray" ? "grey" : value;
   std::set<std::string> colours;
-  bool known = true;
+  bool known = true, all = true;
   for (const AboutObject& one : objects) {
     known = known && one.now.object.color;
     colours.insert(lower_case(one.now.object.color.value_or("")));
+    all = all && std::ranges::count(colors_of(one.now.object, context), asked) > 0;
   }
   compare_looks(objects, "colour", context, names, reply);
-  const std::string value = context.query.argument("value");
-  const bool is = value == "different"
-                      ? colours.size() > 1
-                      : colours.size() == 1 && colours.contains(value == "gray" ? "grey" : value);
+  const bool is = value == "different" ? colours.size() > 1 : all;
   reply.not_known = !known;
   reply.verdict = !known ? Verdict::not_observed : is ? Verdict::yes : Verdict::no;
   reply.text = fmt::format("{}: {}", !known ? "Not known" : is ? "Yes" : "No", reply.text);
@@ -243,7 +254,7 @@ void write_reply(const AboutAnswer& answer, const ReplyContext& context, Reply& 
     reply.not_known = owner == first.facts.end();
     reply.text = reply.not_known ? fmt::format("Not known: nobody stated who owns {}.", name)
                                  : fmt::format("{} owns {}.", owner->value, name);
-  } else if (const std::optional<std::string> look = look_in_words(object, property)) {
+  } else if (const std::optional<std::string> look = look_in_words(object, property, context)) {
     reply.text = fmt::format("{} {}.", name, *look);
   } else if (property == "sightings") {
     reply.number = first.now.sightings;

@@ -7,9 +7,10 @@
 #include <set>
 
 #include "memory/questions/contents.h"
-#include "memory/questions/environment.h"
+#include "memory/questions/environment_parts.h"
 #include "memory/questions/location.h"
 #include "memory/questions/names/names.h"
+#include "memory/questions/near.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
 

@@ -23,7 +23,7 @@ const PaintedRecording& recording() {
 
 Orthophoto photo_of(const Recording& recording, int threads = 2) {
   std::vector<std::optional<Isometry3d>> poses;
-  for (size_t i = 0; i < recording.size(); ++i) poses.push_back(recording.frame(i).map_from_camera);
+  for (size_t i = 0; i < recording.size(); ++i) poses.push_back(recording.pose_of(i));
   return make_orthophoto(recording, poses, painted_face(), threads);
 }
 
@@ -127,7 +127,7 @@ TEST(Orthophoto, LeavesNoPartOfAFaceWithoutFrames) {
 
 std::vector<FurnitureFace> parts_of(const Recording& recording) {
   std::vector<std::optional<Isometry3d>> poses;
-  for (size_t i = 0; i < recording.size(); ++i) poses.push_back(recording.frame(i).map_from_camera);
+  for (size_t i = 0; i < recording.size(); ++i) poses.push_back(recording.pose_of(i));
   return divided_at_steps(recording, poses, painted_face(), 2);
 }
 

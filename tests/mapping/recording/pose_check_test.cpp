@@ -22,7 +22,7 @@ class PoseCheck : public testing::Test {
   std::unique_ptr<Recording> with(const Change& change) const {
     auto recording = open_recording(folder_);
     std::vector<std::optional<Isometry3d>> poses;
-    for (size_t i = 0; i < recording->size(); ++i) poses.push_back(recording->frame(i).map_from_camera);
+    for (size_t i = 0; i < recording->size(); ++i) poses.push_back(recording->pose_of(i));
     for (auto& pose : poses) change(*pose);
     return with_poses(std::move(recording), poses, "world", true);
   }
@@ -46,6 +46,19 @@ TEST_F(PoseCheck, TheCauseOfPosesThatDoNotFitIsNamed) {
                 pose.linear() = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
               })).text(),
               HasSubstr("qw before qx qy qz"));
+}
+
+TEST_F(PoseCheck, LatePosesOfAVideoAreNamedWithTheirDelay) {
+  const auto late_by = [](size_t shift) {
+    auto recording = open_recording(fs::path(LOCI_SHARED_DIR) / "data/redkitchen_30hz");
+    std::vector<std::optional<Isometry3d>> poses;
+    for (size_t i = 0; i < recording->size(); ++i)
+      poses.push_back(recording->pose_of(i < shift ? 0 : i - shift));
+    return check_poses(*with_poses(std::move(recording), poses, "world", true));
+  };
+  EXPECT_TRUE(late_by(0).fits()) << late_by(0).text();
+  EXPECT_THAT(late_by(12).text(), HasSubstr("if they are late by about 12 frames"));
+  EXPECT_THAT(late_by(60).text(), HasSubstr("if they are late by about 60 frames"));
 }
 
 TEST_F(PoseCheck, AnotherDirectionThatIsUpIsNamedWithItsOption) {

@@ -1,6 +1,6 @@
 #include "memory/questions/routines/co_occurrence.h"
 
-#include "memory/questions/contents.h"
+#include "memory/questions/near.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/reply.h"
 #include "tests/memory/questions/day_fixture.h"

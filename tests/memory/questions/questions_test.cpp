@@ -2,6 +2,7 @@
 #include "memory/questions/contents.h"
 #include "memory/questions/events.h"
 #include "memory/questions/location.h"
+#include "memory/questions/near.h"
 #include "memory/questions/objects.h"
 #include "memory/questions/presence.h"
 #include "memory/questions/question.h"

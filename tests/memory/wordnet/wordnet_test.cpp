@@ -42,6 +42,7 @@ TEST(Wordnet, RelatesWhatCanBeTouched) {
   EXPECT_EQ(relation_of("tableware", "plate", 6), Relation::none);
   EXPECT_EQ(relation_of("fork", "spoon", 6), Relation::none);
   EXPECT_EQ(relation_of("plate", "food", 6), Relation::none);  // a rare sense
+  EXPECT_EQ(relation_of("can", "pot", 6), Relation::none);     // both may be a toilet
 }
 
 }  // namespace
