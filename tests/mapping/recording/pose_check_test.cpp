@@ -50,7 +50,7 @@ TEST_F(PoseCheck, TheCauseOfPosesThatDoNotFitIsNamed) {
 
 TEST_F(PoseCheck, LatePosesOfAVideoAreNamedWithTheirDelay) {
   const auto late_by = [](size_t shift) {
-    auto recording = open_recording(fs::path(LOCI_SHARED_DIR) / "data/redkitchen_30hz");
+    auto recording = open_recording(fs::path(LOCI_SHARED_DIR) / "data/redkitchen_30hz/frames");
     std::vector<std::optional<Isometry3d>> poses;
     for (size_t i = 0; i < recording->size(); ++i)
       poses.push_back(recording->pose_of(i < shift ? 0 : i - shift));
