@@ -39,8 +39,10 @@ bool is_of_kind(const Change& change, const std::string& kind, const std::set<Id
     return ((change.kind == EventKind::appeared || change.kind == EventKind::reappeared) &&
             (places.empty() || is_at(places, change.place))) ||
            (moved && is_at(places, change.place) && !is_at(places, change.from_place));
-  if (kind == "new")  // What was elsewhere in the room is new at a place only; what was hidden there is not.
-    return is_of_kind(change, "came", places) &&
+  // What was elsewhere in the room is new at a place only; what was hidden there, or was there at the first
+  // look, is not.
+  if (kind == "new")
+    return is_of_kind(change, "came", places) && change.since &&
            (change.kind == EventKind::appeared || (!places.empty() && !is_at(places, came_from)));
   if (kind == "handled" || kind == "relocated")
     return moved || change.kind == EventKind::reappeared ||

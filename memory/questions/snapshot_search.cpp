@@ -10,6 +10,7 @@
 
 #include "mapping/base/text/text.h"
 #include "memory/questions/environment_parts.h"
+#include "memory/questions/names/color_words.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/questions/names/seen_colors.h"
 #include "memory/questions/snapshot.h"
@@ -78,10 +79,6 @@ bool is_purpose(const std::string& word) {
          wordnet::relation_of(word, "food", kMaxSteps) != wordnet::Relation::none;
 }
 
-std::string same_color(const std::string& word) {
-  return word == "gray" ? "grey" : word;
-}
-
 /// small, medium, large, tall, flat.
 bool is_size_word(const std::string& word) {
   static const std::set<std::string> words = {"small", "medium", "large", "big", "tall", "flat"};
@@ -134,8 +131,8 @@ std::vector<Id> partly_colored(const Snapshot& snapshot, std::vector<Id> objects
 }
 
 /// What a colour and a noun mean where nothing is called so: the only one of that noun that shows the colour
-/// in part, or is in one that is like it, or those of a plural that share such a colour, or the only object
-/// in that colour that nobody could name. Unset where nothing fits.
+/// in part, or is in one that is like it, or those that share such a colour, or the only object in that colour
+/// that nobody could name. Unset where nothing fits.
 std::optional<std::string> only_similar(const Snapshot& snapshot, std::vector<std::string> words) {
   std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
   if (words.size() != 2 || !is_color_word(words[0]) || is_color_word(words[1])) return {};
@@ -154,10 +151,9 @@ std::optional<std::string> only_similar(const Snapshot& snapshot, std::vector<st
   if (const std::vector<Id> partly = partly_colored(snapshot, present, asked); partly.size() == 1)
     return object_name(partly.front());
   const auto color_of = [&](Id id) { return snapshot.belief(id)->color.value_or(""); };
-  const bool plural = words[1].ends_with('s') && singular_of(words[1]) != words[1];
-  const bool alike = plural && !called.empty() && std::ranges::all_of(similar, [&](Id id) {
-                       return color_of(id) == color_of(similar[0]);
-                     });
+  const bool alike = !called.empty() && std::ranges::all_of(similar, [&](Id id) {
+    return color_of(id) == color_of(similar[0]);
+  });
   if (similar.empty() || (similar.size() > 1 && !alike)) return {};
   const std::string name = fmt::format("{} {}", color_of(similar[0]), words[1]);
   if (similar.size() > 1) return name;
@@ -574,8 +570,9 @@ std::string Snapshot::with_names_joined(std::string text) const {
 }
 
 std::optional<std::string> Snapshot::head_of(const std::string& subject) const {
-  std::vector<std::string> words = lower_case_words(subject);
-  const size_t said = words.size();
+  const std::vector<std::string> said = lower_case_words(subject);
+  std::vector<std::string> words = said;
+  name_basic_colors(words);
   for (size_t i = 0; i + 2 < words.size(); ++i)  // "jar of jam"
     if (is_package(words[i]) && words[i + 1] == "of" && !find_by_word(words[i + 2]).empty())
       words.erase(words.begin() + static_cast<std::ptrdiff_t>(i),
@@ -596,7 +593,8 @@ std::optional<std::string> Snapshot::head_of(const std::string& subject) const {
     if (!content && called.empty()) continue;
     words.erase(words.begin() + static_cast<std::ptrdiff_t>(content ? i + 1 : i));
   }
-  if (words.size() < said) return phrase(words, 0);
+  const std::string name = phrase(words, 0);
+  if (words.size() < said.size() || (words != said && is_known_as(name))) return name;
   return only_similar(*this, words);
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/color_words.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/sentences/courtesy.h"
 #include "memory/sentences/sentence_time.h"

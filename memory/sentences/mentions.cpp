@@ -5,6 +5,7 @@
 #include <set>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/color_words.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/sentences/vocabulary.h"
 #include "memory/wordnet/wordnet.h"
@@ -39,10 +40,11 @@ class MentionFinder {
   }
 
  private:
-  /// A word of the grammar is not a name; "can" is one after an article or a colour.
+  /// A word of the grammar is not a name; "cans" are, and "can" is one after an article or a colour.
   bool may_be_name(size_t i) const {
     const std::string &word = tokens_.words[i], &lemma = tokens_.lemmas[i];
-    if (word == "can" || word == "cans")
+    if (word == "cans") return true;
+    if (word == "can")
       return i > 0 && (class_of(tokens_.lemmas[i - 1]) == WordClass::article ||
                        is_household_noun(tokens_.words[i - 1]));
     return class_of(lemma) == WordClass::name && !lexicon().contains(word) && !has_meaning(lemma) &&

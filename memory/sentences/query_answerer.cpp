@@ -6,6 +6,7 @@
 
 #include "mapping/base/text/text.h"
 #include "memory/questions/environment.h"
+#include "memory/questions/names/color_words.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/questions/snapshot.h"
 #include "memory/sentences/clauses/coordination.h"

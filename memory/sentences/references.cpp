@@ -175,12 +175,14 @@ void ReferenceResolver::replace_pronoun(std::string& text, std::vector<std::stri
 void ReferenceResolver::replace_other(std::string& text, const std::string& kind,
                                       std::vector<std::string>& notes) const {
   try {
-    for (const Id object : snapshot_.find_objects(kind))
-      if (std::ranges::count(last_objects_, object) == 0) {
-        notes.push_back(fmt::format("'{}' is taken as {}", text, object_name(object)));
-        text = object_name(object);
-        return;
-      }
+    // Besides the only blue bowl, the other one is another bowl.
+    for (const std::string& name : {kind, kind.substr(kind.rfind(' ') + 1)})
+      for (const Id object : snapshot_.find_objects(snapshot_.head_of(name).value_or(name)))
+        if (std::ranges::count(last_objects_, object) == 0) {
+          notes.push_back(fmt::format("'{}' is taken as {}", text, object_name(object)));
+          text = object_name(object);
+          return;
+        }
     if (text == "other " + kind) {
       notes.push_back(fmt::format("the answer before named each '{0}': '{1}' is taken as '{0}'", kind, text));
       text = kind;

@@ -148,13 +148,6 @@ size_t rank_called(const std::string& word) {
   return found == ranks.end() ? 0 : found->second;
 }
 
-bool is_color_word(const std::string& word) {
-  static const std::set<std::string> words = {"black", "white", "grey",   "gray",  "red",
-                                              "brown", "beige", "orange", "pink",  "yellow",
-                                              "green", "cyan",  "blue",   "purple"};
-  return words.contains(word);
-}
-
 std::string furniture_called(const std::string& word) {
   static const std::map<std::string, std::string> words = {
       {"worktop", "counter"},  {"countertop", "counter"}, {"worksurface", "counter"},

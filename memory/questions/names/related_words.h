@@ -30,7 +30,4 @@ bool is_superlative(const std::string& word);
 /// Of "second" in "second biggest" 1; 0 of other words.
 size_t rank_called(const std::string& word);
 
-/// Whether it is a name of mapping::color_name(), or "gray".
-bool is_color_word(const std::string& word);
-
 }  // namespace loci::memory

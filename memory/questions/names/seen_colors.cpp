@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "mapping/base/text/json.h"
 
@@ -29,14 +28,6 @@ bool add_fractions(const Store& store, Id feature_structure, std::map<std::strin
 }
 
 }  // namespace
-
-bool are_similar_colors(const std::string& a, const std::string& b) {
-  static const std::set<std::pair<std::string, std::string>> all = {
-      {"white", "grey"},  {"white", "beige"},  {"black", "grey"},   {"beige", "brown"}, {"orange", "yellow"},
-      {"orange", "red"},  {"orange", "brown"}, {"pink", "red"},     {"pink", "purple"}, {"blue", "cyan"},
-      {"blue", "purple"}, {"green", "cyan"},   {"green", "yellow"}, {"red", "brown"}};
-  return all.contains({a, b}) || all.contains({b, a});
-}
 
 std::vector<std::string> seen_colors(const Store& store, Id object, const AsOf& as_of) {
   constexpr size_t kLatestViews = 12;

@@ -7,9 +7,6 @@
 
 namespace loci::memory {
 
-/// Whether light and shade make one of two colours of the other: "white", "grey".
-bool are_similar_colors(const std::string& a, const std::string& b);
-
 /// Names of the colours that the latest observations of an object show on at least a tenth of it, the one
 /// with most of it first; empty where no annotator named them. From above, a blue bowl that is white inside
 /// shows white, then blue.

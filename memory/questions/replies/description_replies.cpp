@@ -7,6 +7,7 @@
 #include <set>
 
 #include "memory/questions/location.h"
+#include "memory/questions/names/color_words.h"
 #include "memory/questions/names/names.h"
 #include "memory/questions/names/seen_colors.h"
 #include "memory/questions/objects.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/color_words.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/sentences/courtesy.h"
 #include "memory/sentences/discourse.h"

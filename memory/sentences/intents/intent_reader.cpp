@@ -5,6 +5,7 @@
 #include <set>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/color_words.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/sentences/clauses/relative_clause.h"
 #include "memory/sentences/discourse.h"

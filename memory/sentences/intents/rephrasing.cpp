@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/color_words.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/wordnet/wordnet.h"
@@ -238,6 +239,11 @@ const std::vector<Pattern>& meanings() {
       {"^ is|are everything|all still? where|as it|they was|were <t> $", "was nothing moved since <t>"},
       {"^ does everything|it|the? kitchen|room? still? look the same as <t> $",
        "was nothing moved since <t>"},
+      // What was there then and is not now.
+      {"^ what|which is|are not on|in|at <p:name> any? more|anymore that|which was|were there <t> $",
+       "what was on <p> <t> that is gone now"},
+      {"^ what|which is|are missing|gone from|on|in <p:name> compared with|to <t> $",
+       "what was on <p> at <t> that is gone now"},
       // What is there now and was not then.
       {"^ what|which <x> on|in|at <p:name> that|which was|were not there|here <t> $",
        "what newsince is on <p> <t>"},
@@ -289,7 +295,10 @@ const std::vector<Pattern>& meanings() {
       {"^ how long has|have|had|was|were <x:name> been? out $", "how long was <x> there"},
       {"^ next to|beside|near which object|objects|thing|things is|are|was|were <x:name> $",
        "what is next to <x>"},
-      // A choice of places in the past: where it was.
+      // A choice of places: where it is, or was.
+      {"^ where do|can|could|should i|we find <x:name> , <p> or <q> $", "where is <x>"},
+      {"^ where is|are <x:name> , <p> or <q> $", "where is <x>"},
+      {"^ where was|were <x:name> <t> , <p> or <q> $", "where was <x> <t>"},
       {"^ was|were <x:name> in|on|at <a:name> or in|on|at? <b:name> <t> $", "where was <x> <t>"},
       // How much room there is nobody measures; what takes it up is known.
       {"^ is there still? any|enough|some? space|room left|free? on|at <p:name> $", "what is on <p>"},
@@ -498,6 +507,9 @@ std::string as_meant(const std::string& sentence, const IsName& is_name) {
                       tail_of(words, correction->last));
     changed = true;
   }
+  const Words said = words;
+  name_basic_colors(words);
+  changed = words != said || changed;
   changed = take_list(words, is_name) || changed;
   changed = apply_all(meanings(), words, is_name) || changed;
   return changed ? joined(words, " ") : sentence;

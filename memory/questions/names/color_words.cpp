@@ -1,0 +1,71 @@
+#include "memory/questions/names/color_words.h"
+
+#include <map>
+#include <set>
+
+#include "mapping/base/text/text.h"
+
+namespace loci::memory {
+namespace {
+
+/// Without what is rather a food, a plant or a glass: olive, lime, mint, wine.
+const std::map<std::string, std::string>& basic_colors() {
+  static const std::map<std::string, std::string> all = [] {
+    std::map<std::string, std::string> result;
+    for (const auto& [basic, words] :
+         std::map<std::string, const char*>{{"black", "blackish"},
+                                            {"white", "whitish ivory"},
+                                            {"grey", "greyish grayish silver silvery"},
+                                            {"red", "reddish maroon burgundy crimson scarlet"},
+                                            {"brown", "brownish tan bronze"},
+                                            {"beige", "khaki"},
+                                            {"orange", "orangey orangish amber"},
+                                            {"pink", "pinkish"},
+                                            {"yellow", "yellowish gold golden"},
+                                            {"green", "greenish"},
+                                            {"cyan", "turquoise teal aqua"},
+                                            {"blue", "bluish blueish navy azure"},
+                                            {"purple", "purplish violet lilac mauve magenta"}})
+      for (const std::string& word : words_of(words)) result[word] = basic;
+    return result;
+  }();
+  return all;
+}
+
+bool is_shade(const std::string& word) {
+  static const std::set<std::string> all = {"dark", "light", "bright", "pale", "deep", "vivid"};
+  return all.contains(word);
+}
+
+}  // namespace
+
+bool is_color_word(const std::string& word) {
+  static const std::set<std::string> words = {"black", "white", "grey",   "gray",  "red",
+                                              "brown", "beige", "orange", "pink",  "yellow",
+                                              "green", "cyan",  "blue",   "purple"};
+  return words.contains(word);
+}
+
+std::string same_color(const std::string& word) {
+  return word == "gray" ? "grey" : word;
+}
+
+bool are_similar_colors(const std::string& a, const std::string& b) {
+  static const std::set<std::pair<std::string, std::string>> all = {
+      {"white", "grey"},  {"white", "beige"},  {"black", "grey"},   {"beige", "brown"}, {"orange", "yellow"},
+      {"orange", "red"},  {"orange", "brown"}, {"pink", "red"},     {"pink", "purple"}, {"blue", "cyan"},
+      {"blue", "purple"}, {"green", "cyan"},   {"green", "yellow"}, {"red", "brown"},   {"red", "purple"}};
+  return all.contains({a, b}) || all.contains({b, a});
+}
+
+void name_basic_colors(std::vector<std::string>& words) {
+  for (std::string& word : words)
+    if (const auto basic = basic_colors().find(word); basic != basic_colors().end()) word = basic->second;
+  for (size_t i = 0; i + 1 < words.size();)
+    if (is_shade(words[i]) && is_color_word(words[i + 1]))
+      words.erase(words.begin() + static_cast<std::ptrdiff_t>(i));
+    else
+      ++i;
+}
+
+}  // namespace loci::memory

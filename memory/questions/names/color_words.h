@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace loci::memory {
+
+/// Whether it is a name of mapping::color_name(), or "gray".
+bool is_color_word(const std::string& word);
+
+/// "gray" as "grey", others as they are.
+std::string same_color(const std::string& word);
+
+/// Whether light and shade, or people, make one of two colours of the other: "white", "grey".
+bool are_similar_colors(const std::string& a, const std::string& b);
+
+/// Replaces what people call a colour by its basic colour: "maroon", "reddish", "dark red" by "red".
+void name_basic_colors(std::vector<std::string>& words);
+
+}  // namespace loci::memory
