@@ -18,15 +18,16 @@ using namespace replies;
 
 namespace {
 
-/// The scenes of the period that saw at least half of a place, in order of time.
-std::vector<SceneRef> looks_at(const Snapshot& snapshot, Id place, const EmptinessQuestion& question) {
-  std::vector<SceneRef> looks;
+/// The scenes of the period that saw some of a place, in order of time.
+std::vector<SceneRef> views_of(const Snapshot& snapshot, Id place, const EmptinessQuestion& question,
+                               double min_fraction) {
+  std::vector<SceneRef> views;
   for (const VisibilityRow& view : snapshot.store().visibility_of_place(place, question.from, question.to)) {
     const SceneRow* scene = snapshot.scene(view.scene);
-    if (scene != nullptr && view.fraction.value_or(0) >= kMinSeenFraction)
-      looks.push_back(snapshot.scene_ref(*scene));
+    if (scene != nullptr && view.fraction.value_or(0) >= min_fraction)
+      views.push_back(snapshot.scene_ref(*scene));
   }
-  return looks;
+  return views;
 }
 
 /// When objects were at a place.
@@ -41,21 +42,29 @@ std::vector<TimeSpan> occupied_spans(const Store& store, const PlaceRow& place, 
 
 PlaceEmptiness emptiness_of(const Snapshot& snapshot, const PlaceRow& place,
                             const EmptinessQuestion& question) {
-  const std::vector<SceneRef> looks = looks_at(snapshot, place.id, question);
-  PlaceEmptiness result{.place = {place.id, place.name, place.container}, .looks = looks.size()};
+  constexpr double kSome = 0.02;  // less is an edge of it
+  const std::vector<SceneRef> looks = views_of(snapshot, place.id, question, kMinSeenFraction);
+  PlaceEmptiness result{.place = {place.id, place.name, place.container},
+                        .views = views_of(snapshot, place.id, question, kSome),
+                        .looks = looks.size()};
   if (looks.empty()) return result;
   result.first = looks.front();
   result.last = looks.back();
   result.occupied_throughout = true;
   const std::vector<TimeSpan> occupied = occupied_spans(snapshot.store(), place, question.as_of);
-  const auto is_occupied = [&](TimeNs from, TimeNs to) {
-    return std::ranges::any_of(occupied,
-                               [&](const TimeSpan& span) { return span.first <= from && span.last >= to; });
+  const auto objects_between = [&](TimeNs from, TimeNs to) {
+    return static_cast<size_t>(std::ranges::count_if(
+        occupied, [&](const TimeSpan& span) { return span.first <= from && span.last >= to; }));
   };
   for (size_t i = 0; i < looks.size(); ++i) {
-    if (!is_occupied(looks[i].time, looks[i].time)) result.empty.push_back(looks[i]);
+    const size_t there = objects_between(looks[i].time, looks[i].time);
+    if (there == 0) result.empty.push_back(looks[i]);
+    if (there > result.most) {
+      result.most = there;
+      result.fullest = looks[i];
+    }
     const TimeNs next = i + 1 < looks.size() ? looks[i + 1].time : looks[i].time;
-    result.occupied_throughout = result.occupied_throughout && is_occupied(looks[i].time, next);
+    result.occupied_throughout = result.occupied_throughout && objects_between(looks[i].time, next) > 0;
   }
   return result;
 }
@@ -86,10 +95,13 @@ namespace {
 const Record<PlaceEmptiness>& place_emptiness_record() {
   static const auto record = Record<PlaceEmptiness>("PlaceEmptiness")
                                  .value("place", &PlaceEmptiness::place)
+                                 .record("views", &PlaceEmptiness::views, scene_record())
                                  .value("looks", &PlaceEmptiness::looks)
                                  .record("empty", &PlaceEmptiness::empty, scene_record())
                                  .record("first_look", &PlaceEmptiness::first, scene_record())
                                  .record("last_look", &PlaceEmptiness::last, scene_record())
+                                 .record("fullest", &PlaceEmptiness::fullest, scene_record())
+                                 .value("most", &PlaceEmptiness::most)
                                  .value("occupied_throughout", &PlaceEmptiness::occupied_throughout);
   return record;
 }
@@ -129,6 +141,42 @@ void never_empty(const PlaceEmptiness& place, const ReplyContext& context, Reply
                            never);
 }
 
+/// How many objects were there at most, or when.
+void write_most(const EmptinessAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const PlaceEmptiness& place = *std::ranges::max_element(answer.places, {}, &PlaceEmptiness::most);
+  reply.places = {place.place.name};
+  reply.number = place.most;
+  if (!place.fullest) {
+    reply.not_known = place.looks == 0;
+    reply.text = place.looks == 0 ? fmt::format("Not observed: nobody looked {} then.", in_words(place.place))
+                                  : fmt::format("None: {} was empty in each look.", place.place.name);
+    return;
+  }
+  const std::string count = counted(place.most, "object"), when = context.times.text(place.fullest->time);
+  reply.time = at_once(place.fullest->time);
+  reply.text =
+      context.query.asks == Asks::most
+          ? fmt::format("{} at most: {} were {} at {}.", place.most, count, in_words(place.place), when)
+          : fmt::format("At {}: {} were {} then.", when, count, in_words(place.place));
+  reply.evidence.push_back(fmt::format("the fullest of {}", counted(place.looks, "look")));
+}
+
+/// Whether anybody looked.
+void write_views(const EmptinessAnswer& answer, const ReplyContext& context, Reply& reply) {
+  const PlaceEmptiness& place = *std::ranges::max_element(
+      answer.places, {}, [](const PlaceEmptiness& one) { return one.views.size(); });
+  reply.places = {place.place.name};
+  reply.verdict = place.views.empty() ? Verdict::no : Verdict::yes;
+  if (place.views.empty()) {
+    reply.text = fmt::format("No: nobody looked at {} then.", place.place.name);
+    return;
+  }
+  reply.time = at_once(place.views.back().time);
+  reply.text = fmt::format("Yes: {} was looked at {}, last at {}.", place.place.name,
+                           place.views.size() == 1 ? "once" : counted(place.views.size(), "time"),
+                           context.times.text(place.views.back().time));
+}
+
 }  // namespace
 
 Json to_json(const EmptinessAnswer& answer) {
@@ -141,6 +189,8 @@ void write_reply(const EmptinessAnswer& answer, const ReplyContext& context, Rep
     if (!place.empty.empty() && (found->empty.empty() || place.empty.back().time > found->empty.back().time))
       found = &place;
   const Asks asks = context.query.asks;
+  if (asks == Asks::exists) return write_views(answer, context, reply);
+  if (asks == Asks::most || asks == Asks::first_time) return write_most(answer, context, reply);
   reply.places = {found->place.name};
   if (asks == Asks::number) reply.number = found->empty.size();
   if (found->looks == 0) {
@@ -170,7 +220,7 @@ void write_reply(const EmptinessAnswer& answer, const ReplyContext& context, Rep
 std::vector<Question> emptiness_questions() {
   using enum Asks;
   return {{.name = "empty",
-           .description = "When a place was seen with nothing on or in it",
+           .description = "When a place was looked at, when with nothing on or in it, and when with most",
            .parameters = {place_parameter()},
            .period = true,
            .asks = last_time,
@@ -183,7 +233,11 @@ std::vector<Question> emptiness_questions() {
            .time = SentenceTime::period,
            .sentences = {{"yes: everempty <place>", verdict, "Was the table ever empty?"},
                          {"when: everempty <place> [last]", last_time, "When was the table last empty?"},
-                         {"howoften: empty|everempty <place>", number, "How often was the table empty?"}}}};
+                         {"howoften: empty|everempty <place>", number, "How often was the table empty?"},
+                         {"yes: look at<place> [person|ever]", exists, "Did you look at the table?"},
+                         {"howmany: mostthings <place>", most, ""},
+                         {"when: mostthings <place>", first_time, "When was the table the fullest?"},
+                         {"when: mostthings at<place> [thing]", first_time}}}};
 }
 
 }  // namespace loci::memory

@@ -10,7 +10,7 @@
 
 namespace loci::memory {
 
-// ---- empty: when a place was seen with nothing on it
+// ---- empty: when a place was looked at, when with nothing on it, and when with most
 
 struct EmptinessQuestion {
   std::string place = {};
@@ -19,9 +19,12 @@ struct EmptinessQuestion {
 };
 struct PlaceEmptiness {
   PlaceRef place = {};
-  size_t looks = 0;                  ///< scenes that saw at least half of it
-  std::vector<SceneRef> empty = {};  ///< those of them in which nothing was there, in order of time
+  std::vector<SceneRef> views = {};               ///< scenes that saw any of it, in order of time
+  size_t looks = 0;                               ///< those of them that saw at least half of it
+  std::vector<SceneRef> empty = {};               ///< the looks in which nothing was there
   std::optional<SceneRef> first = {}, last = {};  ///< of the looks
+  std::optional<SceneRef> fullest = {};           ///< the first of them in which most objects were there
+  size_t most = 0;                                ///< how many there were then
   /// Whether something is known to have been there from the first look to the last one.
   bool occupied_throughout = false;
 };

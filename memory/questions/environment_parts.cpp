@@ -18,6 +18,7 @@
 #include "mapping/world/urdf.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/questions/replies/answer_fields.h"
+#include "memory/questions/replies/reply_parts.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {
@@ -233,8 +234,9 @@ std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& pa
   const bool of_place = std::ranges::any_of(
       asked_words, [](const std::string& word) { return word == "on" || word == "in" || word == "at"; });
   if (const size_t space = name.find(' '); space != std::string::npos && !of_place) {
-    const std::string first = name.substr(0, space);
-    found = parts_called(parts, name.substr(space + 1));
+    const std::string first = name.substr(0, space), rest = name.substr(space + 1);
+    if (is_other_thing(first, rest)) return found;
+    found = parts_called(parts, rest);
     if (const auto level = level_called(first)) keep_level(*level, found);
     if (const auto measure = superlatives().find(first); measure != superlatives().end())
       keep_most(measure->second, found);
@@ -294,8 +296,7 @@ void add_contents(const Snapshot& snapshot, std::vector<EnvironmentPart>& parts)
     if (!part.place) continue;
     for (const Id object : snapshot.store().objects_at(part.place->id, snapshot.as_of())) {
       const BeliefRow* row = snapshot.belief(object);
-      if (row != nullptr && row->place == part.place->id && row->status != ObjectStatus::gone &&
-          row->probability >= 0.5)
+      if (row != nullptr && row->place == part.place->id && replies::is_there(snapshot.object_belief(*row)))
         ++part.objects;
     }
     if (const auto look = snapshot.store().last_visibility(part.place->id, snapshot.as_of()))

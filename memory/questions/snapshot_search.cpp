@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -75,7 +76,7 @@ bool is_purpose(const std::string& word) {
   using wordnet::PartOfSpeech;
   constexpr int kMaxSteps = 6;
   const bool doing = word.ends_with("ing") && !wordnet::base_forms(word, PartOfSpeech::verb).empty();
-  return word == "kitchen" || doing ||
+  return word == "kitchen" || word == "fruit" || doing ||
          wordnet::relation_of(word, "food", kMaxSteps) != wordnet::Relation::none;
 }
 
@@ -130,9 +131,22 @@ std::vector<Id> partly_colored(const Snapshot& snapshot, std::vector<Id> objects
   return objects;
 }
 
+/// Of objects of several colours those of the colour whose hue is nearest to the one asked for.
+void keep_nearest_color(const Snapshot& snapshot, const std::string& asked, std::vector<Id>& objects) {
+  const auto away = [&](Id id) {
+    const std::optional<HsvColor>& hsv = snapshot.belief(id)->hsv;
+    return hsv ? degrees_from_color(hsv->hue, asked) : std::numeric_limits<double>::infinity();
+  };
+  if (objects.empty()) return;
+  const Id nearest = *std::ranges::min_element(objects, {}, away);
+  if (std::isfinite(away(nearest)))
+    std::erase_if(objects,
+                  [&](Id id) { return snapshot.belief(id)->color != snapshot.belief(nearest)->color; });
+}
+
 /// What a colour and a noun mean where nothing is called so: the only one of that noun that shows the colour
-/// in part, or is in one that is like it, or those that share such a colour, or the only object in that colour
-/// that nobody could name. Unset where nothing fits.
+/// in part, or is in one that is like it, or those that share such a colour, or the only object in that
+/// colour that nobody could name. Unset where nothing fits.
 std::optional<std::string> only_similar(const Snapshot& snapshot, std::vector<std::string> words) {
   std::erase_if(words, [](const std::string& word) { return kFillers.contains(word); });
   if (words.size() != 2 || !is_color_word(words[0]) || is_color_word(words[1])) return {};
@@ -150,6 +164,7 @@ std::optional<std::string> only_similar(const Snapshot& snapshot, std::vector<st
   }
   if (const std::vector<Id> partly = partly_colored(snapshot, present, asked); partly.size() == 1)
     return object_name(partly.front());
+  keep_nearest_color(snapshot, asked, similar);
   const auto color_of = [&](Id id) { return snapshot.belief(id)->color.value_or(""); };
   const bool alike = !called.empty() && std::ranges::all_of(similar, [&](Id id) {
     return color_of(id) == color_of(similar[0]);
@@ -217,7 +232,9 @@ std::vector<PlaceRow> Snapshot::places_meant(const std::string& asked) const {
     found = places_called(phrase(words, 0));
   }
   if (found.empty() && !words.empty())
-    if (const std::string other = furniture_called(words.back()); !other.empty() && !restricted)
+    if (const std::string other = furniture_called(words.back());
+        !other.empty() && !restricted &&
+        (words.size() < 2 || !is_other_thing(words[words.size() - 2], words.back())))
       found = places_called(other);
   return found;
 }
@@ -583,7 +600,8 @@ std::optional<std::string> Snapshot::head_of(const std::string& subject) const {
       return is_color_word(word) || is_size_word(word) || is_superlative(word) || kFillers.contains(word);
     };
     const bool package = is_package(noun), size = is_size_word(modifier);
-    if ((describes(modifier) && !size) || describes(noun) || (!package && !size && !is_purpose(modifier)))
+    if (is_other_thing(modifier, noun) || (describes(modifier) && !size) || describes(noun) ||
+        (!package && !size && !is_purpose(modifier)))
       continue;
     const std::vector<Id> modified = find_by_word(modifier), called = find_by_word(noun);
     if (!intersection(modified, called).empty() ||

@@ -41,6 +41,9 @@ bool NameCheck::is_strange_name(const std::vector<std::string>& name) const {
            words().contains(word);
   };
   const std::string& noun = name.back();
+  const bool is_compound =  // "watering can"
+      name.size() == 2 && !wordnet::base_forms(name[0] + "_" + name[1], wordnet::PartOfSpeech::noun).empty();
+  if (is_compound) return false;
   const bool is_noun = !wordnet::base_forms(noun, wordnet::PartOfSpeech::noun).empty();
   if (is_noun && !known(noun) && !wordnet::may_be_somewhere(noun)) return true;
   // "Uncertain", "unusual": English, and no noun.

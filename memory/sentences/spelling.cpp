@@ -74,16 +74,24 @@ bool is_known(const std::string& word, const std::set<std::string>& names) {
   return false;
 }
 
+std::string without_doubles(std::string word) {
+  word.erase(std::unique(word.begin(), word.end()), word.end());
+  return word;
+}
+
+/// One letter, or in a long word which letters are double: "dissapear".
+bool is_typo(const std::string& typed, const std::string& meant) {
+  constexpr size_t kLong = 7;
+  return is_one_typo(typed, meant) ||
+         (typed.size() >= kLong && without_doubles(typed) == without_doubles(meant));
+}
+
 /// What happened more often comes first: two letters exchanged, a letter twice or once, other mistakes.
 int rank_of(const std::string& typed, const std::string& meant) {
   std::string a = typed, b = meant;
   std::ranges::sort(a);
   std::ranges::sort(b);
   if (a == b) return 0;
-  const auto without_doubles = [](std::string word) {
-    word.erase(std::unique(word.begin(), word.end()), word.end());
-    return word;
-  };
   if (without_doubles(typed) == without_doubles(meant)) return 1;
   if (typed.size() < meant.size()) return 2;
   if (typed[0] == meant[0]) return 3;
@@ -97,8 +105,8 @@ std::vector<std::string> corrections(const std::string& word, const std::set<std
   constexpr size_t kMaxCorrections = 3;
   std::set<std::string> found;
   const auto try_word = [&](std::string_view meant) {
-    if (!is_one_typo(word, meant)) return;
     const std::string one(meant);
+    if (!is_typo(word, one)) return;
     const int rank = rank_of(word, one);
     if (rank > max_rank) return;
     // Short words are only taken for one another where letters were exchanged, or one is missing: "mlk".

@@ -40,7 +40,8 @@ constexpr Lemma kLemmas[] = {
     {"move",
      "moves moved moving touching handling movement movements shift shifted shifts shifting push pushed "
      "pushes touch touched touches handle handled handles relocate relocated relocates displace displaced "
-     "budge budged budges carried disturb disturbed disturbs transfer transferred rearranged rearrange reposition "
+     "budge budged budges carried disturb disturbed disturbs transfer transferred rearranged rearrange "
+     "reposition "
      "repositioned nudge nudged slide slid drag dragged swap swapped relocation relocations displacement "
      "displacements migrate migrated moved used use uses using tampered fiddled messed interfered meddled"},
     {"take",
@@ -193,6 +194,8 @@ constexpr Compound kCompounds[] = {
     {"for the first time", "first"},
     {"(is it|has it been|it is) since", "is ago"},
     {"how long since", "howlong ago"},
+    {"a quarter (to|till|before)", "quarter to"},
+    {"a quarter (past|after)", "quarter past"},
     {"most (recent|recently)", "last"},
     {"(least|longest) recently", "first"},
     {"(most|much) of the (time|day)|for the most part", "usually"},

@@ -1,5 +1,8 @@
 #include "memory/questions/names/color_words.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -56,6 +59,20 @@ bool are_similar_colors(const std::string& a, const std::string& b) {
       {"orange", "red"},  {"orange", "brown"}, {"pink", "red"},     {"pink", "purple"}, {"blue", "cyan"},
       {"blue", "purple"}, {"green", "cyan"},   {"green", "yellow"}, {"red", "brown"},   {"red", "purple"}};
   return all.contains({a, b}) || all.contains({b, a});
+}
+
+double degrees_from_color(double hue, const std::string& color) {
+  // As mapping::color_name() bounds them; what begins above its end goes through 0.
+  static const std::map<std::string, std::pair<double, double>> hues = {
+      {"red", {345, 14}},   {"pink", {300, 14}},   {"orange", {14, 42}}, {"brown", {14, 68}},
+      {"beige", {14, 68}},  {"yellow", {42, 68}},  {"green", {68, 165}}, {"cyan", {165, 195}},
+      {"blue", {195, 255}}, {"purple", {255, 345}}};
+  const auto found = hues.find(color);
+  if (found == hues.end()) return std::numeric_limits<double>::infinity();
+  const auto [first, last] = found->second;
+  const bool within = first < last ? hue >= first && hue <= last : hue >= first || hue <= last;
+  const auto apart = [hue](double other) { return 180 - std::abs(180 - std::abs(hue - other)); };
+  return within ? 0 : std::min(apart(first), apart(last));
 }
 
 void name_basic_colors(std::vector<std::string>& words) {

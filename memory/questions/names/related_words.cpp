@@ -136,6 +136,13 @@ bool is_superlative(const std::string& word) {
   return superlatives().contains(word) || unmeasured().contains(word);
 }
 
+bool is_other_thing(const std::string& modifier, const std::string& noun) {
+  constexpr int kMaxSteps = 6;
+  const std::string compound = modifier + "_" + noun;
+  return !wordnet::base_forms(compound, PartOfSpeech::noun).empty() &&
+         wordnet::relation_of(compound, noun, kMaxSteps) == wordnet::Relation::none;
+}
+
 std::string singular_of(const std::string& word) {
   const std::vector<std::string> bases = wordnet::base_forms(word, PartOfSpeech::noun);
   return bases.empty() || std::ranges::count(bases, word) > 0 ? word : bases.front();
@@ -153,7 +160,7 @@ std::string furniture_called(const std::string& word) {
       {"worktop", "counter"},  {"countertop", "counter"}, {"worksurface", "counter"},
       {"benchtop", "counter"}, {"sideboard", "counter"},  {"desk", "table"},
       {"tabletop", "table"},   {"rack", "shelf"},         {"ledge", "shelf"},
-      {"board", "shelf"},      {"cupboard", "cabinet"},   {"locker", "cabinet"}};
+      {"cupboard", "cabinet"}, {"locker", "cabinet"}};
   const auto found = words.find(word);
   return found == words.end() ? "" : found->second;
 }

@@ -52,8 +52,20 @@ bool is_single(const std::string& word) {
   return word.find_first_not_of("abcdefghijklmnopqrstuvwxyz'-") == std::string::npos;
 }
 
+/// Whether two words joined by "_" name an artefact or a food: "watering_can".
+bool is_pair_for_thing(const std::string& word, const std::string& key,
+                       const std::map<std::string, Synset>& synsets) {
+  constexpr size_t kArtifact = 6, kFood = 13;  // lexicographer files
+  const size_t joint = word.find('_');
+  if (joint == std::string::npos || !is_single(word.substr(0, joint)) || !is_single(word.substr(joint + 1)))
+    return false;
+  const auto synset = synsets.find(key);
+  return synset != synsets.end() && (synset->second.file == kArtifact || synset->second.file == kFood);
+}
+
 /// By word the keys of its synsets: nouns, verbs, adjectives, adverbs, each the most frequent first.
-std::map<std::string, std::vector<std::string>> read_words(const std::filesystem::path& folder) {
+std::map<std::string, std::vector<std::string>> read_words(const std::filesystem::path& folder,
+                                                           const std::map<std::string, Synset>& synsets) {
   constexpr size_t kMaxSenses = 10;  // of a part of speech
   std::map<std::string, std::vector<std::string>> all;
   for (size_t part = 0; part < kParts.size(); ++part) {
@@ -62,13 +74,14 @@ std::map<std::string, std::vector<std::string>> read_words(const std::filesystem
       if (line.starts_with(' ')) continue;
       std::istringstream fields(line);
       std::string word, skipped;
-      size_t synsets = 0, pointers = 0;
-      fields >> word >> skipped >> synsets >> pointers;
-      if (!is_single(word)) continue;
+      size_t senses = 0, pointers = 0;
+      fields >> word >> skipped >> senses >> pointers;
+      if (!is_single(word) && part != 0) continue;
       for (size_t i = 0; i < pointers + 2; ++i) fields >> skipped;
-      for (size_t i = 0; i < std::min(synsets, kMaxSenses); ++i) {
+      for (size_t i = 0; i < std::min(senses, kMaxSenses); ++i) {
         fields >> skipped;
-        all[word].push_back(std::to_string(part) + skipped);
+        std::string key = std::to_string(part) + skipped;
+        if (is_single(word) || is_pair_for_thing(word, key, synsets)) all[word].push_back(std::move(key));
       }
     }
   }
@@ -104,7 +117,7 @@ std::string source_of(const std::filesystem::path& folder) {
   for (const auto& [key, synset] : synsets) numbers.emplace(key, numbers.size());
   std::vector<std::string> words;
   std::vector<size_t> word_begins = {0}, sense_begins = {0}, senses, files, above_begins = {0}, above;
-  for (const auto& [word, keys] : read_words(folder)) {
+  for (const auto& [word, keys] : read_words(folder, synsets)) {
     words.push_back(word);
     word_begins.push_back(word_begins.back() + word.size() + 1);
     for (const std::string& key : keys) senses.push_back(numbers.at(key));

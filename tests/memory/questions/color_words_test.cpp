@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "mapping/base/text/text.h"
 
 namespace loci::memory {
@@ -23,6 +25,15 @@ TEST(ColorWords, AreNamedByTheirBasicColour) {
 TEST(ColorWords, OtherWordsStay) {
   for (const char* text : {"olive oil", "the light is on", "a dark mug", "orange juice"})
     EXPECT_EQ(basic(text), text);
+}
+
+TEST(ColorWords, AHueIsInItsColourOrSoFarFromIt) {
+  EXPECT_EQ(degrees_from_color(50, "yellow"), 0);
+  EXPECT_EQ(degrees_from_color(40, "yellow"), 2);
+  EXPECT_EQ(degrees_from_color(355, "red"), 0);
+  EXPECT_EQ(degrees_from_color(20, "red"), 6);
+  EXPECT_EQ(degrees_from_color(340, "red"), 5);
+  EXPECT_TRUE(std::isinf(degrees_from_color(50, "grey")));
 }
 
 TEST(ColorWords, WhatLightMakesOfOneAnotherIsSimilar) {

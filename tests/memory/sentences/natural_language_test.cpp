@@ -64,6 +64,33 @@ TEST_F(NaturalLanguage, WhatIsSaidBeforeAQuestionIsWhatItRefersTo) {
   EXPECT_FALSE(say("If I needed a spade, where would I get one?").reply) << "not what was seen last";
 }
 
+TEST_F(NaturalLanguage, WhatIsSaidRoundaboutAsksAPlainQuestion) {
+  const auto command = [&](const char* sentence) {
+    const NaturalLanguageAnswer answer = say(sentence);
+    return answer.query ? answer.query->text() : "";
+  };
+  EXPECT_EQ(command("Where do I find the tea cup, on the table or on the counter?"), "where 'tea cup'");
+  EXPECT_EQ(command("Is anything left on the breakfast table?"), "on table");
+  EXPECT_EQ(command("What was on the breakfast table?"),
+            "contents-history table --between breakfast breakfast");
+  EXPECT_EQ(command("Was the tea cup on the table moved?"), "changes --kind handled --object 'tea cup'");
+  EXPECT_EQ(command("When did the tea cup dissapear?"), "changes --kind left --object 'tea cup'");
+  EXPECT_EQ(command("Who carried the tea cup from the table to the counter?"),
+            "changes --kind came --object 'tea cup' --other table --place counter");
+  EXPECT_EQ(command("Is the tea cup maroon?"), "about 'tea cup' --property colour --value red");
+  EXPECT_EQ(command("How many objects were on the table at most?"), "empty table");
+  EXPECT_FALSE(say("Where is the cutting board?").reply) << "no shelf is one";
+}
+
+TEST_F(NaturalLanguage, WhenAPlaceWasFullestAndWhetherAnybodyLookedIsKnown) {
+  const NaturalLanguageAnswer most = say("How many objects were on the table at most?");
+  EXPECT_EQ(most.reply->number, 2U);
+  EXPECT_THAT(most.reply->text, HasSubstr("2 at most: 2 objects were on table_1 at"));
+  EXPECT_TRUE(say("When was the table the fullest?").reply->time);
+  EXPECT_EQ(say("Did you look at the table?").reply->verdict, Verdict::yes);
+  EXPECT_EQ(say("Did you look at the table between 08:10 and 08:20?").reply->verdict, Verdict::no);
+}
+
 TEST_F(NaturalLanguage, ThemIsWhatTheLastAnswerNamed) {
   const auto last = [&](const std::vector<std::string>& sentences) {
     return ask(*store_, NaturalLanguageQuestion{sentences, {}}).back();
