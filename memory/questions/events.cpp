@@ -54,6 +54,14 @@ bool is_of_kind(const Change& change, const std::string& kind, const std::set<Id
   return kind.empty() || to_text(change.kind) == kind;
 }
 
+/// Whether it almost surely happened before a time at which it was not seen yet: the look at nine shows what
+/// happened since the look at eight.
+bool is_before(const Change& change, TimeNs time) {
+  constexpr double kSurely = 0.05;
+  return change.since && *change.since < time &&
+         static_cast<double>(change.time - time) < kSurely * static_cast<double>(change.time - *change.since);
+}
+
 SceneSummary summary_of(const Snapshot& snapshot, const SceneRow& scene) {
   SceneSummary summary{.scene = snapshot.scene_ref(scene),
                        .observations = snapshot.store().observations(scene.id).size(),
@@ -154,12 +162,15 @@ ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
     return now != nullptr && now->status != ObjectStatus::gone &&
            (places.empty() || is_one_of(places, now->place));
   };
+  // "What came at half past nine?" asks for what the look at that time showed.
+  const bool of_moment = !question.from || (question.to && *question.to - *question.from <= kMinute);
   for (const EventRow& event : store.events(question.as_of, question.from, question.to)) {
     if (!question.subject.empty() && !is_one_of(objects, event.object)) continue;
     const bool at_place = is_one_of(places, event.place) || is_one_of(places, event.from_place) ||
                           (event.joint && joints.contains(*event.joint));
     if (!question.place.empty() && !at_place) continue;
     const Change change = snapshot.change(event);
+    if (!of_moment && is_before(change, *question.from)) continue;
     if (is_of_kind(change, question.kind, places) && (question.other.empty() || is_between(change)) &&
         (question.kind != "new" || is_still_there(change)))
       answer.changes.push_back(change);
