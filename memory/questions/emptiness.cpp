@@ -152,12 +152,12 @@ void write_most(const EmptinessAnswer& answer, const ReplyContext& context, Repl
                                   : fmt::format("None: {} was empty in each look.", place.place.name);
     return;
   }
-  const std::string count = counted(place.most, "object"), when = context.times.text(place.fullest->time);
+  const std::string count = counted(place.most, "object") + (place.most == 1 ? " was" : " were"),
+                    when = context.times.text(place.fullest->time);
   reply.time = at_once(place.fullest->time);
-  reply.text =
-      context.query.asks == Asks::most
-          ? fmt::format("{} at most: {} were {} at {}.", place.most, count, in_words(place.place), when)
-          : fmt::format("At {}: {} were {} then.", when, count, in_words(place.place));
+  reply.text = context.query.asks == Asks::most
+                   ? fmt::format("{} at most: {} {} at {}.", place.most, count, in_words(place.place), when)
+                   : fmt::format("At {}: {} {} then.", when, count, in_words(place.place));
   reply.evidence.push_back(fmt::format("the fullest of {}", counted(place.looks, "look")));
 }
 

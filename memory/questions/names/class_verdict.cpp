@@ -6,6 +6,7 @@
 #include "mapping/base/math/math.h"
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/structure_features.h"
 
 namespace loci::memory {
 namespace {
@@ -46,15 +47,10 @@ double sides_of(const std::map<Id, std::optional<Vector3d>>& views) {
 
 /// Who annotated: the source of the annotation and its model.
 std::string expert_of(const Store& store, const AnnotationRow& row) {
-  if (!row.feature_structure) return {};
-  const Json json = parse_json(store.feature_structure(*row.feature_structure).json, "feature_structure");
-  for (const Json& structure : json.value("structures", Json::array())) {
-    if (structure.value("type", std::string()) != row.type) continue;
-    const Json features = structure.value("features", Json::object());
-    const std::string model = features.value("model", std::string());
-    return features.value("source", std::string()) + (model.empty() ? "" : " " + model);
-  }
-  return {};
+  const std::vector<Json> features = features_of(store, row, row.type);
+  if (features.empty()) return {};
+  const std::string model = text_feature(features.front(), "model");
+  return text_feature(features.front(), "source") + (model.empty() ? "" : " " + model);
 }
 
 }  // namespace

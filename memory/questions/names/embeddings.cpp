@@ -11,6 +11,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
+#include "memory/questions/names/structure_features.h"
 
 namespace loci::memory {
 namespace {
@@ -46,15 +47,10 @@ std::vector<float> array_of(const Store& store, const Json& array) {
 }
 
 std::optional<Embedding> embedding_of(const Store& store, const AnnotationRow& row) {
-  if (!row.feature_structure) return std::nullopt;
-  const Json json = parse_json(store.feature_structure(*row.feature_structure).json, "feature_structure");
-  for (const Json& structure : json.value("structures", Json::array())) {
-    const Json features = structure.value("features", Json::object());
-    if (structure.value("type", std::string()) != kType || !features.contains("feature") ||
-        features.value("source", std::string()) != kSource)
-      continue;
-    Embedding embedding{features.value("name", std::string()),
-                        normalised(array_of(store, features["feature"])), row.scene};
+  for (const Json& features : features_of(store, row, kType)) {
+    if (!features.contains("feature") || text_feature(features, "source") != kSource) continue;
+    Embedding embedding{text_feature(features, "name"), normalised(array_of(store, features["feature"])),
+                        row.scene};
     if (!embedding.values.empty()) return embedding;
   }
   return std::nullopt;
