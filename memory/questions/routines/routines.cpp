@@ -9,6 +9,7 @@
 
 #include "mapping/base/math/math.h"
 #include "memory/questions/events.h"
+#include "memory/questions/location.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"

@@ -44,7 +44,8 @@ const std::vector<Pattern>& meanings() {
       {"^ which|what <n:noun> was|were taken|moved|removed|cleared off|from <p:name> and brought|put|moved "
        "back later|again? $",
        "which <n> came back"},
-      {"^ what was|were missing|gone from|on <p:name> at <t> that had|was|were still? been? there|here at <s> $",
+      {"^ what was|were missing|gone from|on <p:name> at <t> that had|was|were still? been? there|here at "
+       "<s> $",
        "what was on <p> at <s> that was gone at <t>"},
       {"^ which|what objects|things|items was|were missing|gone from|on <p:name> at <t> that had|was|were "
        "still? been? there|here at <s> $",
