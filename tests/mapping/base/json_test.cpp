@@ -40,7 +40,7 @@ TEST(JsonText, OfManyKeysIsReadInLinearTime) {
     for (int i = 0; i < keys; ++i) text += "\"key" + std::to_string(i) + "\": 1,";
     text += "\"last\": 2}";
     std::clock_t best = std::numeric_limits<std::clock_t>::max();
-    for (int attempt = 0; attempt < 3; ++attempt) {
+    for (int attempt = 0; attempt < 7; ++attempt) {
       const std::clock_t start = std::clock();
       EXPECT_EQ(parse_json(text, "x").size(), static_cast<size_t>(keys) + 1);
       best = std::min(best, std::clock() - start);
