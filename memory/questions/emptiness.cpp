@@ -235,7 +235,7 @@ std::vector<Question> emptiness_questions() {
                          {"when: everempty <place> [last]", last_time, "When was the table last empty?"},
                          {"howoften: empty|everempty <place>", number, "How often was the table empty?"},
                          {"yes: look at<place> [person|ever]", exists, "Did you look at the table?"},
-                         {"howmany: mostthings <place>", most, ""},
+                         {"howmany: mostthings <place>", most},
                          {"when: mostthings <place>", first_time, "When was the table the fullest?"},
                          {"when: mostthings at<place> [thing]", first_time}}}};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "memory/questions/environment_parts.h"
+#include "memory/questions/names/seen_colors.h"
 
 namespace loci::memory {
 
@@ -136,6 +137,12 @@ ObjectRef Snapshot::object_ref(Id object) const {
     ref.size = row->size;
   }
   return ref;
+}
+
+const std::vector<std::string>& Snapshot::seen_colors(Id object) const {
+  const auto [slot, fresh] = reads_->seen_colors.try_emplace(object);
+  if (fresh) slot->second = memory::seen_colors(store_, object, as_of_);
+  return slot->second;
 }
 
 std::optional<std::string> Snapshot::annotated_name(Id object) const {

@@ -59,6 +59,8 @@ class Snapshot {
   ObjectBelief object_belief(Id object) const;
   ObjectBelief object_belief(const BeliefRow& belief) const;
   Change change(const EventRow& event) const;
+  /// As memory::seen_colors(), of each object read once.
+  const std::vector<std::string>& seen_colors(Id object) const;
   /// What all experts together make of the class of an object; unset when none says anything.
   const std::optional<ClassVerdict>& class_verdict(Id object) const {
     return experts().judgement(object).verdict;
@@ -172,6 +174,7 @@ class Snapshot {
     std::optional<std::vector<Id>> present_candidates;
     std::optional<std::vector<SceneRow>> scenes;
     std::unordered_map<Id, std::optional<SceneRow>> scene_of;
+    std::unordered_map<Id, std::vector<std::string>> seen_colors;
   };
   static std::shared_ptr<Reads> reads_of(const Store& store, const AsOf& as_of);
 

@@ -13,7 +13,6 @@
 #include "memory/questions/environment_parts.h"
 #include "memory/questions/names/color_words.h"
 #include "memory/questions/names/related_words.h"
-#include "memory/questions/names/seen_colors.h"
 #include "memory/questions/snapshot.h"
 #include "memory/questions/time_parser.h"
 #include "memory/wordnet/wordnet.h"
@@ -125,9 +124,7 @@ std::optional<Id> most_of(const std::vector<Id>& objects, SizeMeasure measure, s
 
 /// Of some objects those that show a colour in part: a blue bowl looks white from above.
 std::vector<Id> partly_colored(const Snapshot& snapshot, std::vector<Id> objects, const std::string& color) {
-  std::erase_if(objects, [&](Id id) {
-    return std::ranges::count(seen_colors(snapshot.store(), id, snapshot.as_of()), color) == 0;
-  });
+  std::erase_if(objects, [&](Id id) { return std::ranges::count(snapshot.seen_colors(id), color) == 0; });
   return objects;
 }
 

@@ -18,7 +18,8 @@ bool may_have_related_names(const std::string& word);
 /// Another word for a piece of furniture: "worktop" is a counter; "" = none.
 std::string furniture_called(const std::string& word);
 
-/// Whether two words name what is no kind of the second: a watering can is no can, a tea cup is a cup.
+/// Whether two words together name something else than the second: a watering can is not a can, a tea cup is
+/// a cup.
 bool is_other_thing(const std::string& modifier, const std::string& noun);
 
 /// "shelves" as "shelf"; a word that is its own singular, or that is not known, as it is.

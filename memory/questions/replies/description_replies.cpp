@@ -9,7 +9,6 @@
 #include "memory/questions/location.h"
 #include "memory/questions/names/color_words.h"
 #include "memory/questions/names/names.h"
-#include "memory/questions/names/seen_colors.h"
 #include "memory/questions/objects.h"
 #include "memory/questions/presence.h"
 #include "memory/questions/replies/answer_format.h"
@@ -160,7 +159,8 @@ bool are_of_one_size(Vector3d a, Vector3d b) {
 std::vector<std::string> colors_of(const ObjectRef& object, const ReplyContext& context) {
   std::vector<std::string> colors;
   if (object.color) colors.push_back(*object.color);
-  for (const std::string& color : seen_colors(context.store, object.id, context.as_of))
+  const Snapshot snapshot(context.store, context.as_of);
+  for (const std::string& color : snapshot.seen_colors(object.id))
     if (colors.size() == 1 && color != colors[0] && !are_similar_colors(color, lower_case(colors[0])))
       colors.push_back(color);
   return colors;
