@@ -110,7 +110,7 @@ void raise_warnings(const Warnings& warnings);
 /// Sets options of a stage by keyword arguments, as strictly as from YAML; `what` is for messages.
 template <class Options>
 void read_keywords(Options& options, const py::kwargs& keywords, const char* what) {
-  const auto json = py::module_::import("json").attr("dumps")(keywords).cast<std::string>();
+  const auto json = py::module_::import("loci._json").attr("dumps")(keywords, what).cast<std::string>();
   table_of(options).read_all(Config::parse(json, what));
 }
 

@@ -315,15 +315,16 @@ void add_scene(py::module_& module) {
       });
 }
 
-/// Adds detections of a file to a memory that is not open.
-std::string ingest_file(const std::filesystem::path& file, const std::filesystem::path& path,
-                        const std::filesystem::path& map, const std::filesystem::path& recording,
-                        const ProgressCallable& progress, const TimeArgument& now,
-                        const py::kwargs& keywords) {
+/// Adds detections of a file to a memory that is not open; messages call the file `called`, unless empty.
+std::string ingest_file(const std::filesystem::path& file, const std::string& called,
+                        const std::filesystem::path& path, const std::filesystem::path& map,
+                        const std::filesystem::path& recording, const ProgressCallable& progress,
+                        const TimeArgument& now, const py::kwargs& keywords) {
   memory::IngestOptions options;
   read_keywords(options, keywords, "loci.ingest");
   options.map = map;
   options.recording = recording;
+  options.called = called;
   options.program = "loci.ingest";
   const memory::WriteOptions write{.now = time_or_none(now)};
   Warnings warnings;
@@ -373,7 +374,8 @@ void add_memory(py::module_& module) {
       json.push_back(memory::declaration_json(action.name, action.description, action.parameters));
     return dumped(json);
   });
-  module.def("_ingest", ingest_file);
+  module.def("_ingest", ingest_file, py::arg("detections"), py::arg("called"), py::arg("memory"),
+             py::arg("map"), py::arg("recording"), py::arg("progress"), py::arg("now"));
   module.def("_replica", [](const std::string& url, const std::filesystem::path& cache) {
     return unlocked([&] {
       NoProgress silent;

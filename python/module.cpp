@@ -145,8 +145,9 @@ void PythonProgress::rethrow() {
 }
 
 void raise_warnings(const Warnings& warnings) {
+  constexpr int kCallerOfPackage = 3;  // above loci.run and what shortens its errors
   for (const std::string& text : warnings.texts())
-    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), kCallerOfPackage) != 0) throw py::error_already_set();
 }
 
 namespace {

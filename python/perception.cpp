@@ -1,5 +1,9 @@
 // Pipelines, and annotators that are written in Python.
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
 #include <sstream>
 #include <variant>
 
@@ -7,6 +11,7 @@
 #include "mapping/base/text/text.h"
 #include "mapping/recording/recording.h"
 #include "mapping/tracking/known_poses.h"
+#include "mapping/update/placement.h"
 #include "memory/annotators/memory_annotators.h"
 #include "memory/annotators/memory_session.h"
 #include "perception/annotators/annotators.h"
@@ -130,25 +135,54 @@ Held hold(py::object object) {
           }};
 }
 
-/// What Python raised, in one line: the message, and where outside of this package.
+/// What Python raised, in one line: the message, and the line of the annotator's file that led to it, not
+/// that of a library which it calls.
 Error error_of(const py::error_already_set& raised) {
   std::istringstream lines(raised.what());
   std::string text, line;
   std::getline(lines, text);
+  constexpr std::string_view kNoMessage = ": <EMPTY MESSAGE>";
+  if (text.ends_with(kNoMessage)) text.erase(text.size() - kNoMessage.size());
+  std::vector<std::string> calls;  // "FILE(LINE): FUNCTION", innermost first
   while (std::getline(lines, line))
-    if (line.starts_with("  ") && line.find("/loci/_") == std::string::npos)
-      return Error(text + " at " + trimmed(line));
-  return Error(text);
+    if (line.starts_with("  ")) calls.push_back(trimmed(line));
+  if (calls.empty()) return Error(text);
+  const py::object trace = raised.trace();  // begins with what C++ called
+  const std::string file =
+      trace ? trace.attr("tb_frame").attr("f_code").attr("co_filename").cast<std::string>() + "(" : "";
+  const auto own =
+      std::ranges::find_if(calls, [&](const std::string& call) { return call.starts_with(file); });
+  return Error(text + " at " + (own == calls.end() ? calls.front() : *own));
 }
 
-/// Runs under Python's lock; what it raises becomes an Error.
+/// Runs under Python's lock. An exception becomes an Error, but for those that are to end the program.
 template <class Function>
 auto locked(Function&& function) {
   const py::gil_scoped_acquire acquired;
   try {
     return function();
   } catch (const py::error_already_set& raised) {
+    if (!raised.matches(PyExc_Exception)) throw;
     throw error_of(raised);
+  }
+}
+
+/// What Python raised that stops a run whatever the policies of its steps: KeyboardInterrupt and the like,
+/// and anything of `done`. A resource of the run.
+struct Stop {
+  std::optional<py::error_already_set> raised;
+};
+
+/// What a class declares; Error when it is something else.
+template <class T>
+T declared(const py::object& annotator, const char* name, const char* expected) {
+  const py::object value = annotator.attr(name);
+  try {
+    return value.cast<T>();
+  } catch (const py::cast_error&) {
+    throw Error(fmt::format("{}.{} is {}", py::type::of(annotator).attr("__name__").cast<std::string>(), name,
+                            py::repr(value).cast<std::string>()),
+                {}, fmt::format("give {}", expected));
   }
 }
 
@@ -157,15 +191,19 @@ class PythonAnnotator : public perception::Annotator {
   explicit PythonAnnotator(const Held& type) {
     locked([&] {
       const py::object made = (*type)();
-      descriptor_ = {.name = made.attr("name").cast<std::string>(),
-                     .description = made.attr("description").cast<std::string>(),
-                     .inputs = made.attr("inputs").cast<std::vector<std::string>>(),
-                     .outputs = made.attr("outputs").cast<std::vector<std::string>>(),
-                     .optional_inputs = made.attr("optional_inputs").cast<std::vector<std::string>>(),
+      const auto names = [&](const char* attribute) {
+        return declared<std::vector<std::string>>(made, attribute, "a list of texts, such as [\"Cluster\"]");
+      };
+      descriptor_ = {.name = declared<std::string>(made, "name", "a text"),
+                     .description = declared<std::string>(made, "description", "a text"),
+                     .inputs = names("inputs"),
+                     .outputs = names("outputs"),
+                     .optional_inputs = names("optional_inputs"),
                      .modifies = {},
                      .shares = {"python"}};  // classes may keep what others read
-      for (const auto& [name, value] : made.attr("options").cast<py::dict>())
-        options_.emplace_back(name.cast<std::string>(), option_of(py::reinterpret_borrow<py::object>(value)));
+      for (const auto& [name, value] : declared<std::map<std::string, py::object>>(
+               made, "options", "a dictionary of names with defaults"))
+        options_.emplace_back(name, option_of(descriptor_.name + ".options." + name, value));
       annotator_ = hold(made);
     });
   }
@@ -189,10 +227,16 @@ class PythonAnnotator : public perception::Annotator {
       annotator_->attr("start")();
     });
   }
-  void process(perception::cas::Cas& cas, perception::Context&) override {
+  void process(perception::cas::Cas& cas, perception::Context& context) override {
     const AccessPtr access = std::make_shared<Access>(Access{&cas, descriptor_.name});
     const std::shared_ptr<void> over(nullptr, [&](void*) { access->cas = nullptr; });
-    locked([&] { annotator_->attr("process")(access); });
+    try {
+      locked([&] { annotator_->attr("process")(access); });
+    } catch (const py::error_already_set& raised) {
+      const py::gil_scoped_acquire acquired;
+      context.resources.get<Stop>("run of Python").raised = raised;
+      throw Interrupted();
+    }
   }
   void finish(perception::Context&) override {
     locked([&] { annotator_->attr("finish")(); });
@@ -200,11 +244,19 @@ class PythonAnnotator : public perception::Annotator {
 
  private:
   using Value = std::variant<bool, int, double, std::string>;
-  static Value option_of(const py::object& value) {
-    if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
-    if (py::isinstance<py::int_>(value)) return value.cast<int>();
-    if (py::isinstance<py::float_>(value)) return value.cast<double>();
-    return value.cast<std::string>();
+  /// Of a default, also of numpy.
+  static Value option_of(const std::string& name, const py::object& given) {
+    const bool is_scalar = py::hasattr(given, "item") && given.attr("size").cast<py::ssize_t>() == 1;
+    const py::object value = is_scalar ? py::object(given.attr("item")()) : given;
+    try {
+      if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
+      if (py::isinstance<py::int_>(value)) return value.cast<int>();
+      if (py::isinstance<py::float_>(value)) return value.cast<double>();
+      return value.cast<std::string>();
+    } catch (const py::cast_error&) {
+      throw Error(fmt::format("{} is {}", name, py::repr(value).cast<std::string>()), {},
+                  "give a bool, an int of 32 bits, a float or a text");
+    }
   }
 
   Held annotator_;
@@ -214,12 +266,14 @@ class PythonAnnotator : public perception::Annotator {
 
 struct RunOptions {
   std::filesystem::path map, memory;
-  std::string pipeline;
+  std::string pipeline;                 ///< its text
+  std::filesystem::path pipeline_file;  ///< or its file
   std::vector<Held> annotators;
   std::vector<std::filesystem::path> types;
   bool resume = false, fixed_camera = false;
   int threads = 0, every = 0;  ///< all cores; as the pipeline says
   std::optional<TimeNs> now;
+  std::shared_ptr<Stop> stop = std::make_shared<Stop>();
 };
 
 perception::AnnotatorRegistry registry_with(const std::vector<Held>& annotators) {
@@ -250,17 +304,22 @@ memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recordi
                                      const std::function<void(perception::cas::Cas&)>& done,
                                      Progress& progress, Warnings& warnings) {
   const perception::AnnotatorRegistry registry = registry_with(options.annotators);
-  const Config config = options.pipeline.empty()
-                            ? Config::parse(perception::default_pipeline(), "the default pipeline")
-                            : Config::parse(options.pipeline, "pipeline");
+  const Config config = !options.pipeline_file.empty() ? Config::read(options.pipeline_file)
+                        : !options.pipeline.empty()
+                            ? Config::parse(options.pipeline, "pipeline")
+                            : Config::parse(perception::default_pipeline(), "the default pipeline");
   perception::Pipeline pipeline = perception::Pipeline::parse(
       options.every > 0 ? perception::with_every(config, options.every) : config, registry);
   for (const Held& type : options.annotators) pipeline.add(PythonAnnotator(type).descriptor().name, registry);
-  if (!options.fixed_camera)
+  if (!options.map.empty())
+    recording = perceived_in_map(std::move(recording), options.map, options.fixed_camera, options.threads,
+                                 progress, warnings);
+  else if (!options.fixed_camera)
     recording = with_known_poses(std::move(recording), mapping::PosesFor::perception, options.threads,
                                  progress, warnings);
   perception::Resources resources;
   resources.put(std::shared_ptr<mapping::Recording>(std::move(recording)));
+  resources.put(options.stop);
   if (!options.map.empty()) {
     const auto map = perception::KnownMap::load(options.map, {}, warnings);
     resources.put(map);
@@ -282,7 +341,8 @@ memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recordi
   return memory::run_with_memory(pipeline, context, types, progress, done);
 }
 
-std::string run(const std::filesystem::path& path, const std::string& pipeline, const py::list& annotators,
+std::string run(const std::filesystem::path& path, const std::string& pipeline,
+                const std::filesystem::path& pipeline_file, const py::list& annotators,
                 const std::vector<std::filesystem::path>& types, const std::filesystem::path& map,
                 const std::filesystem::path& memory, bool resume, bool fixed_camera, int threads, int every,
                 const py::object& done, const ProgressCallable& progress, const TimeArgument& now,
@@ -290,6 +350,7 @@ std::string run(const std::filesystem::path& path, const std::string& pipeline, 
   RunOptions options{.map = map,
                      .memory = memory,
                      .pipeline = pipeline,
+                     .pipeline_file = pipeline_file,
                      .annotators = {},
                      .types = types,
                      .resume = resume,
@@ -301,17 +362,16 @@ std::string run(const std::filesystem::path& path, const std::string& pipeline, 
     options.annotators.push_back(hold(py::reinterpret_borrow<py::object>(type)));
   mapping::RecordingOptions recording;
   read_keywords(recording, keywords, "loci.run");
-  std::optional<py::error_already_set> raised;
   const auto call_done = [&](perception::cas::Cas& cas) {
     const py::gil_scoped_acquire acquired;
     const AccessPtr access = std::make_shared<Access>(Access{&cas, {}});
     try {
       done(access);
     } catch (py::error_already_set& error) {
-      raised = error;
+      options.stop->raised = error;
     }
     access->cas = nullptr;
-    if (raised) throw Interrupted();
+    if (options.stop->raised) throw Interrupted();
   };
   Warnings warnings;
   try {
@@ -327,7 +387,7 @@ std::string run(const std::filesystem::path& path, const std::string& pipeline, 
                        {"seconds", Json(result.pipeline.seconds)}};
     return json.dump();
   } catch (...) {
-    if (raised) throw *raised;
+    if (options.stop->raised) throw *options.stop->raised;
     throw;
   }
 }
@@ -425,7 +485,10 @@ void add_perception(py::module_& module) {
         access.scene().scene().annotations.push_back(make_annotation(access, type, features));
       });
 
-  module.def("_run", run);
+  module.def("_run", run, py::arg("recording"), py::arg("pipeline"), py::arg("pipeline_file"),
+             py::arg("annotators"), py::arg("types"), py::arg("map"), py::arg("memory"), py::arg("resume"),
+             py::arg("fixed_camera"), py::arg("threads"), py::arg("every"), py::arg("done"),
+             py::arg("progress"), py::arg("now"));
   module.def("_annotators", describe_annotators);
   module.def("_default_pipeline", [] { return perception::default_pipeline(); });
 }

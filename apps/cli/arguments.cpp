@@ -107,8 +107,9 @@ void set(const Argument& argument, uint64_t& value, const std::vector<std::strin
   check_range(argument, static_cast<double>(value));
 }
 
-void set(const Argument&, std::optional<int64_t>& value, const std::vector<std::string>& texts) {
+void set(const Argument& argument, std::optional<int64_t>& value, const std::vector<std::string>& texts) {
   value = number_from<int64_t>(texts.front(), "a whole number");
+  check_range(argument, static_cast<double>(*value));
 }
 
 void set(const Argument& argument, double& value, const std::vector<std::string>& texts) {

@@ -88,7 +88,7 @@ void run(const Arguments& arguments, Session& session) {
     // A recording is what it is: seeds are for simulated robots.
     for (int seed = 1; seed <= (fs::is_directory(one.world) ? 1 : arguments.seeds); ++seed) {
       one.seed = static_cast<uint64_t>(seed);
-      one.folder = out / fmt::format("{}_{}", fs::path(arguments.worlds[i]).stem().string(), seed);
+      one.folder = out / fmt::format("{}_{}", mapping_claim::world_name(arguments.worlds[i]), seed);
       maps.push_back(map_world(one, session.progress(), session.warnings()));
       if (!keep) fs::remove_all(out);
       if (session.flags().verbose)

@@ -11,12 +11,12 @@ PosedRecording open_posed(const std::string& path, const mapping::RecordingOptio
                           const mapping::SemanticMap* map) {
   auto recording = mapping::open_recording(path, reading, &session.progress());
   const bool tracked = recording->info().frames_with_pose == 0;
-  if (map != nullptr) recording = in_map(std::move(recording), map->map_from_input, map->frame);
   const mapping::PoseAgreement agreement = mapping::check_poses(*recording);
   if (!agreement.cause.empty())
     throw Error(agreement.text(), {path, 0, {}}, "a map of these poses would be invented");
   for (const std::string& doubt : mapping::doubts_about_poses(*recording, agreement, reading))
     session.warnings().add(doubt);
+  if (map != nullptr) recording = in_map(std::move(recording), map->map_from_input, map->frame);
   const Stopwatch watch;
   recording = mapping::with_known_poses(std::move(recording), mapping::PosesFor::mapping,
                                         session.flags().threads, session.progress(), session.warnings());

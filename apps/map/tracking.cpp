@@ -38,9 +38,9 @@ void run_track(TrackArguments& arguments, Session& session) {
   arguments.options.threads = session.flags().threads;
   std::unique_ptr<mapping::Recording> recording =
       mapping::open_recording(arguments.recording, arguments.reading, &session.progress());
-  if (arguments.options.refine)
-    for (const std::string& doubt : mapping::doubts_about_poses(*recording, arguments.reading))
-      session.warnings().add(doubt);
+  for (const std::string& problem :
+       arguments.options.refine ? problems_of(*recording, arguments.reading) : recording->info().problems)
+    session.warnings().add(problem);
   const mapping::TrackingResult result = track(*recording, arguments.options, session.progress());
   session.timing("track", result.seconds);
   require_usable(result, arguments.recording);

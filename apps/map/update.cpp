@@ -25,30 +25,21 @@ struct UpdateArguments {
   mapping::UpdateOptions options;
 };
 
-/// Moves scans of which only z is known into the frame of the earlier ones.
-void place(mapping::ScanSet& scans, const mapping::ScanSet& earlier, const std::string& path,
-           Session& session) {
-  const mapping::Placement placement =
-      place_scans(earlier, scans, session.flags().threads, session.progress());
-  require_trusted(placement, path);
-  for (mapping::Scan& scan : scans.scans) scan.map_from_scan = placement.map_from_scans * scan.map_from_scan;
-  scans.levelled = true;
-}
-
-/// A scan set, or a recording, which is fused. One without poses is tracked, and placed by the earlier scans.
+/// A scan set, or a recording, which is fused. One without poses is tracked, and placed by the earlier scans,
+/// as is one whose poses are in another frame.
 mapping::ScanSet read_new(const UpdateArguments& arguments, const mapping::SemanticMap& semantics,
                           const mapping::ScanSet& earlier, Session& session) {
   const std::string& path = arguments.scans;
   if (fs::exists(fs::path(path) / "scans.yaml") || fs::path(path).extension() == ".pcd")
     return mapping::read_registered_scans(path, session.warnings());
-  const auto [recording, tracked] = open_posed(path, arguments.reading, session, &semantics);
+  auto [recording, tracked] = open_posed(path, arguments.reading, session, &semantics);
+  recording = placed_in_map(std::move(recording), tracked, semantics, earlier, session.flags().threads,
+                            session.progress(), session.warnings());
   mapping::FusionOptions options;
   options.threads = session.flags().threads;
   mapping::FusionResult fused = fuse(*recording, options, session.progress());
   fused.frames.explain("frame", {path, 0, {}}, session.warnings());
-  mapping::ScanSet scans = std::move(fused.scans);
-  if (tracked) place(scans, earlier, path, session);
-  return scans;
+  return std::move(fused.scans);
 }
 
 mapping::ScanSet read_earlier(const UpdateArguments& arguments, const mapping::SemanticMap& semantics,

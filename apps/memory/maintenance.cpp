@@ -148,9 +148,10 @@ void verify_forgotten(Session& session, const std::filesystem::path& memory, con
   for (const std::string& line : left) text += "\n  " + line;
   session.answer(text, {{"ok", left.empty()}, {"tokens", searched}, {"left", left}});
   if (!left.empty())
-    throw Error("not everything is forgotten", {memory, 0, {}},
-                "close programs that have it open; forget --between erases scenes with their images, retain "
-                "writes the file anew");
+    throw Error(
+        "not everything is forgotten", {memory, 0, {}},
+        "close programs that have it open; forget what a column is about, or with --between the scenes of an "
+        "image; what is only in the bytes of the file goes with loci-memory retain, which writes it anew");
 }
 
 }  // namespace
@@ -385,7 +386,7 @@ std::optional<double> age_from(const std::string& text) {
 Command merge_command() {
   return {
       "merge",
-      "Merge two memories of one home without loss",
+      "Merge two memories of one home; of scenes that both have, the first one's decisions hold",
       {"loci-memory merge demo-output/memory.loci demo-output/memory.loci -o demo-output/merged.loci",
        "loci-memory merge demo-output/memory.loci demo-output/memory.loci --transform 0,0,0,0 -o "
        "demo-output/merged_same_frame.loci --json"},
@@ -414,6 +415,11 @@ Command merge_command() {
           if (result.forgotten > 0)
             text += fmt::format("\n{} stay away: one of the memories has forgotten them.",
                                 counted(size_t(result.forgotten), "observation"));
+          if (result.known_scenes > 0)
+            text += fmt::format("\nOf scenes that both have, the observations and decisions of {} hold.",
+                                arguments->first);
+          for (const std::string& edit : result.left_edits)
+            text += fmt::format("\nA correction of the second memory stays behind: {}.", edit);
           Json renamed = Json::object();
           for (const auto& [old, name] : result.renamed) {
             text += fmt::format("\n{} of the second memory lies elsewhere: it is called {} now.", old, name);
@@ -429,9 +435,9 @@ Command merge_command() {
                                                         memory::known_identities(merged));
             text += "\n" + reasons.summary();
             reasoned = reasons.report();
-          } else if (result.scenes > 0)
+          } else if (result.objects > 0 && result.scenes > 0)
             text += fmt::format(
-                "\nWhat both have seen has two names: loci-memory reason -m {} -o OTHER finds out.",
+                "\nWhat both have seen may have two names: loci-memory reason -m {} -o OTHER finds out.",
                 arguments->output);
           Json json = {{"scenes", result.scenes},
                        {"observations", result.observations},
@@ -440,6 +446,7 @@ Command merge_command() {
                        {"known_scenes", result.known_scenes},
                        {"reasoning_left", result.reasoning},
                        {"forgotten", result.forgotten},
+                       {"corrections_left", result.left_edits},
                        {"renamed", renamed}};
           if (!reasoned.is_null()) json["reason"] = reasoned;
           session.answer(text, json);

@@ -92,8 +92,7 @@ std::string text_of(const memory::Reply& reply, const memory::Answer& answer,
   const memory::TimeWriter times(store);
   if (details) return full_text(reply, answer, times);
   if (question.group == memory::QuestionGroup::ask) return to_text(reply);
-  const std::string all = answer.to_text(times);
-  return (all.starts_with(reply.text) ? "" : reply.text + "\n") + first_lines(all);
+  return headed(reply, first_lines(answer.to_text(times)));
 }
 
 Command question_command(const memory::Question& question) {

@@ -45,17 +45,20 @@ class LineServer {
     for (const char c : bytes) {
       if (c == '\n') {
         answer();
-      } else if (line_.size() < kMaxMessage) {
+      } else if (line_.size() <= kMaxMessage) {  // The rest of one that is too long is passed over.
         line_ += c;
-      } else {
-        throw Error(fmt::format("a message is longer than {} bytes", kMaxMessage));
       }
     }
   }
 
   void answer() {
-    const std::optional<std::string> reply =
-        line_.find_first_not_of(" \t\r") == std::string::npos ? std::nullopt : transport_.reply(line_);
+    std::optional<std::string> reply;
+    if (line_.size() > kMaxMessage)
+      reply = memory::message_text(
+          memory::error_reply(memory::MessageError::not_a_message,
+                              fmt::format("a message is longer than {} bytes", kMaxMessage)));
+    else if (line_.find_first_not_of(" \t\r") != std::string::npos)
+      reply = transport_.reply(line_);
     line_.clear();
     if (!reply) return;
     fmt::print("{}\n", *reply);

@@ -1,6 +1,7 @@
 // Standing questions: watch.
 
 #include <fmt/format.h>
+#include <sys/wait.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -33,7 +34,10 @@ void run_command(const std::string& command, const memory::EventWatcher::News& n
   setenv("LOCI_EVENT_JSON", memory::format::change_record().json(news.change).dump().c_str(), 1);
   std::fflush(stdout);
   const int status = std::system(command.c_str());
-  if (status != 0) warnings.add(fmt::format("the command ended with status {}", status));
+  if (WIFSIGNALED(status))
+    warnings.add(fmt::format("the command was ended by signal {}", WTERMSIG(status)));
+  else if (WEXITSTATUS(status) != 0)
+    warnings.add(fmt::format("the command ended with status {}", WEXITSTATUS(status)));
 }
 
 /// Whether there is something to wait for. `stopwatch` runs since the command began.
@@ -84,7 +88,7 @@ void watch(const WatchArguments& arguments, Session& session) {
                            {"event", memory::format::change_record().json(news.change)}};
         fmt::print("{}\n", json.dump());
       } else {
-        fmt::print("{}\n", line);
+        fmt::print("{}{}\n", line, questions.size() > 1 ? fmt::format("  ({})", news.question) : "");
       }
       std::fflush(stdout);
       if (!arguments.command.empty()) run_command(arguments.command, news, line, session.warnings());

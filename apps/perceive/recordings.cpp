@@ -90,8 +90,7 @@ Command info_command() {
             return [arguments](Session& session) {
               const auto recording = arguments->open(session);
               mapping::RecordingInfo info = recording->info();
-              for (std::string& doubt : mapping::doubts_about_poses(*recording, arguments->options))
-                info.problems.push_back(std::move(doubt));
+              info.problems = problems_of(*recording, arguments->options);
               session.answer(info_text(info), to_json(info));
             };
           }};
@@ -114,7 +113,14 @@ std::vector<mapping::MarkerLayer> layers_of_map(const ConvertArguments& argument
   if (!arguments.map.empty()) return memory::map_layers(mapping::read_urdf(arguments.map), search, warnings);
   if (store == nullptr) return {};
   const std::optional<mapping::World> map = memory::named_map(*store);
-  return map ? memory::map_layers(*map, search, warnings) : std::vector<mapping::MarkerLayer>();
+  if (map) try {
+      return memory::map_layers(*map, search, warnings);
+    } catch (const Error& error) {  // A memory holds no meshes.
+      warnings.add(Error("the map of the memory is not shown: " + error.message(), {file, 0, {}},
+                         "give the map with --map")
+                       .what());
+    }
+  return {};
 }
 
 /// A recording in which nobody can be recognised.
@@ -255,7 +261,8 @@ void MemoryTarget::declare(ArgumentTable& table) {
   table.option("-m,--memory MEMORY", &memory, "Memory to write to, FILE.loci; created if absent");
   table.flag("--keep-people", keep_people,
              "Store images with the faces of people, which are blurred otherwise");
-  table.flag("--resume", resume, "Continue a recording that the memory has in part");
+  table.flag("--resume", resume,
+             "Continue a recording after its last frame in the memory; frames before it are not added");
   table.option("--now TIME", &now, "Transaction time of the rows, ISO 8601", {.default_text = "the clock"});
   table.time_zone(time_zone);
 }
@@ -376,18 +383,16 @@ perception::Pipeline read_pipeline(const RunArguments& arguments,
 perception::Resources make_resources(const RunArguments& arguments, Session& session) {
   perception::Resources resources;
   std::unique_ptr<mapping::Recording> recording = arguments.recording.open(session);
-  for (const std::string& doubt : mapping::doubts_about_poses(*recording, arguments.recording.options))
-    session.warnings().add(doubt);
-  if (!arguments.fixed_camera) {
-    const Stopwatch watch;
-    const bool has_poses = recording->info().frames_with_pose > 0;
+  for (const std::string& problem : problems_of(*recording, arguments.recording.options))
+    session.warnings().add(problem);
+  const Stopwatch watch;
+  if (!arguments.map.empty())
+    recording = perceived_in_map(std::move(recording), arguments.map, arguments.fixed_camera,
+                                 session.flags().threads, session.progress(), session.warnings());
+  else if (!arguments.fixed_camera)
     recording = with_known_poses(std::move(recording), mapping::PosesFor::perception, session.flags().threads,
                                  session.progress(), session.warnings());
-    if (!has_poses && recording->info().frames_with_pose > 0 && !arguments.map.empty())
-      recording = placed_in_map(std::move(recording), arguments.map, session.flags().threads,
-                                session.progress(), session.warnings());
-    session.timing("track", watch.seconds());
-  }
+  session.timing("track", watch.seconds());
   resources.put(std::shared_ptr<mapping::Recording>(std::move(recording)));
   if (!arguments.map.empty() || !arguments.robots.empty()) {
     const std::vector<std::filesystem::path> packages(arguments.package_paths.begin(),
@@ -427,6 +432,8 @@ std::string summary(const memory::MemoryRunResult& result, size_t clusters, cons
     text +=
         fmt::format("; {} left out because an annotator failed", counted(result.pipeline.left_out, "frame"));
   if (result.skipped > 0) text += fmt::format("; {} in the memory already", counted(result.skipped, "frame"));
+  if (result.passed_over > 0)
+    text += fmt::format("; left out: {} before the last stored one", counted(result.passed_over, "frame"));
   return text + (memory.empty() ? "\n" : fmt::format("; stored in {}\n", memory));
 }
 
@@ -484,12 +491,21 @@ void run(const RunArguments& arguments, Session& session) {
   Json json = {{"frames", result.pipeline.frames},
                {"frames_used", frames.report()},
                {"skipped", result.skipped},
+               {"passed_over", result.passed_over},
                {"left_out", result.pipeline.left_out},
                {"scenes", scenes},
                {"pipeline", context.configuration}};
   if (plan) json.update({{"found", found}, {"plan", to_json(*plan)}});
   session.answer(text, json);
-  frames.explain("object", {arguments.recording.path, 0, {}}, session.warnings());
+  try {
+    frames.explain("object", {arguments.recording.path, 0, {}}, session.warnings());
+  } catch (const Error& error) {
+    const auto memory = resources.find<memory::MemorySession>();
+    if (memory == nullptr) throw;
+    throw Error(
+        error.message(), error.location(),
+        error.hint() + "; the frames are in the memory all the same: " + memory->how_to_perceive_again());
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 namespace loci::apps {
 
+Command kitchen_command();
 Command record_command();
 Command scan_command();
 

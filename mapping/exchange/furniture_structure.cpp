@@ -71,6 +71,8 @@ void add_sidecar_furniture(const World& world, const SemanticMap& sidecar, const
   for (Front& front : fronts_of(world, sidecar)) {
     KnownFront known;
     known.name = front_link(front.name, sidecar).value_or(front.name);
+    // A panel that does not open may be found, and need not be.
+    known.main = front.joint && front.joint->type != ArticulationType::rigid;
     known.front = std::move(front);
     structure.fronts.push_back(std::move(known));
   }

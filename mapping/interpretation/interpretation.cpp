@@ -10,6 +10,7 @@
 #include "mapping/base/math/math.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "mapping/interpretation/fronts/fronts.h"
 #include "mapping/interpretation/furniture/map_links.h"
 #include "mapping/interpretation/supports/legs.h"
@@ -162,9 +163,10 @@ std::string InterpretedMap::summary() const {
   if (classes.empty()) return "nothing was recognised: no floor, wall or support was seen well enough";
   std::string text;
   for (const auto& [class_name, count] : classes) {
-    const std::string plural = count == 1 ? "" : class_name == "shelf" ? "ves" : "s";
-    const std::string stem = plural == "ves" ? "shel" : class_name;
-    text += fmt::format("{}{} {}{}", text.empty() ? "" : ", ", count, stem, plural);
+    // "legs" are several as they are.
+    const std::string counted_class =
+        class_name.ends_with('s') ? fmt::format("{} {}", count, class_name) : counted(count, class_name);
+    text += (text.empty() ? "" : ", ") + counted_class;
   }
   return text;
 }

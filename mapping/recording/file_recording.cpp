@@ -23,14 +23,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
-void check_size(int width, int height, const PinholeCamera& camera, const char* kind,
+void check_size(int width, int height, const PinholeCamera& camera, bool is_assumed, const char* kind,
                 const std::filesystem::path& path) {
   if (width == camera.width && height == camera.height) return;
   throw Error(
-      fmt::format("the image is {} x {}, the {} camera {} x {}", width, height, kind, camera.width,
-                  camera.height),
+      fmt::format("the image is {} x {}, the {} camera {} x {}{}", width, height, kind, camera.width,
+                  camera.height, is_assumed ? " as nothing describes it" : ""),
       {path.string(), 0, {}},
-      "they do not belong together, or recording.yaml, cameras.yaml or the like describes another camera");
+      is_assumed
+          ? fmt::format("write a cameras.yaml beside the images: 'depth: {{width: {}, height: {}, fx: …, "
+                        "fy: …, cx: …, cy: …}}', and 'color: {{…}}' if its camera is another one",
+                        width, height)
+          : "they do not belong together, or recording.yaml, cameras.yaml or the like describes another "
+            "camera");
 }
 
 }  // namespace
@@ -73,11 +78,13 @@ void FileRecording::check_images() {
     const FrameFiles& frame = content_.frames[i];
     if (const auto depth = header_of(read_depth_header, frame.depth, i)) {
       any_float = any_float || depth->is_float;
-      check_size(depth->width, depth->height, content_.info.camera.depth, "depth", frame.depth);
+      check_size(depth->width, depth->height, content_.info.camera.depth, content_.camera_assumed, "depth",
+                 frame.depth);
     }
     if (frame.color.empty() || frame.video_frame) continue;  // A video is of one size, known to its reader.
     if (const auto color = header_of(read_image_header, frame.color, i))
-      check_size(color->width, color->height, content_.info.camera.color, "colour", frame.color);
+      check_size(color->width, color->height, content_.info.camera.color, content_.camera_assumed, "colour",
+                 frame.color);
   }
   if (damaged.size() == content_.frames.size()) throw Error(*first);
   if (first)
@@ -140,6 +147,11 @@ void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames) {
       frames.begin(), frames.end(), [](const FrameFiles& f) { return f.map_from_camera.has_value(); }));
   info.first_time = frames.front().time_ns;
   info.last_time = frames.back().time_ns;
+  // Stamps that were made up come back from layouts that cannot say so.
+  if (!info.time_assumed && info.first_time >= assumed_time(0) && info.first_time < assumed_time(0) + kDay) {
+    info.time_assumed = true;
+    info.guesses.emplace_back("no time stamps: those of 2000-01-01 are taken as made up");
+  }
   if (info.frames_with_pose == 0) {
     info.map_frame.clear();
     info.guesses.emplace_back("no poses: fuse, track and run estimate them");
@@ -182,7 +194,7 @@ RgbdFrame FileRecording::frame(size_t i) const {
       [&]() -> cv::Mat {
         if (from.color.empty()) return {};
         cv::Mat color = from.video_frame ? content_.video->frame(*from.video_frame) : read_color(from.color);
-        check_size(color.cols, color.rows, frame.camera.color, "colour", from.color);
+        check_size(color.cols, color.rows, frame.camera.color, content_.camera_assumed, "colour", from.color);
         return color;
       });
   correction_of(from).apply(frame);
@@ -198,7 +210,7 @@ ImageCorrection FileRecording::correction_of(const FrameFiles& from) const {
 
 cv::Mat FileRecording::depth_of(const FrameFiles& from) const {
   const cv::Mat raw = read_depth_image(from.depth);
-  check_size(raw.cols, raw.rows, content_.info.camera.depth, "depth", from.depth);
+  check_size(raw.cols, raw.rows, content_.info.camera.depth, content_.camera_assumed, "depth", from.depth);
   cv::Mat depth(raw.rows, raw.cols, CV_32F);
   const auto scale = static_cast<float>(content_.float_depth_scale);
   for (int v = 0; v < raw.rows; ++v) {
@@ -415,6 +427,14 @@ bool read_cameras(const fs::path& path, FileRecordingContent& content) {
   else if (has_camera)
     camera.color = camera.depth;
   color.finish();
+  RecordingInfo& info = content.info;
+  if (has_camera && !config.has("color_from_depth")) {  // Not that of the camera that was assumed.
+    camera.depth_from_color = Isometry3d::Identity();
+    info.guesses.emplace_back(config.has("color")
+                                  ? "cameras.yaml has no color_from_depth: colour is taken as seen from the "
+                                    "depth camera's place"
+                                  : "no colour camera described: colour is taken as registered with depth");
+  }
   if (config.has("color_from_depth")) {
     const Config transform = config.map("color_from_depth");
     const auto r = transform.require<std::array<double, 9>>("R");
@@ -423,8 +443,7 @@ bool read_cameras(const fs::path& path, FileRecordingContent& content) {
     Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
     for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = r[static_cast<size_t>(i)];
     for (int i = 0; i < 3; ++i) matrix(i, 3) = t[static_cast<size_t>(i)];
-    content.info.camera.depth_from_color =
-        pose_from_matrix(matrix, config.location("color_from_depth")).inverse();
+    camera.depth_from_color = pose_from_matrix(matrix, config.location("color_from_depth")).inverse();
   }
   config.finish();
   return has_camera;

@@ -32,6 +32,7 @@ struct FrameFiles {
 /// What a reader of a layout of single images fills in; the rest is the same for all of them.
 struct FileRecordingContent {
   RecordingInfo info;                    ///< format, path, map_frame, camera, time_assumed, guesses, problems
+  bool camera_assumed = false;           ///< nothing describes the cameras
   double depth_scale = 0.001;            ///< metres per unit of 16-bit depth
   double float_depth_scale = 1;          ///< metres per unit of floating-point depth
   std::vector<int> invalid_depth = {0};  ///< raw values that are no measurement

@@ -8,6 +8,7 @@
 #include <map>
 #include <tuple>
 
+#include "mapping/base/math/pose.h"
 #include "mapping/recording/gravity.h"
 
 namespace loci::mapping {
@@ -27,6 +28,7 @@ constexpr struct {
   double min_share_then = 0.5;  ///< of what is compared then
   int64_t max_shift = 90;       ///< frames that poses are late or early: 3 s of a video
   double level = 0.94;          ///< z of the poses is up within 20 degrees
+  double level_without_poses = 0.7;  ///< what is up in the first image within 45: the camera may turn
 } kCheck;
 
 using Pose = std::function<std::optional<Isometry3d>(size_t)>;
@@ -67,6 +69,16 @@ class Views {
         const auto from = pose(first), to = pose(second);
         if (from && to) compare(depth(first), depth(second), to->inverse() * *from, counts[g]);
       }
+    return counts;
+  }
+
+  /// Of the first frame with others all over the recording.
+  Counts counts_with_first(const Pose& pose) {
+    Counts counts;
+    const size_t size = recording_.size(), step = std::max<size_t>(1, size / kCheck.places);
+    const auto from = pose(0);
+    for (size_t second = step; from && second < size; second += step)
+      if (const auto to = pose(second)) compare(depth(0), depth(second), to->inverse() * *from, counts);
     return counts;
   }
 
@@ -163,6 +175,17 @@ double gain(const CountsByGap& then, const CountsByGap& now) {
   return gain;
 }
 
+/// Whether all poses are one.
+bool never_move(const Recording& recording) {
+  std::optional<Isometry3d> first;
+  for (size_t i = 0; i < recording.size(); ++i) {
+    const std::optional<Isometry3d> pose = recording.pose_of(i);
+    if (!first) first = pose;
+    if (pose && !pose->isApprox(*first, 1e-9)) return false;
+  }
+  return first.has_value();
+}
+
 bool raises_doubt(const CountsByGap& counts) {
   const Counts all = sum(counts);
   const bool meet = static_cast<double>(all.compared) > kCheck.min_overlap * static_cast<double>(all.sampled);
@@ -187,6 +210,11 @@ bool PoseAgreement::fits() const {
 
 std::string PoseAgreement::text() const {
   if (fits()) return {};
+  if (never_move)
+    return fmt::format(
+        "the poses never move, but only {:.0f} % of the depth agrees between frames: the camera "
+        "does ({})",
+        100 * share, hint);
   if (cause.empty())
     return fmt::format("the poses do not fit the depth: {:.0f} % of it agrees between frames", 100 * share);
   return fmt::format("the poses do not fit the depth: {:.1f} times as much of it agrees if they are {} ({})",
@@ -202,6 +230,16 @@ PoseAgreement check_poses(const Recording& recording) {
   const CountsByGap now = views.counts(given);
   result.compared = sum(now).compared;
   result.share = sum(now).share();
+  if (never_move(recording)) {
+    // A slow camera is seen to move between frames that are far apart only.
+    const Counts all = views.counts_with_first(given);
+    if (all.compared < kCheck.min_compared || all.share() >= kCheck.min_share) return result;
+    return {.compared = all.compared,
+            .share = all.share(),
+            .cause = "of a camera that moves",
+            .hint = "without poses it is tracked",
+            .never_move = true};
+  }
   if (!raises_doubt(now)) return result;
   std::vector<Cause> causes = causes_for(given);
   const double frame_s = info.time_assumed
@@ -227,17 +265,29 @@ PoseAgreement check_poses(const Recording& recording) {
 
 std::vector<std::string> doubts_about_poses(const Recording& recording, const PoseAgreement& agreement,
                                             const RecordingOptions& options) {
-  if (recording.info().frames_with_pose == 0) return {};
+  const RecordingInfo& info = recording.info();
+  const bool is_given = options.up != "auto" && options.up != "keep", has_poses = info.frames_with_pose > 0;
   if (const std::string text = agreement.text(); !text.empty()) return {text};
-  if (options.up != "auto" || !recording.info().levelled) return {};
-  const std::optional<Vector3d> up = find_up(recording);
-  if (!up || up->z() > kCheck.level) return {};
-  return {fmt::format("z of the poses is not up as the images show: up looks like {} (if so, give --up={})",
-                      direction_text(*up), direction_text(*up))};
+  if (options.up == "keep" || !(is_given || (has_poses && info.levelled))) return {};
+  // Poses were turned so that what was given is z; without poses cameras turn between frames.
+  const Vector3d given = is_given ? parse_direction(options.up) : Vector3d::UnitZ();
+  const Vector3d z = has_poses ? Vector3d::UnitZ() : given;
+  const std::optional<Vector3d> seen = find_up(recording);
+  if (!seen || seen->dot(z) > (has_poses ? kCheck.level : kCheck.level_without_poses)) return {};
+  const Vector3d up = rotation_between(given, z).transpose() * *seen;
+  return {fmt::format("{} is not up as the images show: up looks like {} (if so, give --up={})",
+                      is_given ? "--up=" + options.up : "z of the poses", direction_text(up),
+                      direction_text(up))};
 }
 
 std::vector<std::string> doubts_about_poses(const Recording& recording, const RecordingOptions& options) {
   return doubts_about_poses(recording, check_poses(recording), options);
+}
+
+std::vector<std::string> problems_of(const Recording& recording, const RecordingOptions& options) {
+  std::vector<std::string> problems = recording.info().problems;
+  for (std::string& doubt : doubts_about_poses(recording, options)) problems.push_back(std::move(doubt));
+  return problems;
 }
 
 }  // namespace loci::mapping

@@ -15,6 +15,7 @@ struct PoseAgreement {
                         ///< nothing that was tried agrees much better
   std::string hint;     ///< what to do about it
   double gain = 1;      ///< of that: so many times as much agrees then
+  bool never_move = false;  ///< the poses; the camera does
 
   bool fits() const;
   /// One line; empty when the poses fit.
@@ -25,10 +26,14 @@ struct PoseAgreement {
 /// another order, in another unit, of other axes, and later or earlier by some frames.
 PoseAgreement check_poses(const Recording& recording);
 
-/// Lines for people about poses that do not fit the depth, by check_poses(), or else about another direction
-/// that is up than z of the poses, unless the options say what is up; none where there are no poses.
+/// Lines for people about a recording that was opened with these options: about poses that do not fit the
+/// depth, by check_poses(), or else about another direction that is up in what is seen than z of the poses,
+/// or, without poses, than the options say.
 std::vector<std::string> doubts_about_poses(const Recording& recording, const PoseAgreement& agreement,
                                             const RecordingOptions& options);
 std::vector<std::string> doubts_about_poses(const Recording& recording, const RecordingOptions& options);
+
+/// All that is odd about a recording: RecordingInfo::problems and the doubts.
+std::vector<std::string> problems_of(const Recording& recording, const RecordingOptions& options);
 
 }  // namespace loci::mapping

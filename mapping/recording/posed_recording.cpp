@@ -6,6 +6,7 @@
 #include <functional>
 #include <opencv2/imgproc.hpp>
 
+#include "mapping/base/math/pose.h"
 #include "mapping/base/time_limits.h"
 
 namespace loci::mapping {
@@ -48,6 +49,24 @@ class ChangedRecording : public Recording {
   std::vector<TimeNs> times_;  ///< empty = those of the recording
 };
 
+/// With other times than those that were made up, as an option says.
+std::unique_ptr<Recording> with_times(std::unique_ptr<Recording> recording, std::vector<TimeNs> times,
+                                      const char* option, std::string guess) {
+  RecordingInfo info = recording->info();
+  if (!info.time_assumed)
+    throw Error("the recording has time stamps", {info.path, 0, option}, "it is for images without any");
+  info.first_time = times.front();
+  info.last_time = times.back();
+  if (!is_within_limits(info.first_time) || !is_within_limits(info.last_time))
+    throw Error("the frames begin or end too far off", {info.path, 0, option});
+  std::erase_if(info.guesses,
+                [](const std::string& text) { return text.find("2000-01-01") != std::string::npos; });
+  info.guesses.push_back(std::move(guess));
+  return std::make_unique<ChangedRecording>(
+      std::move(recording), std::move(info), [times](RgbdFrame& one, size_t i) { one.time_ns = times[i]; },
+      times);
+}
+
 }  // namespace
 
 std::unique_ptr<Recording> with_poses(std::unique_ptr<Recording> recording,
@@ -87,23 +106,28 @@ std::unique_ptr<Recording> in_frame(std::unique_ptr<Recording> recording, const 
                                             });
 }
 
+std::unique_ptr<Recording> turned_upright(std::unique_ptr<Recording> recording, const Vector3d& up,
+                                          std::string frame, const std::string& guess) {
+  Isometry3d level = Isometry3d::Identity();
+  level.linear() = rotation_between(up, Vector3d::UnitZ());
+  return in_frame(std::move(recording), level, std::move(frame), guess);
+}
+
 std::unique_ptr<Recording> seconds_apart(std::unique_ptr<Recording> recording, double seconds) {
-  RecordingInfo info = recording->info();
-  if (!info.time_assumed)
-    throw Error("the recording has time stamps", {info.path, 0, "--seconds-apart"},
-                "it is for images without any");
   std::vector<TimeNs> times;
   for (size_t i = 0; i < recording->size(); ++i)
-    times.push_back(info.first_time +
+    times.push_back(recording->time_of(0) +
                     static_cast<TimeNs>(static_cast<double>(i) * seconds * static_cast<double>(kSecond)));
-  info.last_time = times.back();
-  if (!is_within_limits(info.last_time))
-    throw Error("the frames end too far off", {info.path, 0, "--seconds-apart"});
-  std::erase_if(info.guesses, [](const std::string& guess) { return guess.starts_with("no time stamps"); });
-  info.guesses.push_back(fmt::format("frames are taken as {:g} s apart, as --seconds-apart says", seconds));
-  return std::make_unique<ChangedRecording>(
-      std::move(recording), std::move(info), [times](RgbdFrame& one, size_t i) { one.time_ns = times[i]; },
-      times);
+  return with_times(std::move(recording), std::move(times), "--seconds-apart",
+                    fmt::format("frames are taken as {:g} s apart, as --seconds-apart says", seconds));
+}
+
+std::unique_ptr<Recording> started_at(std::unique_ptr<Recording> recording, TimeNs start) {
+  std::vector<TimeNs> times;
+  for (size_t i = 0; i < recording->size(); ++i)
+    times.push_back(start + recording->time_of(i) - recording->time_of(0));
+  return with_times(std::move(recording), std::move(times), "--start",
+                    "the first frame is of the time that --start says");
 }
 
 std::unique_ptr<Recording> with_up(std::unique_ptr<Recording> recording, const Vector3d& up_in_camera) {

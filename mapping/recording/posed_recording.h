@@ -19,8 +19,16 @@ std::unique_ptr<Recording> with_poses(std::unique_ptr<Recording> recording,
 std::unique_ptr<Recording> in_frame(std::unique_ptr<Recording> recording, const Isometry3d& frame_from_map,
                                     std::string frame, const std::string& guess = {});
 
+/// A recording in whose poses `up` is up, turned so that it is z.
+std::unique_ptr<Recording> turned_upright(std::unique_ptr<Recording> recording, const Vector3d& up,
+                                          std::string frame, const std::string& guess = {});
+
 /// A recording whose stamps were made up, with its frames so far apart. Error where they were not.
 std::unique_ptr<Recording> seconds_apart(std::unique_ptr<Recording> recording, double seconds);
+
+/// A recording whose stamps were made up, begun at `start`: the made-up times between its frames stay. Error
+/// where they were not made up.
+std::unique_ptr<Recording> started_at(std::unique_ptr<Recording> recording, TimeNs start);
 
 /// A recording without poses of which is known what is up in its first frame's camera.
 std::unique_ptr<Recording> with_up(std::unique_ptr<Recording> recording, const Vector3d& up_in_camera);

@@ -118,10 +118,8 @@ std::unique_ptr<Recording> levelled(std::unique_ptr<Recording> recording, const 
     return in_frame(std::move(recording), Isometry3d::Identity(), frame,
                     "which way is up is not known: z of the poses is taken (choose with --up)");
   if (automatic && up->z() > kLevelEnough) return recording;
-  Isometry3d level = Isometry3d::Identity();
-  level.linear() = rotation_between(*up, Vector3d::UnitZ());
-  return in_frame(
-      std::move(recording), level, frame,
+  return turned_upright(
+      std::move(recording), *up, frame,
       fmt::format("the poses were turned upright: up was {:.2f} {:.2f} {:.2f}", up->x(), up->y(), up->z()));
 }
 
@@ -166,6 +164,10 @@ void RecordingOptions::declare(OptionTable& table) {
   table.number("color_delay_s", color_delay_s, "s", "How much later colour is stamped than depth.", -10, 10);
   table.number("seconds_apart", seconds_apart, "s",
                "Time between the frames of a recording without time stamps; 0 takes the usual rate.", 0, 1e6);
+  table.text(
+      "start", start,
+      "Time of the first frame of a recording without time stamps, ISO 8601: 2026-05-01T08:30:00Z; empty "
+      "takes 2000-01-01.");
 }
 
 std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingOptions& options,
@@ -177,6 +179,7 @@ std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingO
         fmt::format("a recording of layout {} has one camera without a name", recording->info().format),
         {path.string(), 0, "--camera"});
   if (options.seconds_apart > 0) recording = seconds_apart(std::move(recording), options.seconds_apart);
+  if (!options.start.empty()) recording = started_at(std::move(recording), parse_time(options.start));
   if (!options.poses.empty()) {
     auto poses = read_poses_for(*recording, options.poses);
     recording = with_poses(std::move(recording), std::move(poses), "world", false);

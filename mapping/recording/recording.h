@@ -46,6 +46,7 @@ struct RecordingOptions {
   std::string up = "auto";
   double color_delay_s = 0;
   double seconds_apart = 0;
+  std::string start;
 
   void declare(OptionTable& table);
 };

@@ -147,9 +147,10 @@ class PairAligner {
 
  private:
   /// Whether a pose left the window: repeated furniture fits elsewhere, too, where no other poses were
-  /// searched.
-  static bool outside_window(const Isometry3d& guess, const Isometry3d& found, const SearchWindow& window) {
-    return (guess.translation() - found.translation()).norm() > window.position + kPairs.same_position_m ||
+  /// searched. The search turns about the centre of the source, which may be far from its origin.
+  bool outside_window(const Isometry3d& guess, const Isometry3d& found, const SearchWindow& window) const {
+    const Vector3d centre = source_.centre.cast<double>();
+    return (guess * centre - found * centre).norm() > window.position + kPairs.same_position_m ||
            Eigen::AngleAxisd(guess.linear().transpose() * found.linear()).angle() >
                window.angle + kPairs.same_angle;
   }

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kRobotRadius = 0.25, kRobotBottom = 0.05, kRobotTop = 1.3, kHead = 0.05;
+constexpr double kRobotRadius = 0.25, kRobotBottom = 0.05, kRobotTop = 1.3, kScannerMargin = 0.05;
 constexpr double kReach = 0.05;     ///< of the gripper around the point that it is sent to
 constexpr double kHandStep = 0.01;  ///< of the hand path, metres
 
@@ -193,7 +193,7 @@ Scan SimulatedRobot::scan_at(const PlanarPose& goal) {
   const Isometry3d map_from_true = robot.map_from_true * robot.options.odometry.measured(motion, drawn);
   const int blocking =
       robot.scene.link_in_cylinder(map_from_true.translation().head<2>(), kRobotRadius, kRobotBottom,
-                                   std::max(kRobotTop, robot.scanner_height + kHead));
+                                   std::max(kRobotTop, robot.scanner_height + kScannerMargin));
   if (blocking >= 0)
     throw Error(fmt::format("the robot cannot stand at ({:.2f}, {:.2f}): '{}' is in the way", goal.x, goal.y,
                             robot.scene.link_names()[static_cast<size_t>(blocking)]));

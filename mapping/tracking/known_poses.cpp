@@ -11,11 +11,17 @@ bool is_no_video(const TrackingResult& result) {
   return result.frames.size() < kMinVideo && 2 * result.good() < result.frames.size();
 }
 
+void require_up(const Recording& recording) {
+  if (!recording.info().levelled)
+    throw Error("which way is up is not known", {recording.info().path, 0, {}},
+                "give the direction of the first frame's camera that is up with --up, e.g. --up -y");
+}
+
 }  // namespace
 
 std::unique_ptr<Recording> with_known_poses(std::unique_ptr<Recording> recording, PosesFor purpose,
                                             int threads, Progress& progress, Warnings& warnings) {
-  const bool perceives = purpose == PosesFor::perception;
+  const bool perceives = purpose == PosesFor::perception, maps = purpose == PosesFor::mapping;
   if (recording->info().frames_with_pose > 0 || (perceives && recording->size() < 2)) return recording;
   TrackingOptions options;
   options.threads = threads;
@@ -23,13 +29,26 @@ std::unique_ptr<Recording> with_known_poses(std::unique_ptr<Recording> recording
   if (perceives && (result.still || is_no_video(result))) return recording;
   const FileLocation location{recording->info().path, 0, {}};
   require_usable(result, location.file);
-  recording = with_tracked_poses(std::move(recording), result, false, warnings);
   warnings.add("the recording has no poses: " + result.summary() +
-                   (perceives ? "; if the camera stood still, say so with --fixed-camera" : ""),
+                   (maps || result.still ? "" : "; if the camera stood still, say so with --fixed-camera"),
                location);
-  if (perceives && !recording->info().levelled)
-    throw Error("which way is up is not known", location,
-                "give the direction of the first frame's camera that is up with --up, e.g. --up -y");
+  if (!maps && result.still) return with_fixed_pose(std::move(recording), warnings);
+  recording = with_tracked_poses(std::move(recording), result, false, warnings);
+  if (!maps) require_up(*recording);
+  return recording;
+}
+
+std::unique_ptr<Recording> with_fixed_pose(std::unique_ptr<Recording> recording, Warnings& warnings) {
+  TrackingResult result;
+  result.map_frame = kFirstCamera;
+  result.still = true;
+  for (size_t i = 0; i < recording->size(); ++i) {
+    TrackedFrame& frame = result.frames.emplace_back();
+    frame.number = i;
+    frame.map_from_camera = Isometry3d::Identity();
+  }
+  recording = with_tracked_poses(std::move(recording), result, false, warnings);
+  require_up(*recording);
   return recording;
 }
 

@@ -151,7 +151,7 @@ TrackingResult track(const Recording& recording, const TrackingOptions& options,
           tracker.map_from_keyframes()[*followed[i].keyframe] * followed[i].keyframe_from_camera;
     result.frames.push_back(std::move(frame));
   }
-  result.map_frame = options.refine ? info.map_frame : "first_camera";
+  result.map_frame = options.refine ? info.map_frame : kFirstCamera;
   result.keyframes = tracker.map_from_keyframes().size();
   result.loops = tracker.loops();
   // A constant turns planes into planes: pairs of views hardly tell it from motion.
@@ -195,9 +195,7 @@ std::unique_ptr<Recording> with_tracked_poses(std::unique_ptr<Recording> recordi
                  {recording->info().path, 0, {}});
     return recording;
   }
-  Isometry3d level = Isometry3d::Identity();
-  level.linear() = rotation_between(*up, Vector3d::UnitZ());
-  return in_frame(std::move(recording), level, "odom");
+  return turned_upright(std::move(recording), *up, "odom");
 }
 
 std::vector<std::optional<Isometry3d>> TrackingResult::poses(size_t recording_size) const {

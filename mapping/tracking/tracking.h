@@ -14,6 +14,9 @@
 
 namespace loci::mapping {
 
+/// Frame of poses that start at the first frame's camera.
+inline constexpr const char* kFirstCamera = "first_camera";
+
 struct TrackingOptions {
   int every = 1;
   bool refine = false;

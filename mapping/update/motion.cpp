@@ -80,6 +80,17 @@ size_t PieceSearch::foreign(const Surfels& target, const Isometry3d& now_from_be
   return count;
 }
 
+size_t PieceSearch::arrived(const Surfels& target, const Isometry3d& now_from_before) const {
+  const Eigen::Isometry3f pose = now_from_before.cast<float>();
+  const Surfels& source = source_.finest();
+  size_t count = 0;
+  for (size_t i = 0; i < source.size(); ++i) {
+    const uint32_t j = same_surfel(target, pose * source.position[i], pose.linear() * source.normal[i]);
+    count += j != CellGrid::kNone && before_.passed(target.position[j], target.normal[j]) ? 1 : 0;
+  }
+  return count;
+}
+
 void PieceSearch::refine(const std::vector<uint8_t>& chosen, PieceMotion& motion) const {
   const Eigen::Isometry3f before_from_now = motion.now_from_before.inverse().cast<float>();
   std::vector<uint8_t> near = chosen;
@@ -169,8 +180,10 @@ std::optional<PieceMotion> PieceSearch::find(const PreparedScan& target,
     motion.gain = motion.fit.score() - still.score();
     motion.rank = motion.gain - static_cast<double>(motion.fit.foreign) -
                   size * (kMotion.cost_per_m * std::min(shift, 1.0) + kMotion.cost_per_turn * turn / kPi);
+    motion.jump = shift > kMotion.near_m || turn > kMotion.near_turn;
     if (!best || motion.rank > best->rank) best = motion;
   }
+  if (best) best->arrived = arrived(target.finest(), best->now_from_before);
   return best;
 }
 

@@ -27,7 +27,9 @@ struct PieceFit {
 struct PieceMotion {
   Isometry3d now_from_before = Isometry3d::Identity();  ///< x, y and yaw, map frame
   PieceFit fit;
-  double gain = 0;  ///< score above that of the old place, surfels
+  double gain = 0;     ///< score above that of the old place, surfels
+  size_t arrived = 0;  ///< surfels found there in space that was free before
+  bool jump = false;   ///< farther, or turned more, than the search around the old place reaches
   double rank = 0;  ///< gain less foreign surface and the cost of the motion: of similar poses the nearer one
 };
 
@@ -49,6 +51,8 @@ class PieceSearch {
   size_t foreign(const registration::Surfels& target, const Isometry3d& now_from_before) const;
 
  private:
+  /// Surfels of the piece that the target shows at a pose, in space that was free before.
+  size_t arrived(const registration::Surfels& target, const Isometry3d& now_from_before) const;
   struct Start {
     Isometry3d pose;
     double score = 0;

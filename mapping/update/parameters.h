@@ -31,6 +31,9 @@ struct PieceParameters : FreeStandingParameters {
   double slab_m = 0.05;            ///< below a support's height is its slab
   double inside_share = 0.85;      ///< of a component that stands within the outline of another
   size_t min_surfels = 40;         ///< about 0.025 m²
+  double beside_m = 0.15;          ///< around a piece that begins above the floor …
+  double level_m = 0.06;           ///< … and near the height of its bottom …
+  size_t min_beside = 15;          ///< … surfels of another top: the piece lies on that
 };
 inline constexpr PieceParameters kPieces;
 
@@ -45,6 +48,7 @@ struct MotionParameters : FurnitureMotionParameters {
   size_t samples = 160;           ///< surfels of a piece per starting pose
   size_t interleave = 13;         ///< any prefix of the samples covers the piece
   double min_share_unseen = 0.5;  ///< as min_share, where the old place was not seen
+  double as_good = 0.8;           ///< of a piece's found surfels: its old place shows it as well
   double min_kept = 0.9;          ///< of a piece's found surfels that another piece may leave it
 };
 inline constexpr MotionParameters kMotion;

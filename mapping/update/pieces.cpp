@@ -238,6 +238,23 @@ class Segmentation {
     pieces.resize(kept);
   }
 
+  /// Whether a piece begins at the height of another top beside it, above the floor: clutter on a counter is
+  /// no furniture.
+  bool lies_on_something(const Piece& piece) const {
+    const double bottom = static_cast<double>(piece.box.min().z());
+    if (bottom <= kPieces.stands_m) return false;
+    const std::set<uint32_t> own(piece.surfels.begin(), piece.surfels.end());
+    const std::vector<Vector2d> outline = outline_of(piece);
+    size_t beside = 0;
+    for (uint32_t i = 0; i < surface_.size(); ++i) {
+      const Eigen::Vector3f& p = surface_.position[i];
+      if (std::abs(static_cast<double>(p.z()) - bottom) > kPieces.level_m || surface_.normal[i].z() < 0.9F)
+        continue;
+      beside += !own.contains(i) && inside(outline, plan_of(p), kPieces.beside_m) ? 1 : 0;
+    }
+    return beside >= kPieces.min_beside;
+  }
+
   bool stands_free(const Piece& piece, const MapOutlines::Support* support) const {
     if (piece.surfels.size() < kPieces.min_surfels) return false;
     if (support != nullptr && support->at_wall) return false;
@@ -245,6 +262,7 @@ class Segmentation {
     for (const uint32_t i : piece.surfels) points.push_back(surface_.position[i]);
     // Neither tables nor seats hang on walls, however near they stand, and thin legs are hardly seen.
     const bool may_hang = support == nullptr && shape_class(surface_, piece) == "piece";
+    if (may_hang && lies_on_something(piece)) return false;
     return mapping::stands_free(points, map_.walls, may_hang);
   }
 

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/math/cell_index.h"
 #include "mapping/base/math/math.h"
 #include "mapping/fusion/fusion.h"
+#include "mapping/recording/gravity.h"
 #include "mapping/recording/posed_recording.h"
 #include "mapping/registration/pair.h"
+#include "mapping/tracking/known_poses.h"
 #include "mapping/update/epoch.h"
 #include "mapping/update/parameters.h"
 
@@ -128,7 +131,8 @@ Placement place_scans(const ScanSet& map_scans, const ScanSet& scans, int thread
   result = {best.target_from_source, best.overlap, best.conflict, best.rmse_m, best.trusted, best.reason};
   const auto is_other = [&](const PairAlignment& pair) {
     const Isometry3d motion = best.target_from_source.inverse() * pair.target_from_source;
-    return motion.translation().norm() > 0.1 || Eigen::AngleAxisd(motion.linear()).angle() > 3 * kDegree;
+    return (motion * centre - centre).norm() > 0.1 ||
+           Eigen::AngleAxisd(motion.linear()).angle() > 3 * kDegree;
   };
   for (size_t i = 1; i < found.size() && result.trusted; ++i) {
     if (!is_other(found[i]) || score_of(found[i]) < score_of(best) - kMargin) continue;
@@ -155,34 +159,118 @@ ScanSet read_scans_of_map(const std::filesystem::path& folder, const SemanticMap
   return scans;
 }
 
+namespace {
+
+/// The share of a sample of what a recording with poses shows that lies within about a decimetre of the scans
+/// of a map; 1 where it shows nothing.
+double share_on(const ScanSet& map, const Recording& recording) {
+  constexpr size_t kFrames = 24;
+  constexpr int kSamples = 60;       // pixels along the longer side of an image
+  constexpr double kMaxDepth = 4.0;  // m; maps end there
+  CellIndex cells;
+  for (const Scan& scan : map.scans)
+    for (const ScanPoint& point : scan.points)
+      if (point.returned) cells.insert(cell_of(scan.map_from_scan * point.position.cast<double>(), kCell));
+  const auto is_near = [&](const Eigen::Vector3i& cell) {
+    for (int i = 0; i < 27; ++i)
+      if (cells.find(cell + Eigen::Vector3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)) != CellIndex::kNone)
+        return true;
+    return false;
+  };
+  size_t total = 0, near = 0;
+  const size_t stride = std::max<size_t>(1, recording.size() / kFrames);
+  for (size_t i = 0; i < recording.size(); i += stride) {
+    const RgbdFrame frame = recording.frame(i);
+    const int step = std::max(1, std::max(frame.depth.cols, frame.depth.rows) / kSamples);
+    for (int v = step / 2; frame.map_from_camera && v < frame.depth.rows; v += step)
+      for (int u = step / 2; u < frame.depth.cols; u += step) {
+        const auto depth = static_cast<double>(frame.depth.at<float>(v, u));
+        if (!(depth > 0 && depth < kMaxDepth)) continue;
+        ++total;
+        near += is_near(cell_of(*frame.map_from_camera * frame.camera.depth.unproject(u, v, depth), kCell))
+                    ? 1
+                    : 0;
+      }
+  }
+  return total == 0 ? 1 : static_cast<double>(near) / static_cast<double>(total);
+}
+
 void require_trusted(const Placement& placement, const std::string& path) {
   if (!placement.trusted)
     throw Error("the recording cannot be placed in the map: " + placement.reason, {path, 0, {}},
                 "show more of the room, walls and corners with furniture, or give poses in the map's frame");
 }
 
-std::unique_ptr<Recording> placed_in_map(std::unique_ptr<Recording> tracked, const std::filesystem::path& map,
-                                         int threads, Progress& progress, Warnings& warnings) {
-  const FileLocation location{tracked->info().path, 0, {}};
-  const std::filesystem::path folder = map.parent_path() / "scans";
-  if (!std::filesystem::exists(folder / "scans.yaml")) {
-    warnings.add(
-        "the map has no scans beside it to place the recording by: its poses fit the map only if it was made "
-        "from the same frames; fuse them to this folder before you interpret them",
-        {folder.string(), 0, {}});
-    return tracked;
+/// What to make of a recording that was tracked where the map has no scans: a camera that moved may have made
+/// the map, one that stood still may be anywhere. `folder`: where scans were looked for.
+std::unique_ptr<Recording> unplaced(std::unique_ptr<Recording> tracked, const std::filesystem::path& folder,
+                                    Warnings& warnings) {
+  const auto first = tracked->pose_of(0), last = tracked->pose_of(tracked->size() - 1);
+  const bool stands = first && last && first->isApprox(*last, 0);
+  const std::string text = "the map has no scans beside it to place the recording by";
+  if (stands)
+    throw Error(
+        text, {folder.string(), 0, {}},
+        "fuse what the map was made from to this folder, or give the recording poses in the map's frame");
+  warnings.add(
+      text +
+          ": its poses fit the map only if it was made from the same frames; fuse them to this folder "
+          "before you interpret them",
+      {folder.string(), 0, {}});
+  return tracked;
+}
+
+}  // namespace
+
+std::unique_ptr<Recording> placed_in_map(std::unique_ptr<Recording> recording, bool is_tracked,
+                                         const SemanticMap& map, const ScanSet& map_scans, int threads,
+                                         Progress& progress, Warnings& warnings) {
+  constexpr double kMinShare = 0.5;  // of a recording whose poses fit: the rest may be new
+  const FileLocation location{recording->info().path, 0, {}};
+  double share = 0;
+  if (!is_tracked) {
+    const std::string frame = recording->info().map_frame;
+    share = share_on(map_scans, *recording);
+    if (share >= kMinShare)  // As level as the map is.
+      return in_frame(std::move(recording), Isometry3d::Identity(), frame);
+    if (const auto up = find_up(*recording)) recording = turned_upright(std::move(recording), *up, frame);
   }
-  const ScanSet scans = scans_to_place(*tracked, threads, progress);
-  const SemanticMap semantics = read_semantic_map(sidecar_path(map));
-  const Placement placement =
-      place_scans(read_scans_of_map(folder, semantics, warnings), scans, threads, progress);
+  const ScanSet scans = scans_to_place(*recording, threads, progress);
+  const Placement placement = place_scans(map_scans, scans, threads, progress);
+  if (!is_tracked && !placement.trusted) {
+    warnings.add(
+        Error(fmt::format("the poses do not fit the map: {:.0f} % of what is seen lies on its scans, "
+                          "and no other place was found ({})",
+                          100 * share, placement.reason),
+              location, "if they are in another frame than the map, give poses in its frame")
+            .what());
+    return recording;
+  }
   require_trusted(placement, location.file);
   const Vector3d at = placement.map_from_scans.translation();
-  warnings.add(
-      fmt::format("the recording was placed in the map: it begins at x {:.2f} y {:.2f} z {:.2f} m ({})",
-                  at.x(), at.y(), at.z(), placement.reason),
-      location);
-  return in_frame(std::move(tracked), placement.map_from_scans, semantics.frame);
+  warnings.add(fmt::format("{}the recording was placed in the map: {} x {:.2f} y {:.2f} z {:.2f} m ({})",
+                           is_tracked ? "" : "the poses are in another frame than the map: ",
+                           is_tracked ? "it begins at" : "their origin is at", at.x(), at.y(), at.z(),
+                           placement.reason),
+               location);
+  return in_frame(std::move(recording), placement.map_from_scans, map.frame);
+}
+
+std::unique_ptr<Recording> perceived_in_map(std::unique_ptr<Recording> recording,
+                                            const std::filesystem::path& map, bool is_fixed, int threads,
+                                            Progress& progress, Warnings& warnings) {
+  const bool is_tracked = recording->info().frames_with_pose == 0;
+  if (is_tracked)
+    recording =
+        is_fixed ? with_fixed_pose(std::move(recording), warnings)
+                 : with_known_poses(std::move(recording), PosesFor::placement, threads, progress, warnings);
+  const std::filesystem::path folder = map.parent_path() / "scans", sidecar = sidecar_path(map);
+  const SemanticMap semantics = exists(sidecar) ? read_semantic_map(sidecar) : SemanticMap();
+  if (!is_tracked) recording = in_map(std::move(recording), semantics.map_from_input, semantics.frame);
+  if (!exists(folder / "scans.yaml") || !exists(sidecar))
+    return is_tracked ? unplaced(std::move(recording), folder, warnings) : std::move(recording);
+  return placed_in_map(std::move(recording), is_tracked, semantics,
+                       read_scans_of_map(folder, semantics, warnings), threads, progress, warnings);
 }
 
 }  // namespace loci::mapping

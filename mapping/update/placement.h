@@ -35,13 +35,20 @@ Placement place_scans(const ScanSet& map_scans, const ScanSet& scans, int thread
 /// What a recording with poses shows, as place_scans takes it: enough of its frames to know a room again.
 ScanSet scans_to_place(const Recording& recording, int threads, Progress& progress);
 
-/// Error with the reason when scans of `path` are not placed.
-void require_trusted(const Placement& placement, const std::string& path);
+/// A recording with poses in the frame of a map of the same room, by the scans of the map. A tracked one is
+/// placed; Error with the reason when it does not fit the map, or fits in several places. One with poses of
+/// its own stays where half of what it shows lies on the map's scans. Else it is levelled by what it shows
+/// and placed; where no place is found, it stays. Warns where it was placed, or that the poses do not fit.
+std::unique_ptr<Recording> placed_in_map(std::unique_ptr<Recording> recording, bool is_tracked,
+                                         const SemanticMap& map, const ScanSet& map_scans, int threads,
+                                         Progress& progress, Warnings& warnings);
 
-/// A tracked recording in the frame of a map (URDF) of the same room, by the scans of the map in `scans/`
-/// beside it. Warns where it was placed, or that it was not, because the map has no scans: then it stays in
-/// its frame. Error with the reason when it does not fit the map, or fits in several places.
-std::unique_ptr<Recording> placed_in_map(std::unique_ptr<Recording> tracked, const std::filesystem::path& map,
-                                         int threads, Progress& progress, Warnings& warnings);
+/// A recording as it is perceived with a map (URDF): in its frame, tracked where it has no poses, and placed
+/// by the scans in `scans/` beside the map. Without such scans own poses are believed, and tracked ones of a
+/// camera that moved stay in their frame, with a warning. Error with the reason where a recording without
+/// poses cannot be placed; `is_fixed`: its camera is known to have stood still.
+std::unique_ptr<Recording> perceived_in_map(std::unique_ptr<Recording> recording,
+                                            const std::filesystem::path& map, bool is_fixed, int threads,
+                                            Progress& progress, Warnings& warnings);
 
 }  // namespace loci::mapping

@@ -305,11 +305,32 @@ class EpochComparison {
     return chosen;
   }
 
+  /// Whether a piece is seen in its old place about as well as elsewhere, or turned: pieces look alike, and
+  /// many look the same from behind.
+  static bool fits_as_well(const PieceMotion& motion, const PieceFit& still) {
+    return still.agreement() >= kMotion.min_agreement &&
+           static_cast<double>(still.same) >= kMotion.as_good * static_cast<double>(motion.fit.same);
+  }
+
+  /// Surfels that were there and are free now, or the other way round. What was hidden before, or is now,
+  /// does not show that anything changed.
+  static size_t changed_space(const PieceMotion& motion, const PieceFit& still) {
+    return still.free + motion.arrived;
+  }
+
+  static double evidence_of(const PieceMotion& motion, const PieceFit& still) {
+    if (!motion.jump) return motion.gain;
+    return std::min(motion.gain, static_cast<double>(changed_space(motion, still)));
+  }
+
   /// Whether a pose is good enough. Where nothing contradicts that the piece stands in its old place, it
   /// stays there if it is seen there; otherwise a part of it is not enough: another piece has such parts,
   /// too.
   static bool accepted(const PieceMotion& motion, const PieceFit& still) {
     const auto all = static_cast<double>(still.all());
+    if (motion.jump &&
+        (fits_as_well(motion, still) || changed_space(motion, still) < kMotion.min_gain_surfels))
+      return false;
     const bool contradicted =
         still.contradictions() >= motion.fit.contradictions() + kMotion.min_gain_surfels;
     if (!contradicted && static_cast<double>(still.same) >= kMotion.min_share * all) return false;
@@ -429,7 +450,7 @@ class EpochComparison {
     change.outline_before = pieces_[piece].outline;
     for (const Vector2d& corner : change.outline_before)
       change.outline_now.push_back((motion.now_from_before * Vector3d(corner.x(), corner.y(), 0)).head<2>());
-    change.probability = probability_of(motion.gain);
+    change.probability = probability_of(evidence_of(motion, still));
     change.reason =
         fmt::format("{} of {} surfels found at the new place, {} contradicted; at the old one {} and {}",
                     motion.fit.same, motion.fit.all(), motion.fit.free, still.same, still.free);
@@ -511,12 +532,14 @@ class EpochComparison {
 };
 
 void check_scans(const ScanSet& scans, const char* which) {
-  const std::string hint = "a folder with scans.yaml, poses and origins, levelled";
-  if (scans.scans.empty()) throw Error(std::string("the ") + which + " scans are empty", {}, hint);
+  if (scans.scans.empty()) throw Error(fmt::format("there are no {} scans", which));
   if (!scans.free_space)
-    throw Error(std::string("without origins of the ") + which + " scans nothing is known to be free", {},
-                hint);
-  if (!scans.levelled) throw Error(std::string("the ") + which + " scans are not levelled", {}, hint);
+    throw Error(
+        fmt::format("the {} scans do not say where they were taken from: nothing is known to be free", which),
+        {}, "give a folder with a scans.yaml, as loci-map fuse writes it");
+  if (!scans.levelled)
+    throw Error(fmt::format("which way is up in the {} scans is not known", which), {},
+                "write 'levelled: true' in their scans.yaml if z is up; of a recording --up says it");
 }
 
 }  // namespace

@@ -163,10 +163,11 @@ std::vector<MeshPart> load_mesh_parts(const Mesh& mesh, const MeshSearch& search
 }
 
 void move_mesh_names(World& world, const fs::path& from, const fs::path& to) {
+  // The folder of a bare file name is empty.
+  const auto folder = [](const fs::path& path) { return fs::absolute(path.empty() ? "." : path); };
   const auto move = [&](Geometry& geometry) {
     Mesh* mesh = std::get_if<Mesh>(&geometry);
-    if (mesh && is_relative(mesh->uri))
-      mesh->uri = fs::proximate(fs::absolute(from) / mesh->uri, fs::absolute(to));
+    if (mesh && is_relative(mesh->uri)) mesh->uri = fs::proximate(folder(from) / mesh->uri, folder(to));
   };
   for (Link& link : world.links) {
     for (Visual& visual : link.visuals) move(visual.geometry);

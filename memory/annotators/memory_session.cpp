@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "mapping/base/text/json.h"
+#include "mapping/base/text/text.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/reasoning/revise.h"
 #include "memory/recorder/map_entry.h"
@@ -69,12 +70,16 @@ MemorySession::MemorySession(const MemorySessionOptions& options, const mapping:
   const mapping::RecordingInfo& info = recording.info();
   const std::string fingerprint = fingerprint_of(recording);
   if (const std::optional<RecordingRow> known = store_.recording(fingerprint)) {
-    const size_t present = store_.frames(known->id).size();
-    if (present > 0 && !options.resume)
-      throw Error(
-          fmt::format("this recording is in the memory already ({} of {} frames)", present, recording.size()),
-          {options.memory.string(), 0, known->name}, "--resume adds the frames that are missing");
+    recording_ = known->id;
+    present_ = store_.frames(recording_);
   }
+  for (const SceneRow& scene : store_.scenes())
+    if (recording_ != 0 && scene.recording == recording_) {
+      const Moment moment(scene.time, scene.frame_index.value_or(0));
+      last_present_ = std::max(moment, last_present_.value_or(moment));
+    }
+  if (!present_.empty() && !options.resume) refuse_again(options.memory, recording);
+  if (present_.empty()) require_later(options.memory, recording);
   RecordingRow row;
   row.fingerprint = fingerprint;
   row.name = std::filesystem::path(info.path).lexically_normal().filename().string();
@@ -90,11 +95,42 @@ MemorySession::MemorySession(const MemorySessionOptions& options, const mapping:
   furniture_ = load_furniture(store_, map_);
   recorder_ = std::make_unique<Recorder>(store_, run_, options.belief);
   recorder_->begin_review();
-  for (const SceneRow& scene : store_.scenes())
-    if (scene.recording == recording_) {
-      const Moment moment(scene.time, scene.frame_index.value_or(0));
-      last_present_ = std::max(moment, last_present_.value_or(moment));
-    }
+}
+
+void MemorySession::refuse_again(const std::filesystem::path& memory,
+                                 const mapping::Recording& recording) const {
+  size_t after = 0;
+  for (size_t i = 0; i < recording.size(); ++i)
+    after += Moment(recording.time_of(i), recording.index_of(i)) > last_present_ ? 1 : 0;
+  const std::string other = how_to_perceive_again();
+  throw Error(fmt::format("this recording is in the memory already ({} of {} frames)", present_.size(),
+                          recording.size()),
+              {memory.string(), 0, recording.info().path},
+              after > 0 ? fmt::format("--resume adds the {} after the last that is there; {}",
+                                      counted(after, "frame"), other)
+                        : other);
+}
+
+std::string MemorySession::how_to_perceive_again() const {
+  const bool is_alone = std::ranges::all_of(
+      store_.scenes(), [&](const SceneRow& scene) { return scene.recording == recording_; });
+  return fmt::format("to perceive it anew, {}give another memory with -m",
+                     is_alone ? fmt::format("remove {} or ", store_.name()) : "");
+}
+
+void MemorySession::require_later(const std::filesystem::path& memory,
+                                  const mapping::Recording& recording) const {
+  const std::optional<TimeNs> last = store_.last_scene_time();
+  const mapping::RecordingInfo& info = recording.info();
+  if (!last || info.first_time >= *last) return;
+  throw Error(
+      fmt::format("the recording begins at {}{}, before the last scene of the memory at {}",
+                  format_time(info.first_time), info.time_assumed ? " (made up)" : "", format_time(*last)),
+      {memory.string(), 0, info.path},
+      info.time_assumed
+          ? "say when it was recorded with --start TIME"
+          : "perceive recordings in the order of time; those of the same time, as of a second camera, "
+            "go into a memory each, which loci-memory merge joins");
 }
 
 void add_memory_session(MemorySessionOptions options, perception::Pipeline& pipeline,
@@ -119,13 +155,11 @@ MemoryRunResult run_with_memory(perception::Pipeline& pipeline, perception::Cont
     context.resources.put(std::make_shared<perception::FurnitureStates>(session.furniture_));
   pipeline.start(context);
   perception::Reader& reader = pipeline.reader();
-  const auto is_present = [&] {  // or was left out on purpose
+  while (session.last_present_ && reader.position() < reader.count()) {
     const perception::FrameId next = reader.upcoming();
-    return std::pair{next.time_ns, next.index} <= *session.last_present_;
-  };
-  while (session.last_present_ && reader.position() < reader.count() && is_present()) {
+    if (std::pair{next.time_ns, next.index} > *session.last_present_) break;
+    ++(session.present_.contains(next.index) ? result.skipped : result.passed_over);
     reader.skip(1);
-    ++result.skipped;
   }
   result.pipeline = pipeline.run(context, types, progress, done);
   look_back(session.store_, session.run_, progress);

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "mapping/base/text/json.h"
@@ -33,15 +34,19 @@ inline constexpr const char* kSharedMemory = "memory";
 /// What run_with_memory() did.
 struct MemoryRunResult {
   perception::PipelineResult pipeline;
-  size_t skipped = 0;  ///< frames that were in the memory already
+  size_t skipped = 0;      ///< frames that were in the memory already
+  size_t passed_over = 0;  ///< others before the last of these: scenes come in the order of time
 };
 
 /// The memory that a run writes to, and what the memory's annotators share. A resource of the pipeline.
 class MemorySession {
  public:
   /// Opens or creates the memory and makes recording and map known in it. Error when the recording is in the
-  /// memory already and `resume` is not set.
+  /// memory already and `resume` is not set, or begins before the last scene.
   MemorySession(const MemorySessionOptions& options, const mapping::Recording& recording);
+
+  /// For messages, about a recording that is in the memory.
+  std::string how_to_perceive_again() const;
 
   Store& store() { return store_; }
   Recorder& recorder() { return *recorder_; }
@@ -65,6 +70,10 @@ class MemorySession {
                                          const std::shared_ptr<const perception::cas::TypeSystem>&, Progress&,
                                          const std::function<void(perception::cas::Cas&)>&);
 
+  [[noreturn]] void refuse_again(const std::filesystem::path& memory,
+                                 const mapping::Recording& recording) const;
+  void require_later(const std::filesystem::path& memory, const mapping::Recording& recording) const;
+
   Store store_;
   Id run_ = 0;
   Id recording_ = 0;
@@ -72,7 +81,8 @@ class MemorySession {
   People people_;
   /// The time of a frame and its index, because two frames may have one time.
   using Moment = std::pair<TimeNs, int64_t>;
-  std::optional<Moment> last_present_;  ///< the last frame of the recording that was in the memory
+  std::set<int64_t> present_;           ///< indices of the recording's frames that were in the memory
+  std::optional<Moment> last_present_;  ///< the last of them
   KnownPlanes planes_;
   perception::FurnitureStates furniture_;
   std::unique_ptr<Recorder> recorder_;

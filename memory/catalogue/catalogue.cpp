@@ -65,7 +65,7 @@ CatalogueEntry entry_from(const Json& json) {
   if (!observations.is_number_unsigned()) throw Error("the observations of an object are no count");
   entry.observations = observations;
   for (const Json& fact : json.value("facts", Json::array()))
-    entry.facts.emplace_back(fact.at("key"), fact.at("value"));
+    entry.facts.emplace_back(fact.at("key"), fact_value(fact.at("key"), fact.at("value")));
   entry.color = json.value("color", "");
   if (json.contains("size_m")) {
     const auto size = json.at("size_m").get<std::array<double, 3>>();

@@ -10,6 +10,7 @@
 #include "memory/belief/interaction_model.h"
 #include "memory/belief/scene.h"
 #include "memory/catalogue/object_description.h"
+#include "memory/store/facts.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {
@@ -69,7 +70,5 @@ CatalogueResult import_catalogue(Store& store, const Catalogue& catalogue);
 /// `taught`, whose value is a class: what looks like them gets the class, with a probability; of what is
 /// unlike all of them nothing is stated. Without catalogues and examples nothing happens.
 CatalogueResult apply_catalogues(Store& store);
-/// The key of the facts that make an object an example of a class.
-inline constexpr const char* kTaughtKey = "taught";
 
 }  // namespace loci::memory

@@ -3,16 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
 #include "mapping/world/urdf.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_run.h"
+#include "memory/questions/environment_parts.h"
 #include "memory/questions/facts.h"
 #include "memory/questions/names/map_names.h"
+#include "memory/questions/names/names.h"
 #include "memory/questions/snapshot.h"
 #include "memory/recorder/checkpoint.h"
+#include "memory/store/facts.h"
 #include "memory/store/run_configuration.h"
 
 namespace loci::memory {
@@ -61,16 +65,56 @@ Id scene_after(const Store& store, Id scene) {
   return found == scenes.end() || found + 1 == scenes.end() ? 0 : (found + 1)->id;
 }
 
-/// Makes the belief what it was before a correction of identities; scenes that were added since are reasoned
-/// about anew with the identities that are `known` now.
-void return_to_belief_before(Store& store, SceneTransaction& rows, const RunRow& row, Id reversal,
-                             const Json& configuration, KnownIdentities known, Progress& progress) {
+/// The rows of associations that a run superseded and that say what an observation is of.
+std::vector<AssociationRow> decisions_before(const Store& store, Id run) {
+  std::vector<AssociationRow> before;
+  for (const AssociationRow& row : store.rows_of_run<AssociationRow>(run))
+    if (row.clock.supersedes) before.push_back(store.row<AssociationRow>(*row.clock.supersedes));
+  std::erase_if(before, [](const AssociationRow& row) {
+    return !row.chosen || !row.observation || !row.object || row.probability <= 0 || row.clock.known_to;
+  });
+  return before;
+}
+
+/// Undoes a correction of identities by reasoning with those from before it.
+void reason_without(const Store& store, SceneTransaction& rows, Id run, KnownIdentities known,
+                    Progress& progress) {
+  std::set<Id> concerned;
+  for (const AssociationRow& row : decisions_before(store, run)) {
+    known.emplace(*row.observation, *row.object);
+    concerned.insert(row.scene);
+  }
+  for (const AssociationRow& row : store.rows_of_run<AssociationRow>(run)) concerned.insert(row.scene);
+  const std::vector<SceneRow> scenes = store.scenes();
+  const auto first =
+      std::ranges::find_if(scenes, [&](const SceneRow& scene) { return concerned.contains(scene.id); });
+  if (first == scenes.end()) return;  // nothing of it is left
+  revise(store, rows, {.from = first->id, .known = std::move(known)}, progress);
+}
+
+/// Reverses what a run did to the history of objects, row by row.
+void reverse_history(const Store& store, SceneTransaction& rows, Id run) {
+  const TimeNs now = rows.known();
+  for (const auto& one : reversed_rows(store, store.rows_of_run<AssociationRow>(run), now))
+    rows.add_association(one);
+  for (const auto& one : reversed_rows(store, store.rows_of_run<EventRow>(run), now)) rows.add_event(one);
+  for (const auto& one : reversed_rows(store, store.rows_of_run<BeliefRow>(run), now)) rows.add_belief(one);
+  for (const VisibilityRow& one : reversed_visibility(store, run)) rows.add_visibility(one);
+}
+
+/// Reverses a correction of identities that was reasoned about, as part of the run `reversal`: the belief is
+/// what it was before, and scenes that were added since are reasoned about anew with the identities that are
+/// `known` now. Where the belief was not kept, for something was forgotten or a memory was merged since, rows
+/// of others may be missing: then all is reasoned about anew from the first scene on that it concerns.
+void reverse_reasoning(Store& store, SceneTransaction& rows, Id run, Id reversal, KnownIdentities known,
+                       Progress& progress) {
+  const bool with_evidence = store.scenes_without_reasoning() == 0;
   keep_belief(rows, store, reversal);
-  const std::optional<Id> kept = restore_belief(rows, store, row.id);
-  const Id last = kept.value_or(configuration["last_scene"].get<Id>());
-  const Revision revision{scene_after(store, last), kept.value_or(0), std::move(known)};
-  if (kept && revision.from == 0) return;
-  if (store.scenes_without_reasoning() == 0) revise(store, rows, revision, progress);
+  const std::optional<Id> kept = restore_belief(rows, store, run);
+  if (!kept && with_evidence) return reason_without(store, rows, run, std::move(known), progress);
+  reverse_history(store, rows, run);
+  const Id later = kept ? scene_after(store, *kept) : 0;
+  if (later != 0 && with_evidence) revise(store, rows, {later, *kept, std::move(known)}, progress);
 }
 
 /// Reverses what a run did, as a new run: rows that superseded others are superseded by them, others are
@@ -89,16 +133,12 @@ Edit reverse_run(Store& store, const RunRow& row, const std::string& text, const
   EditRun run(store, configuration);
   SceneTransaction added(store, run.id());
   added.postpone_derived();
-  const TimeNs now = added.known();
-  for (const auto& one : reversed_rows(store, store.rows_of_run<AssociationRow>(row.id), now))
-    added.add_association(one);
-  for (const auto& one : reversed_rows(store, store.rows_of_run<EventRow>(row.id), now)) added.add_event(one);
-  for (const auto& one : reversed_rows(store, store.rows_of_run<FactRow>(row.id), now)) added.add_fact(one);
-  for (const auto& one : reversed_rows(store, store.rows_of_run<BeliefRow>(row.id), now))
-    added.add_belief(one);
-  for (const VisibilityRow& one : reversed_visibility(store, row.id)) added.add_visibility(one);
+  for (const auto& one : reversed_rows(store, store.rows_of_run<FactRow>(row.id), added.known()))
+    added.add_fact(one);
   if (configuration.contains("last_scene"))
-    return_to_belief_before(store, added, row, run.id(), configuration, known, progress);
+    reverse_reasoning(store, added, row.id, run.id(), known, progress);
+  else
+    reverse_history(store, added, row.id);
   if (configuration.contains("label")) {
     const Json& label = configuration["label"];
     add_label(added, label["scene"].get<Id>(), label["observation"].get<Id>(),
@@ -132,7 +172,7 @@ std::string text_of(const Store& store, const RunRow& run, const Json& configura
       text = object_name(*fact.object) + ": " + what;
     } else {
       for (const PlaceRow& place : store.places())
-        if (place.id == fact.place) text = place.name + ": " + what;
+        if (place.id == fact.place) text = name_in_words(place.name) + ": " + what;
     }
   }
   if (!text.empty()) return text;
@@ -150,16 +190,18 @@ Edit toggle(Store& store, const Edit& edit, const char* what, const std::vector<
 
 /// Something that has a name: what the map (or who found it) calls it, and what it is called now.
 struct Named {
-  const char* of;  ///< place, link or joint
+  std::string of;  ///< place, link or joint
   std::string in_map, now;
   bool is_called(const std::string& name) const { return name == in_map || name == now; }
+  bool operator==(const Named&) const = default;
 };
+constexpr const char* kPlace = "place";
 
 /// Places before links and joints: who names a place means what is there.
 std::vector<Named> all_named(const Store& store) {
   std::vector<Named> all;
   const std::vector<PlaceRow> before = store.places(), now = named_places(store);
-  for (size_t i = 0; i < before.size(); ++i) all.push_back({"place", before[i].name, now[i].name});
+  for (size_t i = 0; i < before.size(); ++i) all.push_back({kPlace, before[i].name, now[i].name});
   const std::optional<MapRow> map = store.map_at();
   if (!map) return all;
   const mapping::World world = mapping::parse_urdf(store.blob(map->urdf).bytes, map->name);
@@ -171,6 +213,39 @@ std::vector<Named> all_named(const Store& store) {
   for (const mapping::Joint& joint : world.joints)
     all.push_back({"joint", joint.name, names.joint(joint.name)});
   return all;
+}
+
+/// The place of a piece of furniture, whether a scene has added it yet or not; unset without one.
+std::optional<Named> place_of(const EnvironmentPart& piece, const std::vector<Named>& all) {
+  if (piece.unseen_place) return Named{kPlace, piece.unseen_place->name, piece.unseen_place->name};
+  const auto place = std::ranges::find_if(
+      all, [&](const Named& one) { return piece.place && one.of == kPlace && one.now == piece.place->name; });
+  return place == all.end() ? std::nullopt : std::optional(*place);
+}
+
+/// What a name means: the place, link or joint that is called so, else the piece of furniture ("drawer_2").
+/// A piece is named by its place, where objects are, if it has one, else by its link.
+Named named(const Store& store, const std::vector<Named>& all, const std::string& part) {
+  const auto exact = std::ranges::find_if(all, [&](const Named& one) { return one.is_called(part); });
+  const bool is_link = exact != all.end() && exact->of == "link" && exact->now == exact->in_map;
+  if (exact != all.end() && !is_link) return *exact;
+  const Snapshot snapshot(store, {});
+  const std::vector<EnvironmentPart> pieces = parts_named(snapshot, part);
+  if (pieces.size() == 1) {
+    const EnvironmentPart& piece = pieces.front();
+    const std::optional<Named> place = place_of(piece, all);
+    const bool is_it =
+        !is_link || piece.map_name == exact->in_map || (place && place->in_map == exact->in_map);
+    if (is_it && place) return *place;
+    if (is_it) return *std::ranges::find(all, piece.map_name, &Named::in_map);
+  }
+  if (is_link) return *exact;
+  std::vector<std::string> known;
+  for (const Named& one : all) known.push_back(one.now);
+  if (pieces.size() > 1)
+    refuse(store, fmt::format("'{}' may be any of {} parts", part, pieces.size()),
+           "loci-memory room lists them");
+  refuse(store, fmt::format("neither place, link nor joint is called '{}'", part), did_you_mean(part, known));
 }
 
 }  // namespace
@@ -200,7 +275,8 @@ EditList edits(const Store& store) {
   for (const RunRow& run : store.runs()) {
     if (!is_edit(run) || !run.finished) continue;
     const Json configuration = configuration_of(run, store.path());
-    if (configuration.contains("forgotten")) continue;  // it was about something that was forgotten
+    // It was about something that was forgotten, or about a scene of which another memory's decisions hold.
+    if (configuration.contains("forgotten") || configuration.contains(kLeftBehind)) continue;
     const Edit edit = {run.id, run.started, text_of(store, run, configuration), {}};
     if (configuration.contains("undoes")) {
       move_to(list.done, list.undone, edit, configuration["undoes"].get<Id>());
@@ -263,7 +339,10 @@ CatalogueResult teach(Store& store, const std::string& object, const std::string
 
 Edit name_place(Store& store, const std::string& place, const std::string& name) {
   const Snapshot snapshot(store, {});
-  const std::vector<PlaceRow> meant = snapshot.places_called(place);
+  std::vector<PlaceRow> meant = snapshot.places_called(place);
+  if (const auto pieces = parts_named(snapshot, place);
+      meant.empty() && pieces.size() == 1 && pieces[0].unseen_place)
+    meant.push_back(*pieces[0].unseen_place);
   if (meant.size() != 1)
     refuse(store,
            meant.empty() ? fmt::format("no place is called '{}'", place)
@@ -297,6 +376,9 @@ Edit set_joint_type(Store& store, const std::string& joint, const std::string& t
     joints.push_back(called.joint(candidate.name));
     if (candidate.name == joint || joints.back() == joint) found = &candidate;
   }
+  if (const auto pieces = parts_named(Snapshot(store, {}), joint);
+      found == nullptr && pieces.size() == 1 && pieces[0].motion)
+    found = &*std::ranges::find(world.joints, pieces[0].motion->map_joint, &mapping::Joint::name);
   if (found == nullptr)
     throw Error(fmt::format("the map has no joint '{}'", joint), {newest->name, 0, {}},
                 did_you_mean(joint, joints));
@@ -318,27 +400,20 @@ Edit set_joint_type(Store& store, const std::string& joint, const std::string& t
 Edit name_part(Store& store, const std::string& part, const std::string& name) {
   if (!name.empty()) require_part_name(name);
   const std::vector<Named> all = all_named(store);
-  const auto meant =
-      std::find_if(all.begin(), all.end(), [&](const Named& named) { return named.is_called(part); });
-  if (meant == all.end()) {
-    std::vector<std::string> known;
-    for (const Named& named : all) known.push_back(named.now);
-    refuse(store, fmt::format("neither place, link nor joint is called '{}'", part),
-           did_you_mean(part, known));
-  }
+  const Named meant = named(store, all, part);
   for (const Named& other : all)
-    if (&other != &*meant && other.is_called(name))
+    if (!(other == meant) && other.is_called(name))
       refuse(store, fmt::format("another {} is called '{}'", other.of, name), "give it another name");
-  if (meant->of == std::string("place")) return name_place(store, meant->in_map, name);
-  const std::string after = name == meant->in_map ? "" : name;
-  const std::string before = meant->now == meant->in_map ? "" : meant->now;
+  if (meant.of == kPlace) return name_place(store, meant.in_map, name);
+  const std::string after = name == meant.in_map ? "" : name;
+  const std::string before = meant.now == meant.in_map ? "" : meant.now;
   if (after == before)
-    refuse(store, fmt::format("the {} is called {} already", meant->of, meant->now), "give it another name");
-  const std::string text = after.empty() ? fmt::format("{} is called so again", meant->in_map)
-                                         : fmt::format("{} is called {}", meant->in_map, after);
+    refuse(store, fmt::format("the {} is called {} already", meant.of, meant.now), "give it another name");
+  const std::string text = after.empty() ? fmt::format("{} is called so again", meant.in_map)
+                                         : fmt::format("{} is called {}", meant.in_map, after);
   EditRun run(store,
               {{"text", text},
-               {"part", {{"of", meant->of}, {"name", meant->in_map}, {"before", before}, {"after", after}}}});
+               {"part", {{"of", meant.of}, {"name", meant.in_map}, {"before", before}, {"after", after}}}});
   return run.finish();
 }
 

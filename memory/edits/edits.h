@@ -48,7 +48,6 @@ Edit split_object(Store& store, Id object, TimeNs from, Progress& progress = no_
 /// The class of observation `number` of a scene, for training (empty = retracted): an annotation of type
 /// kLabelType, of which the newest holds.
 Edit label_observation(Store& store, Id scene, int64_t number, const std::string& class_name);
-inline constexpr const char* kLabelType = "loci.Label";
 /// The newest label of an observation; empty = none.
 std::string label_of(const Store& store, Id scene, Id observation);
 /// The newest map with another type of a joint ("revolute", "prismatic", "fixed", ...), added as a new map.
@@ -63,8 +62,9 @@ CatalogueResult teach(Store& store, const std::string& object, const std::string
 /// The name of a place from now on; questions and the browser use it, and also find the place by its old
 /// name. An empty name retracts it. Error when another place has this name.
 Edit name_place(Store& store, const std::string& place, const std::string& name);
-/// The same for a place or any other link, or a joint, of the map. Error when there is none of this name, or
-/// something else has the new one.
+/// The same for a piece of furniture ("drawer_2": its place, else its link, and what answers call its joint),
+/// for any other link, or for a joint, of the map. Error when there is none of this name, or something else
+/// has the new one.
 Edit name_part(Store& store, const std::string& part, const std::string& name);
 
 /// Reverses the last edit that holds, or the last undo, by further rows. Error when there is none.

@@ -9,9 +9,11 @@
 #include <set>
 
 #include "mapping/base/text/json.h"
+#include "mapping/base/time_limits.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_run.h"
 #include "memory/recorder/checkpoint.h"
+#include "memory/store/facts.h"
 
 namespace loci::memory {
 namespace {
@@ -20,6 +22,12 @@ void require_object(const Store& store, Id object) {
   const auto objects = store.objects();
   if (std::none_of(objects.begin(), objects.end(), [&](const ObjectRow& row) { return row.id == object; }))
     refuse(store, fmt::format("there is no {}", object_name(object)), "loci-memory objects lists them");
+}
+
+/// When an object was seen first, and its number: in this order objects are older.
+std::pair<TimeNs, Id> first_seen(const Store& store, Id object) {
+  const std::vector<ObjectObservation> seen = store.observations_of(object);
+  return {seen.empty() ? kMaxTime : seen.front().time, object};
 }
 
 /// Error when the merged object was never seen, or the two were seen in one scene.
@@ -199,6 +207,7 @@ struct IdentityEdit {
   std::map<Id, std::vector<Id>> groups = {};  ///< observations by the object that they are of
   TimeNs from = 0;                            ///< of the first observation that changes
   std::vector<FactRow> facts = {};            ///< that go with it
+  std::vector<std::string> notes = {};        ///< what came of them
 };
 
 std::vector<Id> ids_of(const std::vector<ObjectObservation>& list) {
@@ -219,12 +228,34 @@ std::map<Id, std::string> named_objects(const Store& store) {
 }
 
 /// What is said of objects of which nothing is left.
-std::vector<std::string> unplaced_facts(const Store& store) {
-  std::vector<std::string> notes;
+std::set<std::string> unplaced_facts(const Store& store) {
+  std::set<std::string> notes;
   for (const auto& [object, facts] : named_objects(store))
     if (!store.belief(object))
-      notes.push_back(fmt::format("{} ({}) has no observation left", object_name(object), facts));
+      notes.insert(fmt::format("{} ({}) has no observation left", object_name(object), facts));
   return notes;
+}
+
+/// Gives what is said of an object to the one that it is. Of a key with one value the statement that was made
+/// last holds, and a note says so.
+void merge_facts(const Store& store, Id remaining, Id merged, IdentityEdit& edit) {
+  const std::vector<FactRow> facts = store.facts();
+  for (const FactRow& given : facts) {
+    if (given.object != merged) continue;
+    edit.facts.push_back(correction_of(given));
+    edit.facts.back().object = remaining;
+    if (!has_one_value(given.key)) continue;
+    const auto kept = std::ranges::find_if(
+        facts, [&](const FactRow& fact) { return fact.object == remaining && fact.key == given.key; });
+    if (kept == facts.end()) continue;
+    const bool is_newer = given.clock.known_from > kept->clock.known_from;
+    const FactRow &holds = is_newer ? given : *kept, &yields = is_newer ? *kept : given;
+    if (is_newer) edit.facts.push_back(correction_of(yields));
+    edit.facts.back().value.reset();
+    if (holds.value != yields.value)
+      edit.notes.push_back(
+          fmt::format("its {} is {}, as was said last, not {}", given.key, *holds.value, *yields.value));
+  }
 }
 
 /// Corrects identities. `relabel` adds the rows where there is no evidence to reason with.
@@ -232,6 +263,7 @@ Edit correct_identity(Store& store, const IdentityEdit& edit,
                       const std::function<void(SceneTransaction&)>& relabel, Progress& progress) {
   const bool with_evidence = store.scenes_without_reasoning() == 0;
   const EditList before = edits(store);
+  const std::set<std::string> unplaced_before = unplaced_facts(store);
   Revision revision{store.scenes({}, edit.from, edit.from).front().id, 0,
                     known_identities(store, before.done)};
   Json configuration = identity_json(edit.groups);
@@ -253,7 +285,8 @@ Edit correct_identity(Store& store, const IdentityEdit& edit,
   rows.commit();
   apply_catalogues(store);
   Edit made = run.finish();
-  std::vector<std::string> notes = unplaced_facts(store);
+  std::vector<std::string> notes = edit.notes;
+  std::ranges::set_difference(unplaced_facts(store), unplaced_before, std::back_inserter(notes));
   if (!with_evidence)
     notes.emplace_back("without the evidence of all scenes nothing else was reasoned about anew");
   made.note = fmt::format("{}", fmt::join(notes, "; "));
@@ -266,20 +299,16 @@ Edit merge_objects(Store& store, Id one, Id other, Progress& progress) {
   if (one == other) refuse(store, object_name(one) + " is itself", "name two objects");
   require_object(store, one);
   require_object(store, other);
-  const Id remaining = std::min(one, other), merged = std::max(one, other);
+  const Id remaining = std::min(first_seen(store, one), first_seen(store, other)).second,
+           merged = remaining == one ? other : one;
   const std::vector<ObjectObservation> kept = store.observations_of(remaining),
                                        moved = store.observations_of(merged);
   require_separate(store, kept, remaining, merged, moved);
-  std::vector<FactRow> facts = store.facts();
-  std::erase_if(facts, [&](const FactRow& fact) { return fact.object != merged; });
   IdentityEdit edit{.text = fmt::format("{} is {}", object_name(merged), object_name(remaining)),
                     .groups = {{remaining, ids_of(kept)}},
                     .from = moved.front().time};
   for (const Id observation : ids_of(moved)) edit.groups[remaining].push_back(observation);
-  for (const FactRow& fact : facts) {
-    edit.facts.push_back(correction_of(fact));
-    edit.facts.back().object = remaining;
-  }
+  merge_facts(store, remaining, merged, edit);
   return correct_identity(
       store, edit, [&](SceneTransaction& rows) { merge_rows(store, rows, remaining, kept, merged, moved); },
       progress);

@@ -11,6 +11,7 @@
 #include "mapping/image/hsv.h"
 #include "mapping/world/semantic_map.h"
 #include "memory/recorder/observation_pixels.h"
+#include "memory/store/map_places.h"
 
 namespace loci::memory {
 namespace {
@@ -181,20 +182,8 @@ std::vector<PlaceRow> places_of_map(const std::filesystem::path& urdf) {
   std::vector<PlaceRow> places;
   const std::filesystem::path sidecar = mapping::sidecar_path(urdf);
   if (!std::filesystem::exists(sidecar)) return places;
-  for (const auto& [name, link] : mapping::read_semantic_map(sidecar).links) {
-    const Json& geometry = link.geometry;
-    if (!geometry.contains("height") || !geometry.contains("outline")) continue;
-    PlaceRow place{.name = name, .class_name = link.class_name};
-    place.container = link.class_name.starts_with("drawer") || link.class_name == "cabinet";
-    try {
-      place.height = geometry.at("height").get<double>();
-      for (const Json& corner : geometry.at("outline"))
-        place.outline.emplace_back(corner.at(0).get<double>(), corner.at(1).get<double>());
-    } catch (const Json::exception&) {
-      throw Error("must be {\"height\": m, \"outline\": [[x, y], ...]}", {sidecar.string(), 0, name});
-    }
-    places.push_back(std::move(place));
-  }
+  for (const auto& [name, link] : mapping::read_semantic_map(sidecar).links)
+    if (auto place = place_of_link(name, link, sidecar.string())) places.push_back(std::move(*place));
   return places;
 }
 

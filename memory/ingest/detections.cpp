@@ -22,7 +22,7 @@ constexpr double kFarthest_m = 1e5;
 constexpr double kMaxSize_m = 100;
 constexpr size_t kMaxDetections = 1000;
 
-/// Parsed here with sorted keys: a line of millions of keys must not take hours.
+/// With sorted keys: a line of millions of keys must not take hours.
 using Parsed = nlohmann::json;
 
 using perception::bounded_number;
@@ -86,8 +86,12 @@ DetectedScene::Camera read_camera(const Parsed& json) {
 
 Vector3d read_color(const Parsed& json, const std::string& where) {
   Vector3d color = vector(json, where);
-  if (color[0] < 0 || color[0] > 360 || color.tail<2>().minCoeff() < 0 || color.tail<2>().maxCoeff() > 1)
-    refuse(where, "must be [hue 0 to 360, saturation 0 to 1, value 0 to 1]");
+  const bool fits = color.minCoeff() >= 0 && color[0] <= 360 && color.tail<2>().maxCoeff() <= 1;
+  // No conversion makes a black with a hue or saturation; red in RGB would be one.
+  const bool is_rgb = color[2] == 0 && color.head<2>().maxCoeff() > 0;
+  if (!fits || is_rgb)
+    refuse(where, "must be [hue 0 to 360, saturation 0 to 1, value 0 to 1]",
+           is_rgb ? "as such it is black: convert RGB to HSV" : "convert RGB to HSV");
   return color;
 }
 
@@ -173,21 +177,11 @@ void check_masks(const DetectedScene& scene) {
 }  // namespace
 
 DetectedScene parse_detections(std::string_view line, const std::filesystem::path& folder) {
-  check_json_depth(line, {});
-  Parsed json;
-  try {
-    json = Parsed::parse(line);
-  } catch (const Parsed::parse_error& error) {
-    const std::string what = error.what();
-    if (what.find("UTF-8") != std::string::npos)
-      throw Error(fmt::format("has invalid UTF-8 at byte {}", error.byte));
-    throw Error(fmt::format("is not valid JSON at byte {}", error.byte));
-  } catch (const Parsed::exception&) {
-    throw Error("has a number that is too large");
-  }
+  const Parsed json = perception::parse_values(line);
   DetectedScene scene;
   if (!json.is_object()) throw Error("is not a JSON object");
   if (!json.contains("time")) throw Error("has no time");
+  perception::detections_of(json);
   for (const auto& [key, value] : json.items()) {
     if (key == "time") {
       scene.time = parse_time(text_of(value, "time"));

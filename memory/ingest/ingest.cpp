@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <memory>
+#include <regex>
 #include <set>
 
 #include "mapping/base/files.h"
@@ -22,6 +23,7 @@
 #include "memory/recorder/recorder.h"
 #include "memory/store/memory_file.h"
 #include "perception/detection/detection_set.h"
+#include "perception/detection/detection_values.h"
 #include "perception/detection/people_detector.h"
 
 namespace loci::memory {
@@ -55,10 +57,13 @@ class SceneSource {
   size_t repeated() const { return repeated_; }
   size_t skipped() const { return skipped_; }
   const std::optional<Error>& first_error() const { return first_error_; }
+  /// The beginning of the line that it is about.
+  const std::string& first_bad() const { return first_bad_; }
 
  protected:
   std::set<int64_t> skip_;
   std::optional<Error> first_error_;
+  std::string first_bad_;
   size_t bad_ = 0, repeated_ = 0, skipped_ = 0;
 };
 
@@ -66,8 +71,14 @@ class SceneSource {
 class LineSource : public SceneSource {
  public:
   /// With `lifting` detections may have a region instead of a position.
-  LineSource(const fs::path& file, bool lifting, std::optional<TimeNs> not_before, Warnings& warnings)
-      : file_(file), reader_(file), lifting_(lifting), not_before_(not_before), warnings_(warnings) {}
+  LineSource(const fs::path& file, std::string called, bool lifting, std::optional<TimeNs> not_before,
+             Warnings& warnings)
+      : file_(file),
+        called_(std::move(called)),
+        reader_(file),
+        lifting_(lifting),
+        not_before_(not_before),
+        warnings_(warnings) {}
 
   std::optional<NumberedScene> next() override {
     for (;;) {
@@ -110,18 +121,21 @@ class LineSource : public SceneSource {
     for (const std::string& key : read.scene.unknown_keys)
       if (unknown_.insert(key).second)
         warnings_.add(fmt::format("'{}' is not part of the format and is ignored", key),
-                      {file_.string(), static_cast<int>(line), {}});
+                      {called_, static_cast<int>(line), {}});
     return read;
   }
 
   void report_bad(const Error& error, int64_t line) {
-    const Error named(error.message(), {file_.string(), static_cast<int>(line), error.location().key},
-                      error.hint());
+    const Error named(error.message(), {called_, static_cast<int>(line), error.location().key}, error.hint());
     if (++bad_ <= kNamedLines) warnings_.add(std::string(named.what()) + ": line skipped");
-    if (!first_error_) first_error_ = named;
+    if (first_error_) return;
+    first_error_ = named;
+    first_bad_ = text_.substr(0, kShownOfLine);
   }
 
+  static constexpr size_t kShownOfLine = 10'000;
   fs::path file_;
+  std::string called_;
   LineReader reader_;
   bool lifting_;
   std::optional<TimeNs> not_before_;
@@ -177,6 +191,22 @@ class FrameSource : public SceneSource {
   size_t position_ = 0, matched_ = 0;
 };
 
+/// What to do with a file of another format, by a line of it; empty when none is recognised.
+std::string advice(const std::string& line) {
+  const std::string text = trimmed(line);
+  static const std::regex exported(R"re(^\{("time":"[^"]*",)?"(about|kind|object|place|scene)":)re");
+  const std::vector<std::string> words = words_of(text);
+  const auto is_number = [](const std::string& word) {
+    return word.find_first_not_of("0123456789.+-eE") == std::string::npos;
+  };
+  if (text.find("\"image_id\"") != std::string::npos) return "it looks like COCO: call it *.json";
+  if (text.starts_with('[')) return perception::kScenePerLine;
+  if (std::regex_search(text, exported)) return "it looks like a table that `loci-memory export` wrote";
+  if (words.size() >= 5 && std::ranges::all_of(words, is_number))
+    return "it looks like YOLO: give the folder of such files";
+  return text.starts_with('{') ? "" : "one JSON object per line is expected";
+}
+
 /// COCO and YOLO; everything else is JSON Lines, which are known by their first line, whatever the file is
 /// called.
 bool is_detection_set(const fs::path& file) {
@@ -211,10 +241,21 @@ Preview preview(const perception::DetectionSet& set) {
   return {content_hash(text), std::nullopt};
 }
 
-/// Error without a valid line, and with `whole` for the first bad one.
-Preview preview(const fs::path& file, bool lifting, bool whole, Progress& progress) {
+/// Why a file is none of detections: what is wrong with its first bad line, as with most others.
+Error not_detections(const SceneSource& reader, size_t good) {
+  const Error& first = *reader.first_error();
+  const std::string hint = advice(reader.first_bad());
+  const std::string others = reader.bad() == 1 ? ""
+                                               : fmt::format("; {} of {} lines are bad, nothing is added",
+                                                             reader.bad(), reader.bad() + good);
+  return Error(first.message() + others, first.location(), hint.empty() ? first.hint() : hint);
+}
+
+/// Error when most lines are bad, and with `whole` for the first bad one.
+Preview preview(const fs::path& file, const std::string& called, bool lifting, bool whole,
+                Progress& progress) {
   Warnings ignored;  // they come again when the lines are ingested
-  LineSource reader(file, lifting, std::nullopt, ignored);
+  LineSource reader(file, called, lifting, std::nullopt, ignored);
   PositionNoise noise;
   Preview result;
   size_t count = 0;
@@ -226,11 +267,20 @@ Preview preview(const fs::path& file, bool lifting, bool whole, Progress& progre
     if (count % 256 == 0) progress.check(reader.fraction() / 10, "checking the file");
     if (whole && reader.first_error()) break;
   }
-  if (reader.first_error() && (whole || count == 0)) throw *reader.first_error();
-  if (count == 0)
-    throw Error("has no scenes", {file.string(), 0, {}}, "one JSON object per line is expected");
+  if (whole && reader.first_error()) throw *reader.first_error();
+  if (const size_t good = count + reader.repeated(); reader.bad() > good) throw not_detections(reader, good);
+  if (count == 0) throw Error("has no scenes", {called, 0, {}}, "one JSON object per line is expected");
   result.sigma_m = noise.sigma_m();
   return result;
+}
+
+/// How many observations are of no object after a scene that were of none before it: those of tentative
+/// objects, which become objects when they are seen again.
+int64_t unconfirmed(const belief::BeliefUpdate& update) {
+  int64_t count = std::ranges::count(update.observations, int64_t{0}, &belief::ObservationOutcome::object);
+  for (const belief::Confirmed& confirmed : update.confirmed)
+    count -= static_cast<int64_t>(confirmed.earlier.size());
+  return count;
 }
 
 /// Places the detections of a scene and counts. Whether the scene says anything.
@@ -271,17 +321,17 @@ Input open_input(const fs::path& file, const IngestOptions& options, Warnings& w
   }
   if (!fs::exists(file)) throw Error("no such file", {file.string(), 0, {}});
   if (!is_detection_set(file)) return input;
+  input.set = perception::DetectionSet::read(file, warnings);
   if (!input.recording)
     throw Error("COCO and YOLO detections have no positions", {file.string(), 0, {}},
                 "--recording FOLDER lifts them to 3-D");
-  input.set = perception::DetectionSet::read(file, warnings);
   return input;
 }
 
-std::unique_ptr<SceneSource> source_of(const fs::path& file, const Input& input,
+std::unique_ptr<SceneSource> source_of(const fs::path& file, const std::string& called, const Input& input,
                                        std::optional<TimeNs> not_before, Warnings& warnings) {
   if (input.set) return std::make_unique<FrameSource>(*input.set, *input.recording);
-  return std::make_unique<LineSource>(file, input.lifter != nullptr, not_before, warnings);
+  return std::make_unique<LineSource>(file, called, input.lifter != nullptr, not_before, warnings);
 }
 
 }  // namespace
@@ -298,6 +348,7 @@ void IngestOptions::declare(OptionTable& table) {
 std::string IngestResult::summary() const {
   std::string text =
       fmt::format("{} with {} added", counted(scenes, "scene"), counted(detections, "detection"));
+  if (unconfirmed > 0) text += fmt::format(", {} of them not confirmed by other scenes", unconfirmed);
   if (present > 0) text += fmt::format("; {} in the memory already", counted(present, "line"));
   if (repeated > 0) text += fmt::format("; {} left out as repeated", counted(repeated, "line"));
   if (bad > 0) text += fmt::format("; {} skipped", counted(bad, "bad line"));
@@ -308,9 +359,16 @@ std::string IngestResult::summary() const {
 }
 
 Json IngestResult::report() const {
-  return {{"scenes", scenes},          {"detections", detections}, {"present", present},
-          {"repeated", repeated},      {"bad_lines", bad},         {"scenes_used", used.report()},
-          {"lifted", lifted.report()}, {"noise_m", noise_m},       {"noise_estimated", noise_estimated}};
+  return {{"scenes", scenes},
+          {"detections", detections},
+          {"unconfirmed", unconfirmed},
+          {"present", present},
+          {"repeated", repeated},
+          {"bad_lines", bad},
+          {"scenes_used", used.report()},
+          {"lifted", lifted.report()},
+          {"noise_m", noise_m},
+          {"noise_estimated", noise_estimated}};
 }
 
 namespace {
@@ -340,8 +398,9 @@ class NewMemory {
 IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOptions& options,
                     const WriteOptions& write, Progress& progress, Warnings& warnings) {
   const Input input = open_input(file, options, warnings);
-  const Preview ahead =
-      input.set ? preview(*input.set) : preview(file, input.lifter != nullptr, options.strict, progress);
+  const std::string called = options.called.empty() ? file.string() : options.called;
+  const Preview ahead = input.set ? preview(*input.set)
+                                  : preview(file, called, input.lifter != nullptr, options.strict, progress);
   std::vector<PlaceRow> places;
   if (!options.map.empty()) {
     mapping::read_urdf(options.map);  // Error when it is not a URDF
@@ -365,9 +424,10 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
   if (known) present = store.frames(known->id);
   if (!present.empty() && !options.resume)
     throw Error(fmt::format("this file is in the memory already ({})", counted(present.size(), "scene")),
-                {file.string(), 0, {}}, "--resume adds the lines that are missing");
+                {called, 0, {}}, "--resume adds the lines that are missing");
 
-  const std::unique_ptr<SceneSource> source = source_of(file, input, store.last_scene_time(), warnings);
+  const std::unique_ptr<SceneSource> source =
+      source_of(file, called, input, store.last_scene_time(), warnings);
   SceneSource& reader = *source;
   reader.skip(std::move(present));
   std::optional<NumberedScene> current = reader.next();
@@ -402,19 +462,20 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
     record.row.map = map;
     if (after)
       record.seconds_to_next = static_cast<double>(after->scene.time - current->scene.time) / double(kSecond);
-    recorder.record(record);
+    result.unconfirmed += unconfirmed(recorder.record(record).update);
     made.added();
     ++result.scenes;
     result.detections += current->scene.detections.size();
     current = std::move(after);
   }
+  result.unconfirmed = std::max<int64_t>(result.unconfirmed, 0);  // earlier runs left some to confirm
   if (input.lifter) result.lifted = input.lifter->detections();
   result.used.add(Reason::no_matching_frame, reader.unmatched());
   result.present = reader.skipped();
   result.repeated = reader.repeated();
   result.bad = reader.bad();
   if (result.bad > kNamedLines)
-    warnings.add(fmt::format("{} more bad lines", result.bad - kNamedLines), {file.string(), 0, {}});
+    warnings.add(fmt::format("{} more bad lines", result.bad - kNamedLines), {called, 0, {}});
   look_back(store, run, progress);
   store.finish_run(run);
   apply_catalogues(store);

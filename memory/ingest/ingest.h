@@ -24,12 +24,14 @@ struct IngestOptions {
   std::string default_time_zone;      ///< of a new memory when nothing else names one; empty = UTC
   belief::BeliefOptions belief;
   std::string program = "loci-memory ingest";
+  std::string called;  ///< the file in messages; empty = its path
 
   void declare(OptionTable& table);
 };
 
 struct IngestResult {
   size_t scenes = 0, detections = 0;  ///< added
+  int64_t unconfirmed = 0;            ///< detections of objects that wait to be seen again, or of clutter
   size_t present = 0;                 ///< lines that the memory had already
   size_t repeated = 0;                ///< lines that equal the line before
   size_t bad = 0;                     ///< skipped lines; the warnings name the first ones
@@ -45,8 +47,8 @@ struct IngestResult {
 /// Adds the detections of another system (docs/file-formats.md: JSON Lines; with a recording also COCO and
 /// YOLO) to a memory, with the same reasoning as for perceived scenes. Detections in images are lifted by the
 /// depth of the recording. One scene is one transaction: after an interruption `resume` continues
-/// with the first missing line. Error when the file has no valid line, when it is in the memory already and
-/// `resume` is not set, and with `strict` for the first bad line before anything is added.
+/// with the first missing line. Error, before anything is added, when most of the first lines are bad, when
+/// the file is in the memory already and `resume` is not set, and with `strict` for the first bad line.
 IngestResult ingest(const std::filesystem::path& file, const std::filesystem::path& memory,
                     const IngestOptions& options, const WriteOptions& write, Progress& progress,
                     Warnings& warnings);

@@ -9,6 +9,7 @@
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
+#include "memory/questions/replies/reply_parts.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {
@@ -60,6 +61,15 @@ std::string view_text(const PlaceContents& contents, const TimeWriter& times) {
                      contents.fraction ? fmt::format(", {:.0f} % of it", 100 * *contents.fraction) : "");
 }
 
+/// "1 object is, perhaps 1 more": what the last look missed is not counted as there, as in the reply.
+std::string count_in_words(const std::vector<ObjectBelief>& objects) {
+  const auto sure = static_cast<size_t>(std::ranges::count_if(objects, replies::is_there));
+  const size_t perhaps = objects.size() - sure;
+  if (sure == 0) return fmt::format("Perhaps {} {}", counted(perhaps, "object"), perhaps == 1 ? "is" : "are");
+  return fmt::format("{} {}{}", counted(sure, "object"), sure == 1 ? "is" : "are",
+                     perhaps > 0 ? fmt::format(", perhaps {} more,", perhaps) : "");
+}
+
 const Record<PlaceContents>& place_contents_record() {
   static const auto record =
       Record<PlaceContents>("PlaceContents")
@@ -103,8 +113,7 @@ std::string to_text(const ContentsAnswer& answer, const TimeWriter& times) {
     else if (contents.there.empty())
       lines.push_back(fmt::format("Nothing is known to be {} ({}).", where, view));
     else
-      lines.push_back(fmt::format("{} {} {} ({}):", counted(contents.there.size(), "object"),
-                                  contents.there.size() == 1 ? "is" : "are", where, view));
+      lines.push_back(fmt::format("{} {} ({}):", count_in_words(contents.there), where, view));
     for (const ObjectBelief& object : contents.there) lines.push_back("  " + belief_text(object, times));
     for (const ObjectBelief& object : contents.gone)
       lines.push_back("  no longer: " + belief_text(object, times));

@@ -16,10 +16,12 @@
 #include "mapping/world/kinematics.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
+#include "memory/questions/names/names.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/reply_parts.h"
 #include "memory/questions/snapshot.h"
+#include "memory/store/map_places.h"
 
 namespace loci::memory {
 namespace {
@@ -101,6 +103,24 @@ void set_place(const Snapshot& snapshot, const PlaceRow& place, EnvironmentPart&
     if (fact.place == place.id && fact.key == "alias" && fact.value) part.aliases.push_back(*fact.value);
 }
 
+/// Gives a part the links that move along with it, and the place that the map has for it.
+void add_pieces(const StoredMap& map, const std::vector<Isometry3d>& poses, EnvironmentPart& part) {
+  for (size_t i = 0; i < map.world.links.size(); ++i) {
+    const mapping::Link& link = map.world.links[i];
+    const mapping::Joint* joint = moving_joint(map.world, link.name);
+    const bool moves_along = part.motion && joint != nullptr && joint->name == part.motion->map_joint;
+    if (moves_along && is_piece(map, link)) part.pieces.push_back(link.name);
+    const auto known = map.semantic.links.find(link.name);
+    if ((!moves_along && link.name != part.map_name) || known == map.semantic.links.end() || part.place ||
+        part.unseen_place)
+      continue;
+    part.unseen_place = place_of_link(link.name, known->second, map.name);
+    if (!part.unseen_place) continue;
+    part.unseen_place->map_from_place = poses[i];
+    if (joint != nullptr) part.unseen_place->joint = joint->name;
+  }
+}
+
 std::vector<EnvironmentPart> parts_of_map(const Snapshot& snapshot, const StoredMap& map) {
   const std::vector<Isometry3d> poses = root_from_links(map.world, {});
   const std::vector<PlaceRow> map_places = snapshot.store().places();  // by the names of the map
@@ -123,32 +143,18 @@ std::vector<EnvironmentPart> parts_of_map(const Snapshot& snapshot, const Stored
     for (size_t k = 0; k < map_places.size(); ++k) {
       const PlaceRow& place = snapshot.places()[k];
       const bool is_it = map_places[k].name == link.name;
-      if (is_it) part.name = place.name;
-      if (is_it || (joint != nullptr && place.joint == joint->name)) set_place(snapshot, place, part);
+      const bool is_in_it = !is_it && joint != nullptr && place.joint == joint->name;
+      const bool lends_name =
+          is_in_it && part.motion && part.name == link.name && place.name != map_places[k].name;
+      if (is_it || lends_name) part.name = place.name;
+      if (is_it || is_in_it) set_place(snapshot, place, part);
     }
+    // Who names a drawer names what moves it, too.
+    if (part.motion && part.name != link.name && part.motion->joint == part.motion->map_joint)
+      part.motion->joint = part.name;
+    add_pieces(map, poses, part);
     parts.push_back(std::move(part));
   }
-  return parts;
-}
-
-/// All parts, without their motions and contents.
-std::vector<EnvironmentPart> all_parts(const Snapshot& snapshot) {
-  const std::shared_ptr<const StoredMap> map = map_of(snapshot);
-  std::vector<EnvironmentPart> parts;
-  if (map) parts = parts_of_map(snapshot, *map);
-  for (const PlaceRow& place : snapshot.places()) {
-    if (std::any_of(parts.begin(), parts.end(),
-                    [&](const EnvironmentPart& part) { return part.place && part.place->id == place.id; }))
-      continue;
-    if (map && place.map) continue;  // it is in an earlier or later map only
-    parts.push_back({.name = place.name,
-                     .map_name = place.name,
-                     .class_name = place.class_name,
-                     .position = centre_of(place)});
-    set_place(snapshot, place, parts.back());
-  }
-  std::sort(parts.begin(), parts.end(),
-            [](const EnvironmentPart& a, const EnvironmentPart& b) { return a.name < b.name; });
   return parts;
 }
 
@@ -190,19 +196,14 @@ void keep_most(SizeMeasure measure, std::vector<EnvironmentPart>& parts) {
   })};
 }
 
-/// "the kitchen drawers" → "drawer" of a class drawer; "drawer 1" → the beginning of drawer_1_front.
-std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& parts,
-                                          const std::string& asked) {
-  const std::string name = lower_case(asked);
-  std::string joined = name;
-  std::replace(joined.begin(), joined.end(), ' ', '_');
+/// See parts_named().
+std::vector<EnvironmentPart> named_exactly(const std::vector<EnvironmentPart>& parts,
+                                           const std::string& asked) {
   std::vector<EnvironmentPart> found;
   const auto take = [&](auto matches) {
     if (found.empty()) std::copy_if(parts.begin(), parts.end(), std::back_inserter(found), matches);
   };
-  const auto is_called = [&](const std::string& known) {
-    return lower_case(known) == joined || lower_case(known) == name;
-  };
+  const auto is_called = [key = name_key(asked)](const std::string& known) { return name_key(known) == key; };
   take([&](const EnvironmentPart& part) {
     return is_called(part.name) || (part.place && is_called(part.place->name));
   });
@@ -210,9 +211,23 @@ std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& pa
   take([&](const EnvironmentPart& part) {
     return part.motion && (is_called(part.motion->joint) || is_called(part.motion->map_joint));
   });
+  take([&](const EnvironmentPart& part) { return std::ranges::any_of(part.aliases, is_called); });
   take([&](const EnvironmentPart& part) {
-    return std::find(part.aliases.begin(), part.aliases.end(), name) != part.aliases.end();
+    return is_called(piece_in_words(part.map_name)) || std::ranges::any_of(part.pieces, is_called);
   });
+  return found;
+}
+
+/// "drawer" of a class drawer; "drawer 1" → the beginning of drawer_1_front.
+std::vector<EnvironmentPart> by_all_words(const std::vector<EnvironmentPart>& parts,
+                                          const std::string& asked) {
+  const std::string name = lower_case(asked);
+  std::string joined = name;
+  std::replace(joined.begin(), joined.end(), ' ', '_');
+  std::vector<EnvironmentPart> found = named_exactly(parts, asked);
+  const auto take = [&](auto matches) {
+    if (found.empty()) std::copy_if(parts.begin(), parts.end(), std::back_inserter(found), matches);
+  };
   take([&](const EnvironmentPart& part) {
     return part.name.starts_with(joined + "_") || part.map_name.starts_with(joined + "_");
   });
@@ -228,19 +243,33 @@ std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& pa
           asked_words, [&](const std::string& word) { return std::ranges::count(words, word) > 0; });
     });
   if (!found.empty()) return found;
-  if (const std::string singular = singular_of(name); singular != name) return parts_called(parts, singular);
-  if (const std::string other = furniture_called(name); !other.empty()) return parts_called(parts, other);
-  // "widest drawer", "kitchen drawer"; not "mugs on counter".
+  if (const std::string singular = singular_of(name); singular != name) return by_all_words(parts, singular);
+  const std::string other = furniture_called(name);
+  return other.empty() ? found : by_all_words(parts, other);
+}
+
+/// The first word of a name and the others: "widest drawer", "kitchen drawer"; not "mugs on counter". Unset
+/// where it is one word, or another thing than its last words.
+std::optional<std::pair<std::string, std::string>> first_and_rest(const std::string& name) {
   const bool of_place = std::ranges::any_of(
-      asked_words, [](const std::string& word) { return word == "on" || word == "in" || word == "at"; });
-  if (const size_t space = name.find(' '); space != std::string::npos && !of_place) {
-    const std::string first = name.substr(0, space), rest = name.substr(space + 1);
-    if (is_other_thing(first, rest)) return found;
-    found = parts_called(parts, rest);
-    if (const auto level = level_called(first)) keep_level(*level, found);
-    if (const auto measure = superlatives().find(first); measure != superlatives().end())
-      keep_most(measure->second, found);
-  }
+      words_of(name), [](const std::string& word) { return word == "on" || word == "in" || word == "at"; });
+  const size_t space = name.find(' ');
+  if (space == std::string::npos || of_place) return std::nullopt;
+  std::pair words(name.substr(0, space), name.substr(space + 1));
+  return is_other_thing(words.first, words.second) ? std::nullopt : std::optional(std::move(words));
+}
+
+/// "the kitchen drawers" → any drawer.
+std::vector<EnvironmentPart> parts_called(const std::vector<EnvironmentPart>& parts,
+                                          const std::string& asked) {
+  std::vector<EnvironmentPart> found = by_all_words(parts, asked);
+  const auto words = first_and_rest(lower_case(asked));
+  if (!found.empty() || !words) return found;
+  const auto& [first, rest] = *words;
+  found = parts_called(parts, rest);
+  if (const auto level = level_called(first)) keep_level(*level, found);
+  if (const auto measure = superlatives().find(first); measure != superlatives().end())
+    keep_most(measure->second, found);
   return found;
 }
 
@@ -317,9 +346,35 @@ std::optional<bool> PartMotion::open() const {
   return next_position && is_open(*next_position) != before ? std::nullopt : std::optional(before);
 }
 
+std::vector<EnvironmentPart> all_parts(const Snapshot& snapshot) {
+  const std::shared_ptr<const StoredMap> map = map_of(snapshot);
+  std::vector<EnvironmentPart> parts;
+  if (map) parts = parts_of_map(snapshot, *map);
+  for (EnvironmentPart& part : parts)
+    if (part.unseen_place) part.unseen_place->map = snapshot.store().map_at(snapshot.as_of())->id;
+  for (const PlaceRow& place : snapshot.places()) {
+    if (std::any_of(parts.begin(), parts.end(),
+                    [&](const EnvironmentPart& part) { return part.place && part.place->id == place.id; }))
+      continue;
+    if (map && place.map) continue;  // it is in an earlier or later map only
+    parts.push_back({.name = place.name,
+                     .map_name = place.name,
+                     .class_name = place.class_name,
+                     .position = centre_of(place)});
+    set_place(snapshot, place, parts.back());
+  }
+  std::sort(parts.begin(), parts.end(),
+            [](const EnvironmentPart& a, const EnvironmentPart& b) { return a.name < b.name; });
+  return parts;
+}
+
+std::vector<EnvironmentPart> parts_named(const Snapshot& snapshot, const std::string& name) {
+  return named_exactly(snapshot.parts(), name);
+}
+
 std::vector<EnvironmentPart> find_parts(const Snapshot& snapshot, const std::string& asked) {
   static const std::set<std::string> everything = {"", "room", "kitchen", "everything", "all", "anything"};
-  std::vector<EnvironmentPart> parts = all_parts(snapshot);
+  const std::vector<EnvironmentPart>& parts = snapshot.parts();
   if (everything.contains(asked)) return parts;
   std::vector<EnvironmentPart> found = parts_called(parts, asked);
   if (!found.empty()) return found;
@@ -329,6 +384,17 @@ std::vector<EnvironmentPart> find_parts(const Snapshot& snapshot, const std::str
   throw UnknownName(UnknownName::Kind::place, fmt::format("no part of the room is called '{}'", asked),
                     {snapshot.store().name(), 0, {}},
                     !hint.empty() ? hint : fmt::format("known: {}", fmt::join(names, ", ")));
+}
+
+std::string kind_meant(const Snapshot& snapshot, const std::string& name) {
+  const auto words = first_and_rest(lower_case(name));
+  if (!words || !by_all_words(snapshot.parts(), name).empty()) return "";
+  const auto& [first, rest] = *words;
+  if (with_article(name) == name) return kind_meant(snapshot, rest);
+  const bool picks = level_called(first) || is_superlative(first);
+  if (picks || parts_called(snapshot.parts(), rest).empty()) return "";
+  const std::string shorter = kind_meant(snapshot, rest);
+  return shorter.empty() ? singular_of_furniture(rest) : shorter;
 }
 
 void add_states(const Snapshot& snapshot, std::vector<EnvironmentPart>& parts) {
@@ -348,7 +414,7 @@ std::optional<mapping::World> world_of(const Snapshot& snapshot) {
 }
 
 std::string find_part_without_place(const Snapshot& snapshot, const std::string& name) {
-  const std::vector<EnvironmentPart> parts = parts_called(all_parts(snapshot), name);
+  const std::vector<EnvironmentPart> parts = parts_called(snapshot.parts(), name);
   const bool has_place =
       std::ranges::any_of(parts, [](const EnvironmentPart& part) { return part.place.has_value(); });
   return parts.empty() || has_place ? "" : parts[0].name;
@@ -357,14 +423,14 @@ std::string find_part_without_place(const Snapshot& snapshot, const std::string&
 std::vector<Id> find_places_by_level(const Snapshot& snapshot, const std::string& name) {
   std::vector<Id> places;
   if (!level_called(name.substr(0, name.find(' ')))) return places;
-  for (const EnvironmentPart& part : parts_called(all_parts(snapshot), name))
+  for (const EnvironmentPart& part : parts_called(snapshot.parts(), name))
     if (part.place) places.push_back(part.place->id);
   return places;
 }
 
 std::set<std::string> joints_called(const Snapshot& snapshot, const std::string& name) {
   std::set<std::string> joints;
-  for (const EnvironmentPart& part : parts_called(all_parts(snapshot), name))
+  for (const EnvironmentPart& part : parts_called(snapshot.parts(), name))
     if (part.motion) joints.insert(part.motion->map_joint);
   return joints;
 }

@@ -39,16 +39,26 @@ struct EnvironmentPart {
   std::optional<Vector3d> position = {};  ///< map frame, as the map was made
   std::optional<Vector3d> size = {};      ///< of its solid shapes along the axes of its link, metres
   std::optional<PartMotion> motion = {};
+  std::vector<std::string> pieces = {};  ///< links that its joint moves along: the bottom, sides, a handle
   // Where objects can be on or in it.
   std::optional<PlaceRef> place = {};
-  std::optional<double> height = {};  ///< of its surface above the floor
-  size_t objects = 0;                 ///< believed to be there
+  std::optional<PlaceRow> unseen_place = {};  ///< that the map has, where no scene has added it yet
+  std::optional<double> height = {};          ///< of its surface above the floor
+  size_t objects = 0;                         ///< believed to be there
   std::optional<SceneRef> last_view = {};
 };
 
+/// All parts, without their motions and contents; Snapshot::parts() keeps them.
+std::vector<EnvironmentPart> all_parts(const Snapshot& snapshot);
+/// Parts that are called so exactly: by a name of their own, of their joint, place or pieces ("drawer_2" is
+/// drawer_2_front), or by an alias or appliance. Empty where none is.
+std::vector<EnvironmentPart> parts_named(const Snapshot& snapshot, const std::string& name);
 /// Parts that a name means, without their motions and contents: a link, place, alias, appliance or class;
 /// "" = all. UnknownName with the nearest names when it means none.
 std::vector<EnvironmentPart> find_parts(const Snapshot& snapshot, const std::string& name);
+/// What the last words of a name are taken for where no part is called by all of them: "drawer" for "fridge
+/// drawer". Empty where its words say which part is meant ("top drawer"), and where it means none.
+std::string kind_meant(const Snapshot& snapshot, const std::string& name);
 /// Adds how their joints stood when they were seen last, when they opened and closed, and what is there.
 void add_states(const Snapshot& snapshot, std::vector<EnvironmentPart>& parts);
 

@@ -6,10 +6,13 @@
 #include <algorithm>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/environment_parts.h"
 #include "memory/questions/names/map_names.h"
+#include "memory/questions/names/names.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/snapshot.h"
+#include "memory/store/facts.h"
 #include "memory/store/scene_transaction.h"
 
 namespace loci::memory {
@@ -18,7 +21,10 @@ namespace {
 struct FactOwner {
   std::optional<Id> object = {}, place = {};
   std::string name = {};
-  bool matches(const FactRow& fact) const { return object ? fact.object == object : fact.place == place; }
+  std::optional<PlaceRow> unseen = {};  ///< a place of the map that no scene has added yet
+  bool matches(const FactRow& fact) const {
+    return object ? fact.object == object : place && fact.place == place;
+  }
 };
 
 /// The one object or place that words mean. A place's name comes first.
@@ -27,6 +33,9 @@ FactOwner find_one(const Snapshot& snapshot, const std::string& words) {
   std::vector<std::string> names;
   for (const PlaceRow& place : places) names.push_back(place.name);
   if (places.size() == 1) return {.place = places[0].id, .name = places[0].name};
+  if (places.empty())
+    if (const auto parts = parts_named(snapshot, words); parts.size() == 1 && parts[0].unseen_place)
+      return {.name = parts[0].unseen_place->name, .unseen = parts[0].unseen_place};
   std::vector<Id> objects;
   if (places.empty()) objects = snapshot.find_objects(words);
   for (const Id object : objects) names.push_back(object_name(object));
@@ -62,8 +71,18 @@ FactRow row_for(const Snapshot& snapshot, const FactOwner& about, const std::str
 
 /// Error when a name could not be told from an object's number or a place of the map.
 void require_name(const Snapshot& snapshot, const FactOwner& one, const std::string& name) {
-  const bool is_place = std::ranges::any_of(
-      snapshot.places(), [&](const PlaceRow& place) { return place.name == name && one.place != place.id; });
+  const auto is_other = [&](const EnvironmentPart& part) {
+    const bool is_it = part.place          ? one.place == part.place->id
+                       : part.unseen_place ? one.unseen && one.unseen->name == part.unseen_place->name
+                                           : false;
+    const auto is_alias = [&](const std::string& alias) { return name_key(alias) == name_key(name); };
+    return !is_it && std::ranges::none_of(part.aliases, is_alias);
+  };
+  const bool is_place = std::ranges::any_of(snapshot.places(),
+                                            [&](const PlaceRow& place) {
+                                              return place.name == name && one.place != place.id;
+                                            }) ||
+                        std::ranges::any_of(parts_named(snapshot, name), is_other);
   if (is_place || object_id(name))
     throw Error(fmt::format("'{}' is {} already", name, is_place ? "a place" : "the number of an object"), {},
                 "choose another name");
@@ -74,7 +93,7 @@ void add_rows_of(const Snapshot& snapshot, const FactOwner& one, const std::stri
                  const std::string& value, std::vector<FactRow>& rows) {
   const std::vector<Fact> before = facts_of(snapshot, one, key).facts;
   if (std::ranges::any_of(before, [&](const Fact& fact) { return fact.value == value; })) return;
-  const bool single = key != "alias";
+  const bool single = has_one_value(key);
   for (size_t i = 0; single && i + 1 < before.size(); ++i) {
     rows.push_back(row_for(snapshot, one, key));
     rows.back().clock.supersedes = before[i].id;
@@ -84,12 +103,43 @@ void add_rows_of(const Snapshot& snapshot, const FactOwner& one, const std::stri
   if (single && !before.empty()) rows.back().clock.supersedes = before.back().id;
 }
 
+/// Whether a fact was stated together with an example: in a run that concerns this object only, so that facts
+/// that were copied from another memory are none.
+bool is_of_example(const Store& store, const FactRow& fact) {
+  const std::vector<FactRow> change = store.rows_of_run<FactRow>(fact.clock.run);
+  return std::ranges::all_of(change, [&](const FactRow& other) { return other.object == fact.object; }) &&
+         std::ranges::any_of(change,
+                             [](const FactRow& other) { return other.key == kTaughtKey && other.value; });
+}
+
+/// An example that is withdrawn takes the class along that was stated with it: what had been said before
+/// holds again.
+void take_class_back(const Snapshot& snapshot, const FactOwner& one, const Fact& taught,
+                     std::vector<FactRow>& rows, std::vector<Fact>& retracted) {
+  const Store& store = snapshot.store();
+  for (const Fact& stated : facts_of(snapshot, one, "class").facts) {
+    FactRow before = store.row<FactRow>(stated.id);
+    if (stated.value != taught.value || !is_of_example(store, before)) continue;
+    while (before.clock.supersedes && is_of_example(store, before))
+      before = store.row<FactRow>(*before.clock.supersedes);
+    if (is_of_example(store, before)) before.value.reset();
+    before.clock.supersedes = stated.id;
+    before.clock.known_to.reset();
+    rows.push_back(before);
+    retracted.push_back(stated);
+  }
+}
+
 /// Adds the rows of one change as one run, all of them or none.
-void add_rows(Store& store, const char* verb, const std::vector<FactRow>& rows) {
+void add_rows(Store& store, const char* verb, std::vector<FactRow> rows, FactOwner& one) {
   if (rows.empty()) return;
   const Id run = store.begin_run(fmt::format("loci-memory fact {}", verb), "{}");
   SceneTransaction change(store, run);
-  for (const FactRow& row : rows) change.add_fact(row);
+  if (one.unseen) one.place = change.add_place(*one.unseen);
+  for (FactRow& row : rows) {
+    row.place = one.place;
+    change.add_fact(row);
+  }
   store.finish_run(run);
   change.commit();
 }
@@ -109,24 +159,18 @@ FactsAnswer set_fact(Store& store, const std::string& about, const std::string& 
 }
 
 FactsAnswer set_facts(Store& store, const std::string& about,
-                      const std::vector<std::pair<std::string, std::string>>& values) {
-  for (const auto& [key, value] : values) {
-    if (key.empty() || value.empty())
-      throw Error("a fact needs a key and a value", {}, "fact set X owner Ada");
-    require_utf8(key);
-    require_utf8(value);
-    if (std::ranges::any_of(value, [](char c) { return c >= 0 && c < ' '; }))
-      throw Error(fmt::format("the value of '{}' has line breaks or other control characters", key), {},
-                  "write it in one line");
+                      std::vector<std::pair<std::string, std::string>> values) {
+  for (auto& [key, value] : values) {
     if (key == kPlaceNameKey) require_part_name(value);
+    value = fact_value(key, value);
   }
   const Snapshot snapshot(store, {});
-  const FactOwner one = find_one(snapshot, about);
+  FactOwner one = find_one(snapshot, about);
   for (const auto& [key, value] : values)
     if (key == "alias") require_name(snapshot, one, value);
   std::vector<FactRow> rows;
   for (const auto& [key, value] : values) add_rows_of(snapshot, one, key, value, rows);
-  add_rows(store, "set", rows);
+  add_rows(store, "set", rows, one);
   FactsAnswer answer;
   const Snapshot now(store, {});
   for (const auto& [key, value] : values)
@@ -137,7 +181,7 @@ FactsAnswer set_facts(Store& store, const std::string& about,
 FactsAnswer remove_fact(Store& store, const std::string& about, const std::string& key,
                         const std::string& value) {
   const Snapshot snapshot(store, {});
-  const FactOwner one = find_one(snapshot, about);
+  FactOwner one = find_one(snapshot, about);
   std::vector<FactRow> rows;
   std::vector<Fact> retracted;
   for (const Fact& fact : facts_of(snapshot, one, key).facts) {
@@ -145,13 +189,17 @@ FactsAnswer remove_fact(Store& store, const std::string& about, const std::strin
     rows.push_back(row_for(snapshot, one, key));
     rows.back().clock.supersedes = fact.id;
     retracted.push_back(fact);
+    if (key == kTaughtKey) take_class_back(snapshot, one, fact, rows, retracted);
   }
   if (rows.empty())
     throw Error(
         fmt::format("{} has no {}{}", one.name, key, value.empty() ? "" : fmt::format(" '{}'", value)), {},
         "see loci-memory fact list");
-  add_rows(store, "remove", rows);
-  FactsAnswer answer = facts_of(Snapshot(store, {}), one, key);
+  add_rows(store, "remove", rows, one);
+  const Snapshot now(store, {});
+  FactsAnswer answer = facts_of(now, one, key);
+  if (retracted.back().key != key)
+    for (Fact& fact : facts_of(now, one, retracted.back().key).facts) answer.facts.push_back(std::move(fact));
   answer.retracted = std::move(retracted);
   return answer;
 }

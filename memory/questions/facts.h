@@ -44,8 +44,9 @@ FactsAnswer set_fact(Store& store, const std::string& about, const std::string& 
 /// The same for several keys and values of one object or place, as one change. Returns its facts of these
 /// keys.
 FactsAnswer set_facts(Store& store, const std::string& about,
-                      const std::vector<std::pair<std::string, std::string>>& values);
-/// Retracts a value, or every value of the key when it is empty. Error when there is none.
+                      std::vector<std::pair<std::string, std::string>> values);
+/// Retracts a value, or every value of the key when it is empty; with kTaughtKey also the class that was
+/// stated with the example, and what had been said before holds again. Error when there is none.
 FactsAnswer remove_fact(Store& store, const std::string& about, const std::string& key,
                         const std::string& value);
 

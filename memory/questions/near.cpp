@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 
+#include "mapping/base/math/polygon.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
@@ -18,7 +20,8 @@ using namespace format;
 
 namespace {
 
-constexpr std::array<std::pair<const char*, Relation>, 8> kRelations = {{{"near", Relation::near},
+constexpr std::array<std::pair<const char*, Relation>, 9> kRelations = {{{"near", Relation::near},
+                                                                         {"next-to", Relation::next_to},
                                                                          {"between", Relation::between},
                                                                          {"on", Relation::on},
                                                                          {"under", Relation::under},
@@ -89,11 +92,39 @@ bool stands_on(const BeliefRow& upper, const BeliefRow& lower) {
          offset.head<2>().norm() <= lower.size->head<2>().maxCoeff() / 2;
 }
 
+/// What an object takes up of its place, map frame; its centre where nothing says more.
+Polygon footprint(const Store& store, const BeliefRow& belief) {
+  const std::optional<ObservationRow> seen =
+      belief.last_observation ? std::optional(store.observation(*belief.last_observation)) : std::nullopt;
+  const BelievedBox box = *believed_box(belief, seen ? &*seen : nullptr);
+  const Vector3d half = box.size.value_or(Vector3d::Zero()) / 2;
+  Polygon corners;
+  for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
+    corners.push_back((box.map_from_box * Vector3d(x * half.x(), y * half.y(), 0)).head<2>());
+  return corners;
+}
+
+/// Whether the gap between two objects at one place is smaller than the smaller of them: nothing like it fits
+/// in between.
+bool are_side_by_side(const Store& store, const BeliefRow& one, const BeliefRow& other) {
+  if (one.place != other.place) return false;
+  const Polygon a = footprint(store, one), b = footprint(store, other);
+  if (shared_area(a, b) > 0) return true;
+  double gap = std::numeric_limits<double>::infinity();
+  for (const Vector2d& corner : a) gap = std::min(gap, distance_to_edge(b, corner));
+  for (const Vector2d& corner : b) gap = std::min(gap, distance_to_edge(a, corner));
+  const auto width = [](const Polygon& box) {
+    return std::max((box[1] - box[0]).norm(), (box[2] - box[1]).norm());
+  };
+  return gap <= std::min(width(a), width(b));
+}
+
 /// Relations to the point of an answer.
 class RelationTest {
  public:
   /// Error where the view decides and is not known.
-  RelationTest(const Snapshot& snapshot, const NearAnswer& answer) : relation_(answer.relation) {
+  RelationTest(const Snapshot& snapshot, const NearAnswer& answer)
+      : store_(snapshot.store()), relation_(answer.relation) {
     if (const auto around = object_id(answer.around)) around_ = snapshot.belief(*around);
     if (const auto with = object_id(answer.with)) with_ = snapshot.belief(*with);
     if (!depends_on_view(relation_)) return;
@@ -107,12 +138,17 @@ class RelationTest {
     if (forward_.norm() < kSteep) forward_ = -scene->map_from_camera->linear().col(1).head<2>();
   }
 
+  bool is_at_place(const BeliefRow& belief) const {
+    return around_ == nullptr || around_->place == belief.place;
+  }
   bool holds(const BeliefRow& belief, const Vector3d& offset) const {
     if (relation_ == Relation::near) return true;
+    if (relation_ == Relation::next_to)
+      return around_ == nullptr || are_side_by_side(store_, *around_, belief);
     if (relation_ == Relation::between) return is_between(belief, offset);
     if (relation_ == Relation::on) return around_ != nullptr && stands_on(belief, *around_);
     if (relation_ == Relation::under) return around_ != nullptr && stands_on(*around_, belief);
-    if (around_ != nullptr && around_->place != belief.place) return false;
+    if (!is_at_place(belief)) return false;
     const double back = forward_.dot(offset.head<2>());
     const double left = forward_.x() * offset.y() - forward_.y() * offset.x();
     if (std::abs(back) >= std::abs(left))
@@ -132,6 +168,7 @@ class RelationTest {
     return along > 0 && along < 1 && (offset.head<2>() - along * line).norm() <= kBeside;
   }
 
+  const Store& store_;
   Relation relation_;
   const BeliefRow *around_ = nullptr, *with_ = nullptr;
   Vector2d forward_ = Vector2d::Zero();  ///< from the camera, over the floor
@@ -155,15 +192,21 @@ std::optional<std::set<Id>> meant_by(const Snapshot& snapshot, const NearQuestio
 void add_near(const Snapshot& snapshot, const NearQuestion& question,
               const std::optional<std::set<Id>>& meant, NearAnswer& answer) {
   const RelationTest relation(snapshot, answer);
+  const auto is_meant = [&](Id object) { return !meant || meant->contains(object); };
+  std::optional<NearObject> nearest;  // of all at the same place
   for (const Id object : snapshot.present_objects()) {
-    if (meant && !meant->contains(object)) continue;
     const BeliefRow& belief = *snapshot.belief(object);
     if (!belief.position || object_name(object) == answer.around) continue;
     Vector3d offset = *belief.position - answer.point;
     if (answer.level) offset.z() = 0;
-    if (offset.norm() <= answer.radius_m && relation.holds(belief, offset))
-      answer.objects.push_back({snapshot.object_belief(belief), offset.norm()});
+    if (offset.norm() > answer.radius_m) continue;
+    const NearObject near{snapshot.object_belief(belief), offset.norm()};
+    if (relation.is_at_place(belief) && (!nearest || near.distance_m < nearest->distance_m)) nearest = near;
+    if (is_meant(object) && relation.holds(belief, offset)) answer.objects.push_back(near);
   }
+  if (answer.relation == Relation::next_to && answer.objects.empty() && nearest &&
+      is_meant(nearest->object.object.id))
+    answer.objects.push_back(*nearest);
   std::ranges::stable_sort(answer.objects, {}, &NearObject::distance_m);
   if (question.farthest && answer.objects.size() > 1)
     answer.objects.erase(answer.objects.begin(), answer.objects.end() - 1);
@@ -216,7 +259,8 @@ std::string to_text(const NearAnswer& answer, const TimeWriter& times) {
   const std::string around = answer.around.empty() ? point_text(answer.point) : answer.around;
   if (answer.objects.empty())
     return fmt::format("Nothing is believed to be within {:.2f} m of {}.\n", answer.radius_m, around);
-  std::vector<std::string> lines = {fmt::format("Within {:.2f} m of {}:", answer.radius_m, around)};
+  const std::string how = answer.relation == Relation::near ? "" : " (" + name_of(answer.relation) + ")";
+  std::vector<std::string> lines = {fmt::format("Within {:.2f} m of {}{}:", answer.radius_m, around, how)};
   for (const NearObject& near : answer.objects)
     lines.push_back(fmt::format("  {:.2f} m: {}", near.distance_m, belief_text(near.object, times)));
   return lines_text(lines);
@@ -259,13 +303,15 @@ Json to_json(const NearAnswer& answer) {
 
 namespace {
 
-/// "Which cup on the table is behind the milk?": what is asked for is at a place.
+/// "Which cup on the table is behind the milk?", "What on the table is left of it?": what is asked for is at
+/// a place.
 std::vector<SentenceForm> with_place(std::vector<SentenceForm> forms) {
   const std::string which = "what: ", object = "which<object> ";
   for (size_t i = 0, count = forms.size(); i < count; ++i) {
     const size_t named = forms[i].form.find(object);
-    const bool nearest = forms[i].form.find("nearest") != std::string::npos;
-    if (!forms[i].form.starts_with(which) || (named == std::string::npos && !nearest)) continue;
+    const bool is_place =
+        forms[i].form.find(" on<") != std::string::npos || forms[i].form.find(" in<") != std::string::npos;
+    if (!forms[i].form.starts_with(which) || is_place) continue;
     SentenceForm at_place = forms[i];
     at_place.form.insert(named == std::string::npos ? which.size() : named + object.size(), "at<place> ");
     at_place.example.clear();
@@ -289,14 +335,14 @@ std::vector<SentenceForm> near_sentences() {
        farthest},
       {"what: farthest which<object> from<around> [away]", objects, "", farthest},
       {"what: near<around> [thing|stand|else|put|leave|see|keep|find]", objects, "What is near the red cup?"},
-      {"what: else near<around> [thing|stand]", objects, "What else is there beside the red cup?"},
+      {"what: else near<around> [thing|stand]", objects},
       {"order: show|list|name near<around> [thing|everything]", objects},
       {"what: which<object> near<around> [stand]", objects},
       {"what: within<radius> <around> [thing|stand]", objects, "What is within 50 cm of the red cup?"},
       {"what: within<radius> from<around> [thing|stand]", objects},
       {"what: within<radius> near<around> [thing|stand]", objects},
-      {"yes|bare: thing near<around> [stand]", exists, "Is there anything next to the milk?"},
-      {"yes|bare: <object> near<around> [stand|put|keep]", verdict, "Is the oil next to the pot?"},
+      {"yes|bare: thing near<around> [stand]", exists},
+      {"yes|bare: <object> near<around> [stand|put|keep]", verdict},
       {"yes|bare: there|any <object> near<around> [stand]", exists},
       {"what: between<around> and<with> [thing|stand]", objects, "What is between the cup and the pot?",
        between},
@@ -307,12 +353,30 @@ std::vector<SentenceForm> near_sentences() {
       {"yes|bare: <any> pos<around> [stand]", agent},
       {"what: which<any> pos<around> [stand]", agent},
   };
+  // The neighbours of an object are fewer than what is near it.
+  static const std::map<std::string, std::string> examples = {
+      {"what: near<around>", "What is next to the red cup?"},
+      {"what: else near<around>", "What else is there beside the red cup?"},
+      {"yes|bare: thing near<around>", "Is there anything next to the milk?"},
+      {"yes|bare: <object> near<around>", "Is the oil next to the pot?"}};
+  for (size_t i = 0, count = forms.size(); i < count; ++i) {
+    const size_t relation = forms[i].form.find("near<around>");
+    if (relation == std::string::npos) continue;
+    SentenceForm beside = forms[i];
+    const auto example = examples.find(beside.form.substr(0, relation) + "near<around>");
+    beside.example = example == examples.end() ? "" : example->second;
+    beside.form.replace(relation, 4, "nextto");
+    if (beside.arguments.empty() && beside.form.find("within") == std::string::npos)
+      beside.arguments = {{"relation", "next-to"}};
+    forms.push_back(std::move(beside));
+  }
   // "Is the cup behind something?" asks whether anything is in front of it.
   for (const auto& [word, inverse] : std::map<std::string, std::string>{{"behind", "in-front"},
                                                                         {"infront", "behind"},
                                                                         {"leftof", "right"},
                                                                         {"rightof", "left"},
                                                                         {"near", "near"},
+                                                                        {"nextto", "next-to"},
                                                                         {"on", "under"},
                                                                         {"under", "on"}})
     forms.push_back({fmt::format("yes: something <around> {}<any> [put|keep]", word),
@@ -373,7 +437,8 @@ std::vector<Question> near_questions() {
              .help = "Between centres: metres, or \"50 cm\"",
              .default_text = "0.5 m"},
             {.name = "relation",
-             .help = "Only what stands on the object or under it, or is beside it as the camera saw it last",
+             .help = "next-to: only its neighbours; else only what stands on the object or under it, or is "
+                     "beside it as the camera saw it last",
              .default_text = "near",
              .choices = relation_names()},
             {.name = "count",
@@ -398,6 +463,8 @@ std::vector<Question> near_questions() {
          question.place = given.text("place");
          question.with = given.text("with");
          question.relation = relation_called(given.text("relation"));
+         if (!question.with.empty() && question.relation != Relation::between)
+           throw Error("--with names the other object of --relation between");
          // What is left of it does not end at half a metre.
          const bool anywhere = depends_on_view(question.relation);
          question.radius_m = given.length("radius").value_or(anywhere ? 10 : question.radius_m);

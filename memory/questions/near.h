@@ -13,9 +13,10 @@ struct Reply;
 struct ReplyContext;
 std::vector<Question> near_questions();
 
-/// Where an object is of what is asked about. `between` is beside the line from it to another. The last four
-/// are quarters of the horizontal plane, as the camera saw it in the last scene that showed it.
-enum class Relation { near, on, under, between, left, right, behind, in_front };
+/// Where an object is of what is asked about. `next_to` is near it without room for one of the two in
+/// between; the nearest at its place in any case. `between` is beside the line from it to another. The last
+/// four are quarters of the horizontal plane, as the camera saw it in the last scene that showed it.
+enum class Relation { near, next_to, on, under, between, left, right, behind, in_front };
 
 struct NearQuestion {
   std::string subject = {};  ///< "1.2,0.4" or "1.2,0.4,0.9" (map frame, metres), an object or a place

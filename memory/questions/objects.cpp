@@ -76,6 +76,9 @@ ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question) {
   else
     for (const Id object : snapshot.find_objects(question.subject))
       answer.objects.push_back(snapshot.object_belief(object));
+  if (question.subject.empty() && answer.objects.empty())
+    for (const SceneRow& scene : store.scenes(question.as_of))
+      answer.unconfirmed += store.observations(scene.id).size();
   if (!question.not_at.empty()) {
     keep_elsewhere(snapshot, question, answer);
     return answer;
@@ -98,7 +101,12 @@ ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question) {
 }
 
 std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times) {
-  if (answer.objects.empty()) return "No objects are known.\n";
+  if (answer.objects.empty())
+    return answer.unconfirmed == 0
+               ? "No objects are known.\n"
+               : fmt::format("No objects are known: {} {} not confirmed by another scene.\n",
+                             counted(answer.unconfirmed, "observation"),
+                             answer.unconfirmed == 1 ? "is" : "are");
   std::vector<std::vector<std::string>> rows = {
       {"object", "colour", "size", "place", "status", "seen", "last seen"}};
   for (const ObjectBelief& object : answer.objects) {
@@ -143,7 +151,7 @@ AboutAnswer ask(const Store& store, const AboutQuestion& question) {
     if (sightings.size() > question.max_sightings)
       sightings.erase(sightings.begin(),
                       sightings.end() - static_cast<std::ptrdiff_t>(question.max_sightings));
-    object.evidence = annotation_support(store, sightings);
+    object.evidence = annotation_support(store, sightings, question.as_of);
     object.sightings = sightings.size();
     answer.objects.push_back(std::move(object));
   }
@@ -317,6 +325,7 @@ std::vector<SentenceForm> about_sentences() {
        about("size")},
       {"what|bare|order: size <object> [have|tell|give]", property, "", about("size")},
       {"howbig: <object>", property, "How big is the bowl?", about("size")},
+      {"what|bare|order: material <object> [have|tell|give]", property, "", about("material")},
       {"howlong: <object> -was -have -do -did -had -there -stand -time -see", property, "", about("size")},
       {"yes: coloured<value> <object> [every] -there", verdict, "Is the pot grey?", about("colour")},
       {"yes|bare: differentcolour <object> [have|of|every]",
@@ -377,7 +386,7 @@ std::vector<Question> object_questions() {
                       {.name = "property",
                        .help = "What the reply to a sentence is about",
                        .default_text = "all",
-                       .choices = {"colour", "size", "owner", "sightings"}},
+                       .choices = {"colour", "size", "material", "owner", "sightings"}},
                       {.name = "value",
                        .help = "Whether the colour is this one, or differs between them: different",
                        .default_text = "any"}},

@@ -35,6 +35,7 @@ struct ObjectsQuestion {
 };
 struct ObjectsAnswer {
   std::vector<ObjectBelief> objects = {};
+  size_t unconfirmed = 0;  ///< observations, of a memory without objects: what was seen once may be a mistake
 };
 ObjectsAnswer ask(const Store& store, const ObjectsQuestion& question);
 std::string to_text(const ObjectsAnswer& answer, const TimeWriter& times);

@@ -359,7 +359,7 @@ class Judge {
     } else if (was_forgotten()) {
       result.reason = "what was seen in that time was forgotten on request";
     } else if (coverage_.scenes().empty()) {
-      result.reason = "nobody looked: there is no scene in that time";
+      result.reason = "there is no scene in that time";
     } else if (!coverage_.has_places()) {
       decide_anywhere(result);
     } else {
@@ -472,6 +472,14 @@ class Judge {
   bool spot_moves_ = false;
 };
 
+/// Without the preposition, which answers write: "on table_1".
+std::string place_named(const std::string& asked) {
+  const std::string text = trimmed(asked);
+  for (const std::string_view preposition : {"on ", "in ", "at "})
+    if (lower_case(text).starts_with(preposition)) return trimmed(text.substr(preposition.size()));
+  return text;
+}
+
 }  // namespace
 
 WasAnswer ask(const Store& store, const WasQuestion& question) {
@@ -480,7 +488,7 @@ WasAnswer ask(const Store& store, const WasQuestion& question) {
   std::vector<PlaceRow> places;
   if (!question.place.empty()) places = snapshot.find_places(question.place);
   WasAnswer answer{.asked = question.subject,
-                   .place = question.place,
+                   .place = place_named(question.place),
                    .container = !places.empty() && places[0].container,
                    .from = question.from,
                    .to = question.to};

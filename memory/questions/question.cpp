@@ -20,6 +20,7 @@
 #include "memory/questions/location.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/near.h"
+#include "memory/questions/notes.h"
 #include "memory/questions/objects.h"
 #include "memory/questions/people.h"
 #include "memory/questions/presence.h"
@@ -308,8 +309,9 @@ void check_arguments(const std::string& asked, const std::vector<Parameter>& par
   for (const auto& [name, value] : query.arguments)
     if (std::ranges::count(names, name) == 0) {
       const std::string nearest = did_you_mean(name, names);
-      throw Error(fmt::format("'{}' does not take '{}'", asked, name), {},
-                  nearest.empty() ? fmt::format("it takes {}", fmt::join(names, ", ")) : nearest);
+      const std::string takes =
+          names.empty() ? "it takes nothing" : fmt::format("it takes {}", fmt::join(names, ", "));
+      throw Error(fmt::format("'{}' does not take '{}'", asked, name), {}, nearest.empty() ? takes : nearest);
     }
   for (const Parameter& parameter : parameters) {
     const auto given = query.arguments.find(parameter.name);
@@ -353,12 +355,13 @@ Reply Question::reply(const Store& store, Query query, const Answer& found) cons
   for (const Parameter& parameter : parameters)
     if (query.asks == Asks::summary && query.arguments.contains(parameter.name)) query.asks = parameter.asks;
   const AsOf as_of = read_as_of(store, query.argument("at"), query.argument("known-at"));
-  return found.reply({store, query, as_of, TimeWriter(store)});
+  Reply made = found.reply({store, query, as_of, TimeWriter(store)});
+  made.notes = notes_on(Snapshot(store, as_of), query);
+  return made;
 }
 
 std::string full_text(const Reply& reply, const Answer& answer, const TimeWriter& times) {
-  const std::string all = answer.to_text(times);
-  return (all.starts_with(reply.text) ? "" : reply.text + "\n") + all;
+  return headed(reply, answer.to_text(times));
 }
 
 Json full_json(const Reply& reply, const Answer& answer) {

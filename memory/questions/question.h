@@ -57,6 +57,7 @@ enum class Asks {
   why_not,      ///< why it is not so
   property,     ///< a colour, a size, …
   agent,        ///< who did it
+  motive,       ///< why somebody did it
   until,        ///< when it ended
   all,          ///< a verdict on whether all of them are so
   only,         ///< a verdict on whether nothing else is so

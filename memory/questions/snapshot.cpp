@@ -43,6 +43,9 @@ Snapshot::Reads::Reads(const Store& of, const AsOf& when)
       taxonomy(Taxonomy::of(of, when)),
       motions(of) {
   rename_places(places, facts);
+  for (const FactRow& fact : facts)
+    if (fact.object && fact.value)
+      stated[{*fact.object, fact.key == "color" ? "colour" : fact.key}] = *fact.value;
   for (const RecordingRow& recording : of.recordings()) recordings[recording.id] = recording.name;
 }
 
@@ -80,6 +83,11 @@ const PartNames& Snapshot::part_names() const& {
   return *reads_->part_names;
 }
 
+const std::vector<EnvironmentPart>& Snapshot::parts() const& {
+  if (!reads_->parts) reads_->parts = std::make_shared<const std::vector<EnvironmentPart>>(all_parts(*this));
+  return *reads_->parts;
+}
+
 const std::vector<SceneRow>& Snapshot::scenes() const& {
   if (!reads_->scenes) reads_->scenes = store_.scenes(as_of_);
   return *reads_->scenes;
@@ -105,6 +113,16 @@ const SceneRow* Snapshot::scene(Id id) const {
     if (later) slot->second.reset();
   }
   return slot->second ? &*slot->second : nullptr;
+}
+
+std::string Snapshot::joint_name(const std::string& joint) const {
+  const auto names_place = [](const FactRow& fact) { return fact.place && fact.key == kPlaceNameKey; };
+  // The map is read only where something in it may have a name.
+  if (part_names().links.empty() && std::ranges::none_of(facts(), names_place))
+    return part_names().joint(joint);
+  for (const EnvironmentPart& part : parts())
+    if (part.motion && part.motion->map_joint == joint) return part.motion->joint;
+  return part_names().joint(joint);
 }
 
 SceneRef Snapshot::scene_ref(const SceneRow& scene) const {
@@ -133,10 +151,20 @@ ObjectRef Snapshot::object_ref(Id object) const {
   ref.label = !ref.aliases.empty() ? ref.aliases.front() : product ? product : class_name;
   if (!ref.label) ref.label = annotated_name(object);
   if (const BeliefRow* row = belief(object)) {
-    ref.color = row->color;
+    ref.color = color_of(*row);
     ref.size = row->size;
   }
   return ref;
+}
+
+std::optional<std::string> Snapshot::stated(Id object, const std::string& property) const {
+  const auto found = reads_->stated.find({object, property});
+  return found == reads_->stated.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<std::string> Snapshot::color_of(const BeliefRow& row) const {
+  const std::optional<std::string> said = stated(row.object, "colour");
+  return said ? said : row.color;
 }
 
 const std::vector<std::string>& Snapshot::seen_colors(Id object) const {
@@ -204,7 +232,7 @@ Change Snapshot::change(const EventRow& event) const {
   change.from_place = place_ref(event.from_place);
   change.position = event.position;
   change.from_position = event.from_position;
-  if (event.joint) change.joint = part_names().joint(*event.joint);
+  if (event.joint) change.joint = joint_name(*event.joint);
   change.joint_position = event.joint_position;
   change.from_joint_position = event.from_joint_position;
   change.probability = event.probability;

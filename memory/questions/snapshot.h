@@ -27,6 +27,8 @@ class UnknownName : public Error {
   Kind kind_;
 };
 
+struct EnvironmentPart;  // environment_parts.h
+
 /// What the memory believes as of a valid time and a transaction time, with names in place of ids. A
 /// consistent read of only what the question needs. Not for several threads at once.
 class Snapshot {
@@ -40,12 +42,15 @@ class Snapshot {
   const std::vector<PlaceRow>& places() const& { return reads_->places; }
   const std::vector<FactRow>& facts() const& { return reads_->facts; }
   const PartNames& part_names() const&;
+  /// As all_parts(), read once.
+  const std::vector<EnvironmentPart>& parts() const&;
   /// Scenes up to `at`, known at `known_at`, in order of time.
   const std::vector<SceneRow>& scenes() const&;
   void beliefs() const&& = delete;
   void places() const&& = delete;
   void facts() const&& = delete;
   void part_names() const&& = delete;
+  void parts() const&& = delete;
   void scenes() const&& = delete;
   const BeliefRow* belief(Id object) const;
   const SceneRow* scene(Id id) const;
@@ -53,7 +58,14 @@ class Snapshot {
   SceneRef scene_ref(const SceneRow& scene) const;
   std::optional<SceneRef> scene_ref(std::optional<Id> id) const;
   ObjectRef object_ref(Id object) const;
+  /// What somebody stated last of an object: its "colour" (or "color"), "size", "material"; unset = nothing.
+  std::optional<std::string> stated(Id object, const std::string& property) const;
+  /// The colour that somebody stated, else the one that was seen.
+  std::optional<std::string> color_of(const BeliefRow& belief) const;
   std::optional<PlaceRef> place_ref(std::optional<Id> place) const;
+  /// What people call a joint of the map: by its own name, else by that of what it moves, else as the map
+  /// does.
+  std::string joint_name(const std::string& joint) const;
   /// Motion of a place from where its row has it to where it stood in a scene, joints aside.
   Isometry3d place_motion(const PlaceRow& place, const SceneRow& scene) const;
   ObjectBelief object_belief(Id object) const;
@@ -165,7 +177,9 @@ class Snapshot {
     // Read when first asked for.
     std::optional<std::vector<BeliefRow>> beliefs;
     std::unordered_map<Id, std::optional<BeliefRow>> belief_of;
+    std::map<std::pair<Id, std::string>, std::string> stated;  ///< by object and key, "color" as "colour"
     std::optional<PartNames> part_names;
+    std::shared_ptr<const std::vector<EnvironmentPart>> parts;
     std::optional<ClassExperts> experts;
     std::optional<std::set<std::string>> class_names;
     std::map<std::string, std::vector<std::string>> related_to;

@@ -12,6 +12,7 @@
 #include "mapping/base/text/text.h"
 #include "memory/questions/environment_parts.h"
 #include "memory/questions/names/color_words.h"
+#include "memory/questions/names/names.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/questions/snapshot.h"
 #include "memory/questions/time_parser.h"
@@ -179,16 +180,17 @@ std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
   const std::string name = lower_case(asked);
   const std::string joined = with_underscores(name);
   std::vector<PlaceRow> found;
+  const auto take_also = [&](auto matches) {
+    std::ranges::copy_if(reads_->places, std::back_inserter(found), matches);
+  };
   const auto take = [&](auto matches) {
-    if (!found.empty()) return;
-    std::copy_if(reads_->places.begin(), reads_->places.end(), std::back_inserter(found), matches);
+    if (found.empty()) take_also(matches);
   };
   take([&](const PlaceRow& place) { return lower_case(place.name) == joined; });
   take([&](const PlaceRow& place) { return lower_case(place.name) == name; });
   take([&](const PlaceRow& place) {
     return std::any_of(reads_->facts.begin(), reads_->facts.end(), [&](const FactRow& fact) {
-      return fact.place == place.id && fact.key == "alias" &&
-             with_underscores(lower_case(*fact.value)) == joined;
+      return fact.place == place.id && fact.key == "alias" && name_key(*fact.value) == name_key(asked);
     });
   });
   // What was renamed is found by its old name, too.
@@ -200,6 +202,9 @@ std::vector<PlaceRow> Snapshot::places_called(const std::string& asked) const {
   }
   take([&](const PlaceRow& place) { return lower_case(place.name).starts_with(joined + "_"); });
   take([&](const PlaceRow& place) { return lower_case(place.class_name) == joined; });
+  if (found.empty())  // "drawer_1_front", or what the map calls it besides its name
+    for (const EnvironmentPart& part : parts_named(*this, asked))
+      take_also([&](const PlaceRow& place) { return part.place && part.place->id == place.id; });
   const std::vector<std::string> words = lower_case_words(name);
   take([&](const PlaceRow& place) { return has_all_words(place.name, words); });
   return found;
@@ -215,17 +220,15 @@ std::vector<PlaceRow> Snapshot::places_meant(const std::string& asked) const {
       "lowest", "north",  "south", "east",  "west", "northern", "southern", "eastern", "western"};
   const bool restricted =
       std::ranges::any_of(words, [](const std::string& word) { return restricting.contains(word); });
-  if (found.empty() && words.size() > 1 && !restricted) found = places_called(words.back());
+  // What a scene has not looked into yet has a name, too.
+  const bool has_name = found.empty() && !parts_named(*this, phrase(words, 0)).empty();
+  if (found.empty() && words.size() > 1 && !restricted && !has_name) found = places_called(words.back());
   if (found.empty() && restricted)
     for (const Id id : find_places_by_level(*this, phrase(words, 0)))
       std::ranges::copy_if(reads_->places, std::back_inserter(found),
                            [&](const PlaceRow& place) { return place.id == id; });
   if (found.empty() && !words.empty()) {  // "the drawers", "shelves"
-    std::string& last = words.back();
-    if (last.ends_with("ves"))
-      last.replace(last.size() - 3, 3, "f");
-    else if (last.ends_with('s'))
-      last.pop_back();
+    words.back() = singular_of_furniture(words.back());
     found = places_called(phrase(words, 0));
   }
   if (found.empty() && !words.empty())
@@ -389,6 +392,10 @@ std::vector<Snapshot::Candidate> Snapshot::search_named(const std::string& word,
 
 std::vector<Snapshot::Candidate> Snapshot::of_number(Id id) const {
   if (belief(id) != nullptr) return {{id}};
+  if (const auto other = store_.object_instead_of(id); other && !as_of_.known_at)
+    throw UnknownName(UnknownName::Kind::object,
+                      fmt::format("{} is {} now", object_name(id), object_name(*other)), file(),
+                      "ask for " + object_name(*other));
   // What a tombstone stands for is not known any more.
   if (id <= store_.max_object_id() && !store_.forgotten().empty())
     throw UnknownName(
@@ -412,7 +419,8 @@ std::vector<Snapshot::Candidate> Snapshot::of_looks(const std::string& word, Amo
   if (!is_size_word(word) && !is_color_word(word)) return {};
   std::vector<Candidate> found;
   const auto take = [&](const BeliefRow& row) {
-    const bool color = row.color && same_color(lower_case(*row.color)) == same_color(word);
+    const std::optional<std::string> looks = color_of(row);
+    const bool color = looks && has_color(*looks, word);
     const bool size = row.size && is_size_word(word) && has_size(word, *row.size);
     if (color || size) found.push_back({row.object});
   };
@@ -437,10 +445,15 @@ std::vector<Snapshot::Candidate> Snapshot::of_class(const std::string& word,
     }
   std::vector<Candidate> found;
   for (const std::string& meaning : meanings) {
+    // Where people call some objects mugs, one that they call a jar is no cup, whatever it looked like.
+    const bool stated = classes.contains(meaning) || !related_names(meaning, classes).empty();
     const auto take = [&](std::vector<Id> objects, const std::string& class_name) {
       if (among == Among::present) objects = intersection(objects, present_candidates());
-      for (const Id id : objects)
-        if (!(classed.contains(id) && classes.contains(meaning))) found.push_back({id, class_name});
+      for (const Id id : objects) {
+        const auto color = is_color_word(meaning) ? this->stated(id, "colour") : std::nullopt;
+        const bool is_other = color && class_name.empty() && !has_color(*color, meaning);
+        if (!(stated && classed.contains(id)) && !is_other) found.push_back({id, class_name});
+      }
     };
     const bool only_noun = is_color_word(meaning) && meaning != word;  // "oranges"
     if (!only_noun) take(store_.objects_annotated(meaning, kClassType, false, as_of_), "");
@@ -453,7 +466,7 @@ std::vector<std::string> Snapshot::known_names() const {
   std::set<std::string> names;
   for (const BeliefRow& row : beliefs()) {
     names.insert(object_name(row.object));
-    if (row.color) names.insert(*row.color);
+    if (const auto color = color_of(row)) names.insert(*color);
   }
   for (const FactRow& fact : reads_->facts)
     if (fact.object) names.insert(*fact.value);
@@ -492,7 +505,7 @@ std::string Snapshot::hint_for(const std::vector<std::string>& words, size_t unk
     const Snapshot later(store_, {{}, as_of_.known_at});
     for (const Id object : later.find_by_word(words[unknown]))
       if (const auto first = store_.first_observation_after(object, *as_of_.at, {}))
-        return "it was first seen at " + TimeWriter(store_).text(first->time);
+        return "it was first seen at " + TimeWriter(store_).text(first->time, *as_of_.at);
   }
   // "red cup", where no cup is known: the objects that are red may be meant.
   std::vector<std::string> known_words, meant;
@@ -591,11 +604,13 @@ std::optional<std::string> Snapshot::head_of(const std::string& subject) const {
     if (is_package(words[i]) && words[i + 1] == "of" && !find_by_word(words[i + 2]).empty())
       words.erase(words.begin() + static_cast<std::ptrdiff_t>(i),
                   words.begin() + static_cast<std::ptrdiff_t>(i) + 2);
+  const auto describes = [](const std::string& word) {
+    return is_color_word(word) || is_size_word(word) || is_superlative(word) || kFillers.contains(word);
+  };
   for (size_t i = 0; i + 1 < words.size(); ++i) {
-    const std::string &modifier = words[i], &noun = words[i + 1];
-    const auto describes = [](const std::string& word) {
-      return is_color_word(word) || is_size_word(word) || is_superlative(word) || kFillers.contains(word);
-    };
+    size_t of = i + 1;  // "big red pot"
+    while (is_size_word(words[i]) && of + 1 < words.size() && describes(words[of])) ++of;
+    const std::string &modifier = words[i], &noun = words[of];
     const bool package = is_package(noun), size = is_size_word(modifier);
     if (is_other_thing(modifier, noun) || (describes(modifier) && !size) || describes(noun) ||
         (!package && !size && !is_purpose(modifier)))

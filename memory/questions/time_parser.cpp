@@ -83,6 +83,19 @@ bool is_date(const std::string& word) {
   return word.size() == 10 && word[4] == '-' && word[7] == '-';
 }
 
+constexpr size_t kOffsetLength = 6;
+
+/// Of a time that ends with the offset of its zone: "02:30+02:00".
+std::optional<TimeNs> offset_of(std::string_view text) {
+  if (text.size() <= kOffsetLength) return std::nullopt;
+  const std::string_view offset = text.substr(text.size() - kOffsetLength);
+  const auto hours = number_of(offset.substr(1, 2)), minutes = number_of(offset.substr(4));
+  const bool is_one = (offset[0] == '+' || offset[0] == '-') && offset[3] == ':' && hours && minutes &&
+                      *hours >= 0 && *minutes >= 0;
+  if (!is_one) return std::nullopt;
+  return (offset[0] == '-' ? -1 : 1) * (*hours * kHour + *minutes * kMinute);
+}
+
 bool has_zone(std::string_view text) {
   const size_t t = text.find_first_of("T ");
   return text.ends_with('Z') ||
@@ -302,34 +315,53 @@ TimeSpan TimeReader::read(std::string_view text) const {
 }
 
 std::optional<TimeSpan> TimeReader::try_read(std::string_view text) const {
-  const auto in_utc = [&](const TimeSpan& local) {
-    return TimeSpan{zone_.first_moment(local.first), zone_.last_moment(local.last)};
-  };
   const TimeNs last_scene = std::clamp(last_scene_, kEarliest, kLatest);
-  const auto words = time_words(text);
-  if (const auto moment = moment_of(words, last_scene, zone_)) return TimeSpan{*moment, *moment};
-  if (const auto span = TimePhrase(words, zone_.local(last_scene)).read()) {
-    const auto afternoon = afternoon_of(text);
-    const bool before_all = first_scene_ && in_utc(*span).last < *first_scene_ - kBeforeFirst;
-    return before_all && afternoon ? *afternoon : in_utc(*span);
-  }
-  const std::string whole(text);
-  if (whole.size() < 11 || !is_date(whole.substr(0, 10))) return std::nullopt;
-  try {
-    if (has_zone(whole)) {
-      const TimeNs time = parse_time(whole);
+  if (const auto moment = moment_of(time_words(text), last_scene, zone_)) return TimeSpan{*moment, *moment};
+  if (is_date(std::string(text.substr(0, 10))) && has_zone(text)) {
+    try {
+      const TimeNs time = parse_time(text);
       return TimeSpan{time, time};
+    } catch (const Error&) {  // not in ISO 8601: "2026-10-25 02:30+02:00"
     }
-    // A local ISO 8601 time.
+  }
+  if (const auto offset = offset_of(text)) {
+    const auto local = read_local(text.substr(0, text.size() - kOffsetLength));
+    const TimeNs first = local ? local->first - *offset : 0;
+    const bool is_one_of_two = local && zone_.first_moment(local->first) < zone_.last_moment(local->first) &&
+                               zone_.local(first) == local->first;
+    if (is_one_of_two) return TimeSpan{first, local->last - *offset};
+  }
+  if (const auto local = read_local(text)) {
+    const auto afternoon = afternoon_of(text);
+    const bool before_all = first_scene_ && in_utc(*local).last < *first_scene_ - kBeforeFirst;
+    return before_all && afternoon ? *afternoon : in_utc(*local);
+  }
+  return std::nullopt;
+}
+
+std::optional<TimeSpan> TimeReader::read_local(std::string_view text) const {
+  const TimeNs now = zone_.local(std::clamp(last_scene_, kEarliest, kLatest));
+  if (const auto span = TimePhrase(time_words(text), now).read()) return span;
+  const std::string whole(text);
+  if (whole.size() < 11 || !is_date(whole.substr(0, 10)) || has_zone(whole)) return std::nullopt;
+  try {  // a local ISO 8601 time
     if (const auto clock = clock_of(whole.substr(11))) {
       const TimeNs date = parse_time(whole.substr(0, 10));
-      return in_utc({date + clock->first, date + clock->last});
+      return TimeSpan{date + clock->first, date + clock->last};
     }
     const TimeNs time = parse_time(whole + "Z");
-    return in_utc({time, time});
+    return TimeSpan{time, time};
   } catch (const Error&) {
     return std::nullopt;
   }
+}
+
+bool TimeReader::is_repeated(std::string_view text, bool end) const {
+  const auto local = read_local(text);
+  const auto read = try_read(text);
+  if (!local || !read || read->first != in_utc(*local).first) return false;
+  const TimeNs moment = end ? local->last : local->first;
+  return zone_.first_moment(moment) < zone_.last_moment(moment);
 }
 
 std::optional<TimeSpan> TimeReader::afternoon_of(std::string_view text) const {
@@ -403,6 +435,12 @@ TimeWriter::TimeWriter(const Store& store) : zone_(store.time_zone()), with_seco
   }
 }
 
+std::string TimeWriter::text(TimeNs time, TimeNs beside) const {
+  const std::string date = zone_.format(time).substr(0, 10);
+  const bool other_day = !with_date_ && date != zone_.format(beside).substr(0, 10);
+  return (other_day ? date + " " : "") + text(time);
+}
+
 std::string TimeWriter::text(TimeNs time) const {
   const std::string iso = zone_.format(time);  // 2026-05-01T09:10:00.5+02:00
   std::string text = with_date_ ? iso.substr(0, 10) + " " : "";
@@ -413,6 +451,8 @@ std::string TimeWriter::text(TimeNs time) const {
     const TimeNs rest = time - floor_to(time, kSecond);
     text += fmt::format(".{:02}", rest / (kSecond / 100));
   }
+  const TimeNs local = zone_.local(time);
+  if (zone_.first_moment(local) < zone_.last_moment(local)) text += iso.substr(iso.size() - kOffsetLength);
   return text;
 }
 

@@ -20,9 +20,10 @@ struct TimeSpan {
 /// 12 to 18, "evening" = 18 to 24, "night" = 22 to 6,
 /// "breakfast" = 5 to 11, "lunch" = 11 to 15, "dinner" and "supper" = 17 to 23), or both ("yesterday
 /// morning", "last Monday at nine"); "last night"; "20 minutes ago", "two hours ago", "half an hour ago";
-/// "now". An hour without its half of the day ("three") is in the morning, and in the afternoon where
-/// the memory begins more than half an hour later than that of the morning and ends after that of the
-/// afternoon. Today and now are those of the memory's last scene, in the memory's zone.
+/// "now". A time of day that clocks show twice may have its offset ("02:30+02:00"). An hour without its half
+/// of the day ("three") is in the morning, and in the afternoon where the memory begins more than half an
+/// hour later than that of the morning and ends after that of the afternoon. Today and now are those of the
+/// memory's last scene, in the memory's zone.
 class TimeReader {
  public:
   explicit TimeReader(const Store& store);
@@ -38,8 +39,17 @@ class TimeReader {
   /// Whether an hour without its half of the day is taken as that of the morning and the memory knows that of
   /// the afternoon, too.
   bool may_be_other_half(std::string_view text) const;
+  /// Whether clocks showed the beginning (or the end) of a time twice, as in the hour that they are put back
+  /// by, and the text has no offset ("02:30+02:00") that says which is meant. A beginning is the first of the
+  /// two, an end the second: a period covers both.
+  bool is_repeated(std::string_view text, bool end) const;
 
  private:
+  /// In local time, as it is written; unset for what names a moment whatever clocks show.
+  std::optional<TimeSpan> read_local(std::string_view text) const;
+  TimeSpan in_utc(const TimeSpan& local) const {
+    return {zone_.first_moment(local.first), zone_.last_moment(local.last)};
+  }
   /// Of an hour without its half of the day; unset for other times, and where the memory ends before it.
   std::optional<TimeSpan> afternoon_of(std::string_view text) const;
 
@@ -63,7 +73,10 @@ class TimeWriter {
   TimeWriter(TimeZone zone, bool with_date, int decimals, bool with_seconds)
       : zone_(zone), with_date_(with_date), with_seconds_(with_seconds), decimals_(decimals) {}
 
+  /// With its offset ("02:30+02:00") where clocks showed it twice.
   std::string text(TimeNs time) const;
+  /// With the date, too, where it is of another day than `beside`.
+  std::string text(TimeNs time, TimeNs beside) const;
   /// "from A to B", or "at A" when both have the same text.
   std::string span_text(TimeNs from, TimeNs to) const;
 

@@ -10,6 +10,7 @@
 #include "memory/reasoning/stored_scene.h"
 #include "memory/recorder/recorder.h"
 #include "memory/store/memory_file.h"
+#include "memory/store/run_configuration.h"
 #include "memory/store/scene_images.h"
 
 namespace loci::memory {

@@ -32,8 +32,6 @@ ReasonResult reason(const Store& from, const std::filesystem::path& other,
                     const belief::BeliefOptions& options, const WriteOptions& write, Progress& progress,
                     const KnownIdentities& known = {});
 
-inline constexpr const char* kReasonProgram = "loci-memory reason";
-
 /// What two histories of the same observations say differently.
 struct HistoryDifference {
   struct Observation {

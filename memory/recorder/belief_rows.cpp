@@ -23,11 +23,13 @@ constexpr double kMinResizeShare = 0.1;
 bool is_significant_change(const BeliefRow& before, const BeliefRow& row, bool seen_now) {
   const bool gone = row.status == ObjectStatus::gone;
   if (gone != (before.status == ObjectStatus::gone)) return true;
-  if (row.place != before.place || !before.position || !before.size) return true;
+  if (row.place != before.place || !before.position || !before.size != !row.size) return true;
   if ((*row.position - *before.position).norm() > std::max(kMinShift_m, before.sigma.value_or(0)))
     return true;
-  const Eigen::Array3d resized = (*row.size - *before.size).array().abs();
-  if ((resized > kMinResize_m + kMinResizeShare * before.size->array()).any()) return true;
+  if (row.size) {
+    const Eigen::Array3d resized = (*row.size - *before.size).array().abs();
+    if ((resized > kMinResize_m + kMinResizeShare * before.size->array()).any()) return true;
+  }
   const double expected = seen_now ? 1.0 : faded(before, row.then);
   return !gone && std::abs(row.probability - expected) > kMinProbabilityChange;
 }
@@ -275,7 +277,7 @@ class RowBuilder {
     if (const std::optional<Id> now = place(object.place)) row.place = now;
     const belief::AxisBox box = belief::box_in_map(object, c_.place_poses);
     row.position = box.centre;
-    row.size = box.size;
+    if (object.has_size) row.size = box.size;
     row.sigma = std::sqrt(object.variance);
     row.clock = clock();
     if (seen_now) fill_observation(row, object);

@@ -18,14 +18,18 @@ using WordSet = std::set<std::string>;
 
 // ---- Fragments: what punctuation separates.
 
-/// Sounds, and "like" before a time: "since like three".
-void drop_fillers(Words& words) {
+bool is_sound(const std::string& word) {
   static const WordSet sounds = {"um",  "umm",  "uh",  "uhm", "er",  "erm",  "err", "hmm",
                                  "hm",  "mm",   "ah",  "eh",  "oh",  "ooh",  "ugh", "huh",
                                  "aha", "argh", "pls", "plz", "lol", "yeah", "yep", "nah"};
+  return sounds.contains(word);
+}
+
+/// Sounds, and "like" before a time: "since like three".
+void drop_fillers(Words& words) {
   static const WordSet prepositions = {"since", "at",     "around", "on",   "in",   "from",
                                        "until", "before", "after",  "like", "there"};
-  std::erase_if(words, [](const std::string& word) { return sounds.contains(word); });
+  std::erase_if(words, is_sound);
   for (size_t i = 1; i < words.size(); ++i)
     if (words[i] == "like" && prepositions.contains(words[i - 1])) replace_words(words, i--, 1, {});
   // A new start: "where is where is the tea", "the the pot".
@@ -310,15 +314,34 @@ bool is_aside(const Words& words) {
          });
 }
 
+/// Whether a question is about what happened, or what is otherwise than before.
+bool asks_about_changes(const Words& question) {
+  static const WordSet events = word_set("change happen move take come vanish leave miss new");
+  return std::ranges::any_of(tokens_of(question).lemmas,
+                             [](const std::string& lemma) { return events.contains(lemma); });
+}
+
 /// Whether a time that a statement gives is that of a question: "I was out until noon, what happened?"
 bool asks_about_absence(const Words& statement, const Words& question, const TimeReader& times) {
   static const WordSet past = word_set("was were had been came went left");
-  static const WordSet events = word_set("change happen move take come vanish leave miss new");
   Words timeless = question;
   return std::ranges::any_of(statement, [](const std::string& word) { return past.contains(word); }) &&
-         std::ranges::any_of(tokens_of(question).lemmas,
-                             [](const std::string& lemma) { return events.contains(lemma); }) &&
-         !cut_time(timeless, times);
+         asks_about_changes(question) && !cut_time(timeless, times);
+}
+
+/// "I am in front of the shelf what is on it", as a transcript has it: statements, then a question about what
+/// they name or at the time that they give; empty for other sentences.
+std::vector<std::string> spoken_sentences(const std::string& text) {
+  const std::vector<Words> fragments = fragments_of(text);
+  if (fragments.size() != 1) return {};
+  const std::vector<Words> pieces = pieces_of(fragments[0], true);
+  const auto is_verb = [](const std::string& lemma) { return class_of(lemma) == WordClass::auxiliary; };
+  if (!std::all_of(pieces.begin(), pieces.end() - 1, is_statement) ||
+      std::ranges::none_of(tokens_of(pieces.back()).lemmas, is_verb))  // "it is in what drawer"
+    return {};
+  std::vector<std::string> sentences;
+  for (const Words& piece : pieces) sentences.push_back(joined(piece, " "));
+  return sentences;
 }
 
 /// Without asides, where the rest refers to nothing that was said.
@@ -334,15 +357,19 @@ std::vector<Words> without_asides(const std::vector<Words>& parts, const TimeRea
 }
 
 /// "Before I go out", "if I am not mistaken": what a person is about to do restricts nothing that was seen.
-bool is_own_plan(const Words& words) {
+/// `refers`: what is asked refers to something, which the plan may name.
+bool is_own_plan(const Words& words, bool refers) {
   static const WordSet links = word_set("before if while since until as when after");
   static const WordSet past = word_set("was were did had");
+  static const WordSet alike = word_set("put set let cut shut read");  // today and yesterday
   if (words.size() < 3 || !links.contains(words[0]) || (words[1] != "i" && words[1] != "we")) return false;
   const std::vector<std::string> bases = wordnet::base_forms(words[2], wordnet::PartOfSpeech::verb);
   const bool present = words[2] == "am" || words[2] == "are" || std::ranges::count(bases, words[2]) > 0;
-  return present && !past.contains(words[2]) &&
-         std::none_of(words.begin() + 2, words.end(),
-                      [](const std::string& word) { return is_household_noun(word) || is_pronoun(word); });
+  const bool plain = std::none_of(words.begin() + 2, words.end(), [](const std::string& word) {
+    return is_household_noun(word) || is_pronoun(word);
+  });
+  const bool to_do = words[0] == "before" && !refers && !alike.contains(words[2]);
+  return present && !past.contains(words[2]) && (plain || to_do);
 }
 
 /// "When I came home", "if it is open": a restriction, not a question.
@@ -386,8 +413,18 @@ bool asks_for_answer(const Words& words) {
 
 }  // namespace
 
+std::string without_sounds(const std::string& text) {
+  std::vector<std::string> words = words_of(text);
+  std::erase_if(words, [](std::string word) {
+    if (word.ends_with(',')) word.pop_back();
+    return is_sound(lower_case(word));
+  });
+  return words.empty() ? text : joined(words, " ");
+}
+
 std::optional<QuestionInContext> question_in_context(const std::string& text, const TimeReader& times) {
   QuestionInContext result{.statements = sentences_of(text)};
+  if (result.statements.size() < 2) result.statements = spoken_sentences(text);
   if (result.statements.size() < 2) return std::nullopt;
   const auto asks = [](const std::string& sentence) {
     Words words = sentence_words(sentence);
@@ -407,28 +444,36 @@ std::optional<QuestionInContext> question_in_context(const std::string& text, co
   return result;
 }
 
-std::string time_of_statements(const QuestionInContext& context, const TimeReader& times) {
-  Words question = sentence_words(context.question);
+std::optional<std::string> question_at_statements(const QuestionInContext& context,
+                                                  const std::string& question, const TimeReader& times) {
+  Words asked = sentence_words(question);
   const auto is_past = [](const std::string& word) { return word == "was" || word == "were"; };
-  const std::string mood = first_lemma(question);
+  const std::string mood = first_lemma(asked);
   const bool asks_for_time = mood == "when" || mood == "sincewhen" || mood.starts_with("how");
-  if (asks_for_time || std::ranges::none_of(question, is_past) || cut_time(question, times)) return "";
+  const bool then = std::ranges::any_of(asked, is_past);
+  const bool since = !then && mood == "what" && asks_about_changes(asked);  // "what is missing now?"
+  const auto said = cut_time(asked, times);
+  if (asks_for_time || !(then || since) || (said && !(since && said->from == "now"))) return std::nullopt;
   std::string moment;
   for (const std::string& statement : context.statements) {
     Words words = sentence_words(statement);
     while (const auto time = cut_time(words, times)) {
-      if (!time->moment || !moment.empty()) return "";
+      if (!time->moment || !moment.empty()) return std::nullopt;
       moment = time->from;
     }
   }
-  return moment;
+  if (moment.empty() || moment == "now") return std::nullopt;
+  return joined(asked, " ") + (since ? " since " : " at ") + moment;
 }
 
 std::vector<SentencePart> sentence_parts(const std::string& sentence, const TimeReader& times) {
   std::vector<SentencePart> parts;
   Words time;  // "after breakfast, ..."
   size_t count = 0;
-  for (const Words& fragment : fragments_of(sentence)) {
+  const std::vector<Words> fragments = fragments_of(sentence);
+  const bool refers = std::ranges::any_of(
+      fragments, [](const Words& fragment) { return find_pronoun(fragment).has_value(); });
+  for (const Words& fragment : fragments) {
     count += fragment.size();
     if (!parts.empty() && is_tag(fragment)) {  // "It is not there, is it?"
       Words& before = parts.back().words;
@@ -450,7 +495,7 @@ std::vector<SentencePart> sentence_parts(const std::string& sentence, const Time
         time = piece;
         continue;
       }
-      if (is_own_plan(timeless)) continue;
+      if (is_own_plan(timeless, refers)) continue;
       if (is_restriction(timeless)) return {};
       strip_surroundings(piece);
       if (piece.empty()) continue;

@@ -25,12 +25,18 @@ struct QuestionInContext {
   std::vector<std::string> statements = {};
   std::string question = {};
 };
-/// Unset where only one sentence is said, or more than the last one asks.
+/// Sentences are those of a text, or of a transcript without punctuation. Unset where only one is said, or
+/// more than the last one asks.
 std::optional<QuestionInContext> question_in_context(const std::string& text, const TimeReader& times);
 
-/// The moment that the statements name, where the question is what was then and names no time: "I came home
-/// at six. What was on the table?" "" = none, or several.
-std::string time_of_statements(const QuestionInContext& context, const TimeReader& times);
+/// The question at the moment that the statements name, or of what changed since, where it names no time: "I
+/// came home at six. What was on the table?", "I laid the table at six. What is missing now?" Unset where
+/// they name none, or several.
+std::optional<std::string> question_at_statements(const QuestionInContext& context,
+                                                  const std::string& question, const TimeReader& times);
+
+/// A text without what only fills it: "um", "uh".
+std::string without_sounds(const std::string& text);
 
 /// A piece of a sentence.
 struct SentencePart {

@@ -21,6 +21,7 @@
 #include "memory/sentences/query_answerer.h"
 #include "memory/sentences/references.h"
 #include "memory/sentences/sentence_parser.h"
+#include "memory/sentences/sentence_time.h"
 #include "memory/sentences/spelling.h"
 
 namespace loci::memory {
@@ -44,7 +45,8 @@ class Conversation {
         names_(store, snapshot_) {}
 
   NaturalLanguageAnswer answer(const std::string& sentence) {
-    const std::string named = snapshot_.with_names_joined(joined(words_of(at_time_of_last(sentence)), " "));
+    const std::string named =
+        snapshot_.with_names_joined(joined(words_of(at_time_of_last(without_sounds(sentence))), " "));
     const std::vector<Id> spoken_of = references_.last_objects();
     if (auto among = answer_of_them(named)) {
       among->sentence = sentence;
@@ -118,14 +120,21 @@ class Conversation {
     return answer;
   }
 
+  /// What the next sentence may lean on.
+  void keep(const Query& query, const Reply& reply) {
+    references_.remember(query, reply);
+    last_ = query;
+    denied_ = reply.verdict == Verdict::no;
+  }
+
   /// A question and what is said around it.
   NaturalLanguageAnswer answer_text(const std::string& text) {
     const std::string meant = as_meant(text, [&](const std::string& words) { return is_name(words); });
     NaturalLanguageAnswer answer;
     if (const auto context = question_in_context(meant, times_); context && remember(*context)) {
       const std::string question = with_choice(context->question, references_.last_subject());
-      if (const std::string time = time_of_statements(*context, times_); !time.empty())
-        answer = answer_sentence(fmt::format("{} at {}", without_mark(question), time));
+      if (const auto then = question_at_statements(*context, question, times_))
+        answer = answer_sentence(*then);
       if (!answer.reply) answer = answer_sentence(question);
     }
     if (!answer.query) answer = answer_sentence(meant);
@@ -151,11 +160,12 @@ class Conversation {
   NaturalLanguageAnswer answer_sentence(const std::string& meant) {
     if (auto compared = answer_compared(meant)) return *compared;
     if (auto absence = answer_absence(meant)) return *absence;
-    const auto elided = elided_question(meant);
-    NaturalLanguageAnswer answer = answer_or_rephrase(elided ? elided->question : meant);
-    if (elided && answer.reply) add_more(elided->more, answer);
+    const auto two = two_questions(meant);
+    const bool elided = two && two->elided;
+    NaturalLanguageAnswer answer = answer_or_rephrase(elided ? two->question : meant);
+    if (elided && answer.reply) add_more(two->more, answer);
     if (elided && !answer.query) answer = answer_or_rephrase(meant);
-    if (!answer.query) answer = answer_two(meant);
+    if (!answer.query) answer = two && !elided ? answer_two(*two, meant) : not_understood(meant);
     if (!answer.reply)
       if (auto both = answer_both(meant)) return *both;
     return answer;
@@ -174,8 +184,7 @@ class Conversation {
       return unknown ? std::optional(*answer) : std::nullopt;
     }
     first.reply = compared(*comparison, *first.reply, *second.reply, snapshot_);
-    references_.remember(*first.query, *first.reply);
-    last_ = first.query;
+    keep(*first.query, *first.reply);
     return first;
   }
 
@@ -193,12 +202,10 @@ class Conversation {
   }
 
   /// "Is the tea back, and when was it put there?": both answers; none where one is not understood.
-  NaturalLanguageAnswer answer_two(const std::string& sentence) {
-    const auto two = two_questions(sentence);
-    if (!two) return not_understood(sentence);
-    NaturalLanguageAnswer answer = answer_or_rephrase(two->question);
+  NaturalLanguageAnswer answer_two(const TwoQuestions& two, const std::string& sentence) {
+    NaturalLanguageAnswer answer = answer_or_rephrase(two.question);
     if (!answer.reply) return not_understood(sentence);
-    const NaturalLanguageAnswer more = answer_or_rephrase(two->more);
+    const NaturalLanguageAnswer more = answer_or_rephrase(two.more);
     if (!more.reply) return not_understood(sentence);
     answer.reply = in_lines({*answer.reply, *more.reply});
     return answer;
@@ -214,8 +221,7 @@ class Conversation {
     answerer_.try_reading(absence->came, came);
     left.reply =
         absence_reply(*left.reply->time, came.reply ? came.reply->time : std::nullopt, times_.now(), writer_);
-    references_.remember(*left.query, *left.reply);
-    last_ = left.query;
+    keep(*left.query, *left.reply);
     return left;
   }
 
@@ -299,8 +305,7 @@ class Conversation {
       }
     }
     if (!answer.query) return answer;
-    references_.remember(*answer.query, answer.reply.value_or(Reply{}));
-    last_ = answer.query;
+    keep(*answer.query, answer.reply.value_or(Reply{}));
     return answer;
   }
 
@@ -338,6 +343,10 @@ class Conversation {
   std::optional<NaturalLanguageAnswer> answer_at_event(const std::string& sentence) {
     const auto clause = find_event_clause(sentence, snapshot_);
     if (!clause) return std::nullopt;
+    // "Was it empty at 9:50, when it stood open?": the clause says more of a time that is given.
+    if (Words timeless = sentence_words(clause->question); clause->link == EventClause::Link::at)
+      if (const auto time = cut_time(timeless, times_); time && time->moment && time->from != "now")
+        return answer_plainly(clause->question);
     const bool condition = clause->link == EventClause::Link::condition;
     NaturalLanguageAnswer event = answer_plainly((condition ? "" : "when ") + clause->event);
     if (!event.reply || !(condition ? event.reply->verdict.has_value() : event.reply->time.has_value()))
@@ -431,6 +440,13 @@ class Conversation {
           parse_follow_up(clauses_of(join_words(words, first + 2, words.size()), times_), *last_, times_);
     if (readings.empty()) readings = parse_readings(clauses, times_);
     if (readings.empty() && last_) readings = parse_follow_up(clauses, *last_, times_);
+    // How sure it is that something is not there: that it has gone, or is elsewhere.
+    for (Query& one : readings)
+      if (denied_ && last_ && one.asks == Asks::probability && one.arguments == last_->arguments &&
+          one.arguments.contains("object")) {
+        one.question = "where";
+        one.arguments.erase("place");
+      }
     if (readings.empty())
       if (auto named = parse_name(clauses); named && names_.is_known(*named)) readings = {*named};
     return readings;
@@ -443,6 +459,7 @@ class Conversation {
   QueryAnswerer answerer_;
   NameCheck names_;
   std::optional<Query> last_;
+  bool denied_ = false;  ///< the answer to it was no
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "memory/questions/environment.h"
 #include "memory/questions/names/color_words.h"
 #include "memory/questions/names/related_words.h"
+#include "memory/questions/notes.h"
 #include "memory/questions/snapshot.h"
 #include "memory/sentences/clauses/coordination.h"
 #include "memory/sentences/lexicon.h"
@@ -50,10 +51,11 @@ bool QueryAnswerer::try_reading(Query query, NaturalLanguageAnswer& answer) cons
   std::vector<std::string> notes;
   references_.resolve(query, notes);
   if (query.argument("object") == "one") return false;  // of what was not said
-  // The name of a place means what is there, but "where is the table" asks for the table.
-  if (query.question == "where" && query.asks == Asks::place &&
-      std::ranges::count(snapshot_.places(), query.argument("object"), &PlaceRow::name) > 0)
-    query = {"room", {{"part", query.argument("object")}}, Asks::place};
+  // The name of a place means what is there, but "where is table_1", "how high is it" ask for the table.
+  const bool of_furniture = (query.question == "where" && query.asks == Asks::place) ||
+                            (query.question == "about" && query.argument("property") == "size");
+  if (of_furniture && std::ranges::count(snapshot_.places(), query.argument("object"), &PlaceRow::name) > 0)
+    query = {"room", {{"part", query.argument("object")}}, query.asks};
   NaturalLanguageAnswer tried{.sentence = answer.sentence};
   try {
     set_answer(query, tried);
@@ -71,25 +73,13 @@ bool QueryAnswerer::try_reading(Query query, NaturalLanguageAnswer& answer) cons
   } catch (const Error& error) {
     tried.why_not = NoAnswer{"not_possible", fmt::format("Not possible: {}.", error.message()), error.hint()};
   }
-  note_hours(query, notes);
-  references_.note_places(query, notes);
-  references_.note_related(query, notes);
+  for (std::string& note : notes_on(snapshot_, query)) notes.push_back(std::move(note));
   const bool answered = tried.answer.has_value() || !tried.why_not || tried.why_not->reason == "not_possible";
   if (!answered && !first) return false;
   tried.query = std::move(query);
   tried.notes = std::move(notes);
   answer = std::move(tried);
   return answered;
-}
-
-void QueryAnswerer::note_hours(const Query& query, std::vector<std::string>& notes) const {
-  std::string noted;
-  for (const char* name : {"at", "from", "to", "unseen-since"}) {
-    const std::string time = query.argument(name);
-    if (time.empty() || time == noted || !times_.may_be_other_half(time)) continue;
-    notes.push_back(fmt::format("'{}' is taken as {}", time, writer_.text(times_.read(time).first)));
-    noted = time;
-  }
 }
 
 std::optional<Reply> QueryAnswerer::not_looked_into(const Query& query) const {

@@ -26,8 +26,6 @@ class QueryAnswerer {
   bool try_reading(Query query, NaturalLanguageAnswer& answer) const;
 
  private:
-  /// Which half of the day an hour is taken for, where both were observed.
-  void note_hours(const Query& query, std::vector<std::string>& notes) const;
   /// What is in a part of the map that no scene has shown from inside; unset for other places.
   std::optional<Reply> not_looked_into(const Query& query) const;
   /// "Anything blue?" names nothing that is unknown where nothing is blue; unset for other questions.

@@ -122,36 +122,6 @@ void ReferenceResolver::replace_then(Query& query, std::vector<std::string>& not
   }
 }
 
-void ReferenceResolver::note_related(const Query& query, std::vector<std::string>& notes) const {
-  for (const Parameter& parameter : find_question(query.question)->parameters) {
-    if (parameter.type != ParameterType::object && parameter.type != ParameterType::spot) continue;
-    const std::string name = query.argument(parameter.name);
-    if (const std::optional<std::string> head = snapshot_.head_of(name))
-      notes.push_back(fmt::format("nothing is called '{}'; '{}' is meant", name, *head));
-    for (const std::string& word : words_of(lower_case(name)))
-      if (const std::vector<std::string> names = snapshot_.names_related_to(word); !names.empty())
-        notes.push_back(fmt::format("'{}' is taken as {}", word, fmt::join(names, ", ")));
-  }
-}
-
-void ReferenceResolver::note_places(const Query& query, std::vector<std::string>& notes) const {
-  for (const Parameter& parameter : find_question(query.question)->parameters) {
-    const std::string name = query.argument(parameter.name);
-    const bool several = name.find(" or ") != std::string::npos || name.find(" and ") != std::string::npos;
-    if (parameter.type != ParameterType::place || name.empty() || several ||
-        !snapshot_.places_called(name).empty())
-      continue;
-    try {
-      const auto places = snapshot_.find_places(name);
-      notes.push_back(
-          fmt::format("no place is called '{}'; {} is meant", name,
-                      places.size() == 1 ? places[0].name : "any " + name.substr(name.rfind(' ') + 1)));
-    } catch (const UnknownName&) {
-      continue;  // reported by the answer
-    }
-  }
-}
-
 void ReferenceResolver::replace_pronoun(std::string& text, std::vector<std::string>& notes) const {
   if (!last_subject_.empty()) {
     notes.push_back(fmt::format("'{}' is taken as '{}'", text, last_subject_));

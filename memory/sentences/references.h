@@ -32,10 +32,6 @@ class ReferenceResolver {
 
   /// Replaces references in the arguments; what they were taken as is added to the notes.
   void resolve(Query& query, std::vector<std::string>& notes);
-  /// Notes which names of this memory a word is taken for: "crockery" for plate and bowl.
-  void note_related(const Query& query, std::vector<std::string>& notes) const;
-  /// Notes which place an unknown name is taken for.
-  void note_places(const Query& query, std::vector<std::string>& notes) const;
 
  private:
   void replace_pronoun(std::string& text, std::vector<std::string>& notes) const;

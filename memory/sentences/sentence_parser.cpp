@@ -233,14 +233,15 @@ bool is_past(const Clause& clause) {
 }
 
 /// "Were there ever two cups on the table" is not about now, "what was the biggest object on the table today"
-/// not about the end of the day.
-bool is_of_unknown_past(const Query& query, const Clause& clause) {
-  if (!is_past(clause) || (clause.period && clause.period->moment)) return false;
+/// neither about the end of the day nor, as at nine, about a moment.
+bool is_of_other_time(const Query& query, const Clause& clause) {
+  const bool over_past = is_past(clause) && !(clause.period && clause.period->moment);
   const std::vector<std::string> object = words_of(query.argument("object"));
-  const bool biggest_there = query.question == "objects" && !object.empty() &&
-                             is_superlative(object.front()) &&
-                             (std::ranges::count(object, "on") > 0 || std::ranges::count(object, "in") > 0);
-  return biggest_there || (!clause.period && query.arguments.contains("count"));
+  const bool biggest = !object.empty() && is_superlative(object.front());
+  if (biggest && query.question == "contents-history") return !over_past;
+  const bool there = std::ranges::count(object, "on") > 0 || std::ranges::count(object, "in") > 0;
+  if (biggest && there && query.question == "objects") return over_past;
+  return over_past && !clause.period && query.arguments.contains("count");
 }
 
 /// "Has the cup been in the same place" asks whether it stayed, not whether several were together.
@@ -285,7 +286,7 @@ std::vector<Query> parse_readings(const std::vector<Clause>& clauses, const Time
       const auto slots = match(rule, clause);
       if (!slots) continue;
       Query query = query_of(rule, *slots);
-      if (is_of_unknown_past(query, clause) || is_of_one_place(query, clause)) continue;
+      if (is_of_other_time(query, clause) || is_of_one_place(query, clause)) continue;
       // What was beside an object has no period: it was so when the object was last seen.
       if (query.question == "near" && is_past(clause) && !clause.period) query.arguments["at"] = "then";
       const SentenceTime time = rule.form->time.value_or(rule.question->time);
@@ -370,6 +371,10 @@ std::vector<Query> parse_follow_up(const std::vector<Clause>& clauses, const Que
     if (clause.mood == "howsure" || ((clause.mood == "yes" || clause.mood == "bare") && marked("sure")))
       return query.asks = Asks::probability, std::vector{query};
   }
+  // "How long ago was that?"
+  const bool timed = last.asks == Asks::last_time || last.asks == Asks::first_time;
+  if (clause.mood == "howlong" && clause.concepts == std::set<std::string>{"ago"} && that && timed)
+    return query.asks = Asks::ago, std::vector{query};
   if (clause.phrases.empty() && clause.concepts.empty() && !clause.period)
     if (auto bare = bare_follow_up(clause.mood, last)) return {*bare};
   // "And the jam?", "On the counter?", "And how many on the shelf?", "And at noon?"
@@ -417,7 +422,8 @@ std::vector<std::string> all_examples() {
   std::vector<std::string> examples;
   for (const Question& question : questions())
     for (const SentenceForm& form : question.sentences)
-      if (!form.example.empty()) examples.push_back(form.example);
+      if (!form.example.empty() && std::ranges::count(examples, form.example) == 0)
+        examples.push_back(form.example);
   return examples;
 }
 

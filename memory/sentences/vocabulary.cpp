@@ -128,7 +128,8 @@ constexpr Lemma kLemmas[] = {
     {"on", "upon atop"},
     {"in", "inside"},
     {"into", "onto"},
-    {"near", "beside nearby alongside around by"},
+    {"near", "nearby around by"},
+    {"nextto", "beside alongside"},
     {"under", "below beneath underneath"},
     {"from", "off"},
     {"about", "regarding concerning"},
@@ -320,8 +321,8 @@ constexpr Compound kCompounds[] = {
     {"left of", "leftof"},
     {"right of", "rightof"},
     {"on top of", "on"},
-    {"(next to|close to|adjacent to|right by|in the vicinity of|in the neighbourhood of|close by|hard by)",
-     "near"},
+    {"(close to|in the vicinity of|in the neighbourhood of|close by)", "near"},
+    {"[right|directly|immediately] (next to|adjacent to|beside|alongside)|right by|hard by", "nextto"},
     {"(most|more) (near|close)", "nearest"},
     {"more (big|large)", "bigger"},
     {"more (small|little)", "smaller"},
@@ -405,12 +406,13 @@ constexpr ClassWords kClasses[] = {
      "somehow likely perchance around altogether such kind sort own's very meanwhile though although sat "
      "accessible reachable own's yes"},
     {WordClass::relation,
-     "on in at to into from of near with behind under infront leftof rightof above about for and or like "
+     "on in at to into from of near nextto with behind under infront leftof rightof above about for and or "
+     "like "
      "within between "
      "than as over except repeated"},
     {WordClass::ordinary,
      "because if whether unless while much nice good bad better worse best nicest old young tomorrow "
-     "soon later early late more most less least fewer almost nearly twice once per "
+     "soon later early late far more most less least fewer almost nearly twice once per "
      "weather joke song meaning news time date day days week year name language sky rain sun moon world "
      "speak sing dance eat eats ate eaten eating drank drunk drinking cook cooks cooked cooking "
      "bake baked sleep sleeps slept sleeping buy buys bought cost costs price expensive cheap "

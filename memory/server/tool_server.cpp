@@ -90,11 +90,28 @@ Json tool(const std::string& name, const std::string& description, const std::ve
           {"annotations", hints}};
 }
 
+constexpr const char* kBefore = "before";
+
+/// Of `ask`, apart from `before`, which is a list.
+std::vector<Parameter> ask_parameters() {
+  std::vector<Parameter> parameters = {
+      {.name = "question", .help = "e.g. \"Where is the red cup?\"", .required = true}};
+  for (const Parameter& parameter : find_question("where")->all_parameters())
+    if (parameter.name == "at" || parameter.name == "known-at") parameters.push_back(parameter);
+  return parameters;
+}
+
+Json ask_tool() {
+  Json ask = tool("ask", "Answers a question or a task in English", ask_parameters(), true);
+  ask["inputSchema"]["properties"][kBefore] = {
+      {"type", "array"},
+      {"items", {{"type", "string"}}},
+      {"description", "Sentences that were asked before, in order: what \"it\" and \"there\" refer to"}};
+  return ask;
+}
+
 Json tools(bool allow_edits) {
-  Json list = Json::array();
-  list.push_back(tool("ask", "Answers a question or a task in English",
-                      {{.name = "question", .help = "e.g. \"Where is the red cup?\"", .required = true}},
-                      true));
+  Json list = Json::array({ask_tool()});
   for (const Question& question : questions())
     list.push_back(tool(question.name, question.description, question.all_parameters(), true));
   if (!allow_edits) return list;
@@ -127,6 +144,7 @@ std::string argument_text(const std::string& name, const Json& value) {
 Query query_of(const std::string& asked, const std::vector<Parameter>& parameters, const Json& arguments) {
   Query query{.question = asked};
   for (const auto& [name, value] : arguments.items()) {
+    if (value.is_null()) continue;  // as many clients write what they leave out
     const auto parameter = std::ranges::find(parameters, name, &Parameter::name);
     if (parameter != parameters.end() && !is_offered(*parameter))
       throw Error(fmt::format("'{}' names a file, which is not offered here", name));
@@ -135,12 +153,20 @@ Query query_of(const std::string& asked, const std::vector<Parameter>& parameter
   return query;
 }
 
-Json ask_in_words(const Store& store, const Json& arguments) {
-  if (!arguments.contains("question") || !arguments["question"].is_string())
-    throw Error("'ask' needs 'question', a string");
-  const auto answers =
-      ask(store, NaturalLanguageQuestion{{arguments["question"].get<std::string>()}, {}, {}});
-  const NaturalLanguageAnswer& answer = answers.at(0);
+Json ask_in_words(const Store& store, Json arguments) {
+  NaturalLanguageQuestion question;
+  const Json before = arguments.value(kBefore, Json::array());
+  if (!before.is_array() ||
+      !std::ranges::all_of(before, [](const Json& sentence) { return sentence.is_string(); }))
+    throw Error(fmt::format("'{}' is not a list of sentences", kBefore));
+  for (const Json& sentence : before) question.sentences.push_back(sentence.get<std::string>());
+  arguments.erase(kBefore);
+  const std::vector<Parameter> parameters = ask_parameters();
+  const Query query = query_of("ask", parameters, arguments);
+  check_arguments("ask", parameters, query);
+  question.sentences.push_back(query.argument("question"));
+  question.as_of = read_as_of(store, query.argument("at"), query.argument("known-at"));
+  const NaturalLanguageAnswer answer = ask(store, question).back();
   return tool_result(to_text(answer, TimeWriter(store)), to_json(answer), !answer.query);
 }
 
@@ -391,12 +417,13 @@ std::optional<Json> ToolServer::answer_one(const Json& message) const {
     return error_reply(MessageError::not_a_message, "this is not a message of JSON-RPC 2.0");
   const bool is_reply = message.contains("result") || message.contains("error");
   if (is_reply && !message.contains("method")) return std::nullopt;  // This server asks for nothing.
+  const Json id = message.value("id", Json());
+  const bool is_id = id.is_string() || id.is_number_integer();
   if (!message.value("method", Json()).is_string())
-    return error_reply(MessageError::not_a_message, "'method' is missing or is not a string");
+    return error_reply(is_id ? id : Json(), static_cast<Code>(MessageError::not_a_message),
+                       "'method' is missing or is not a string");
   if (!message.contains("id")) return std::nullopt;
-  const Json& id = message["id"];
-  if (!id.is_string() && !id.is_number_integer())
-    return error_reply(MessageError::not_a_message, "'id' is neither a string nor an integer");
+  if (!is_id) return error_reply(MessageError::not_a_message, "'id' is neither a string nor an integer");
   const Json params = message.contains("params") ? message["params"] : Json::object();
   if (!params.is_object()) return error_reply(id, invalid_params, "'params' is not an object");
   const auto reply = [&](Json result) {

@@ -161,7 +161,12 @@ Store::Gone objects_staying(Store::Connection& db, Id code, size_t max_count, co
 std::vector<Id> objects_with_terms(Store::Connection& db, const std::string& terms, const SqlValues& values,
                                    const AsOf& as_of) {
   Where where("1", values);
-  if (!db.needs_known(as_of)) {
+  const bool has_label =
+      db.value<int64_t>(
+            fmt::format("SELECT 1 FROM term WHERE type = '{}' AND id IN ({}) LIMIT 1", kLabelType, terms),
+            values)
+          .has_value();
+  if (!has_label && !db.needs_known(as_of)) {
     where.between("since", {}, as_of.at);
     return db.values<Id>(
         fmt::format("SELECT DISTINCT object FROM object_term WHERE term IN ({}) AND {} ORDER BY object",
@@ -169,6 +174,7 @@ std::vector<Id> objects_with_terms(Store::Connection& db, const std::string& ter
         where.values());
   }
   where.known(as_of).begun(as_of);
+  if (has_label) where.and_also(where.label_holds(as_of));
   return db.values<Id>(
       fmt::format(
           "SELECT DISTINCT t.object FROM object_term t WHERE t.term IN ({}) AND EXISTS (SELECT 1 FROM "

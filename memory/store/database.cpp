@@ -9,6 +9,7 @@
 #include "memory/store/rows/digest.h"
 #include "memory/store/rows/row_columns.h"
 #include "memory/store/rows/schema_check.h"
+#include "memory/store/run_configuration.h"
 
 namespace loci::memory {
 
@@ -104,6 +105,23 @@ Where& Where::newest_visibility(const AsOf& as_of) {
       fmt::format("(object IS NULL OR NOT EXISTS (SELECT 1 FROM visibility later WHERE later.scene = "
                   "visibility.scene AND later.object = visibility.object AND later.id > visibility.id{}))",
                   known));
+}
+
+std::string Where::label_holds(const AsOf& as_of) {
+  // Annotations have no transaction time: the runs of the edits that added labels have it.
+  const std::string later =
+      as_of.known_at ? fmt::format(
+                           "(SELECT count(*) FROM run r WHERE r.program LIKE '{}%' AND r.started > {} AND "
+                           "json_valid(r.configuration) AND json_extract(r.configuration, "
+                           "'$.label.observation') = n.observation)",
+                           kEditProgram, bind(sql(*as_of.known_at)))
+                     : "0";
+  return fmt::format(
+      "(n.term NOT IN (SELECT id FROM term WHERE type = '{0}') OR (n.term NOT IN (SELECT id FROM term WHERE "
+      "type = '{0}' AND value = '') AND {1} = (SELECT count(*) FROM annotation l JOIN term lt ON lt.id = "
+      "l.term WHERE l.scene = n.scene AND l.observation = n.observation AND lt.type = '{0}' AND l.id > "
+      "n.id)))",
+      kLabelType, later);
 }
 
 Where& Where::between(const char* column, std::optional<TimeNs> from, std::optional<TimeNs> to) {

@@ -19,13 +19,14 @@ namespace {
 
 constexpr unsigned kPrivate = 0600;  ///< a home's private life
 
-/// Verifies a memory under construction; it gets its name when there are no problems.
+/// Verifies a memory under construction, which was made from `source`; it gets its name when there are no
+/// problems.
 BackupResult commit_verified(TemporaryMemory& made, const fs::path& source, Progress& progress) {
   BackupResult result;
   result.report = Store::open_read(made.path()).verify(progress);
   if (!result.report.problems.empty())
-    throw Error(fmt::format("the copy has {} problems, the first: {}", result.report.problems.size(),
-                            result.report.problems.front()),
+    throw Error(fmt::format("what was made from it has {} problems, the first: {}",
+                            result.report.problems.size(), result.report.problems.front()),
                 {source.string(), 0, {}}, "nothing was written; loci-memory verify lists them");
   result.bytes = static_cast<int64_t>(fs::file_size(made.path()));
   made.commit();
@@ -182,6 +183,15 @@ void create_atomically(const fs::path& memory, const std::vector<fs::path>& inpu
   reported_of(memory, made.path(), [&] {
     fill(made.path());
     made.commit();
+  });
+}
+
+void create_verified(const fs::path& memory, const std::vector<fs::path>& inputs, Progress& progress,
+                     const std::function<void(const fs::path&)>& fill) {
+  TemporaryMemory made(memory, inputs);
+  reported_of(memory, made.path(), [&] {
+    fill(made.path());
+    commit_verified(made, inputs.front(), progress);
   });
 }
 

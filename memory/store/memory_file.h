@@ -95,6 +95,11 @@ auto reported_of(const std::filesystem::path& memory, const std::filesystem::pat
 void create_atomically(const std::filesystem::path& memory, const std::vector<std::filesystem::path>& inputs,
                        const std::function<void(const std::filesystem::path&)>& fill);
 
+/// The same of a memory that is verified before it gets its name: Error, and no memory, when `fill` made one
+/// that is not sound.
+void create_verified(const std::filesystem::path& memory, const std::vector<std::filesystem::path>& inputs,
+                     Progress& progress, const std::function<void(const std::filesystem::path&)>& fill);
+
 /// What a backup holds, or the memory that was restored from it.
 struct BackupResult {
   int64_t bytes = 0;    ///< of the file

@@ -196,6 +196,18 @@ Store::LatestObservations Store::latest_observations(Id object, size_t count,
   });
 }
 
+std::optional<Id> Store::object_instead_of(Id object) const {
+  return connection_->value<Id>(
+      fmt::format(
+          "SELECT k.object FROM association a JOIN association_known k ON k.observation = "
+          "a.observation WHERE a.object = ?1 AND a.chosen = 1 AND k.known_to IS NULL AND k.chosen = 1 "
+          "AND k.probability > 0 AND k.object IS NOT NULL AND k.object <> ?1 AND NOT EXISTS (SELECT 1 "
+          "FROM association_known o WHERE o.object = ?1 AND o.known_to IS NULL AND {}) GROUP BY "
+          "k.object ORDER BY count(DISTINCT k.observation) DESC, k.object LIMIT 1",
+          kObserved),
+      {sql(object)});
+}
+
 std::optional<ObjectObservation> Store::last_observation_before(Id object, TimeNs time,
                                                                 const std::vector<Id>& places,
                                                                 const AsOf& as_of) const {

@@ -203,7 +203,8 @@ class Store {
   ObservationRow observation(Id id) const;
   Id max_observation_id() const;  ///< 0 = there is none
   Id max_object_id() const;       ///< likewise; forgotten ones count
-  std::vector<AnnotationRow> annotations(Id scene) const;
+  /// Of the labels that people gave an observation only the one that holds, if any.
+  std::vector<AnnotationRow> annotations(Id scene, const AsOf& as_of = {}) const;
   /// The scenes from `from` to `to` with an annotation of a type, in order of time.
   std::vector<SceneRow> scenes_annotated(const std::string& type, TimeNs from, TimeNs to,
                                          const AsOf& as_of) const;
@@ -284,6 +285,9 @@ class Store {
   std::optional<ObjectObservation> first_observation_after(Id object, TimeNs time,
                                                            const std::vector<Id>& places,
                                                            const AsOf& as_of = {}) const;
+  /// The object that has most of what was observed as another one, which has no observation left; unset =
+  /// none.
+  std::optional<Id> object_instead_of(Id object) const;
   struct ObservationCount {
     size_t count = 0;
     std::optional<Id> first_scene = {};
@@ -386,6 +390,7 @@ struct AnnotationSupport {
 };
 /// By type, the most frequent value first. Annotations of location and geometry are left out.
 std::vector<AnnotationSupport> annotation_support(const Store& store,
-                                                  const std::vector<ObjectObservation>& observations);
+                                                  const std::vector<ObjectObservation>& observations,
+                                                  const AsOf& as_of = {});
 
 }  // namespace loci::memory

@@ -150,8 +150,11 @@ Id Store::max_object_id() const {
   return connection_->next_object_id() - 1;
 }
 
-std::vector<AnnotationRow> Store::annotations(Id scene) const {
-  return select<AnnotationRow>(*connection_, Where("scene = ?1", {sql(scene)}));
+std::vector<AnnotationRow> Store::annotations(Id scene, const AsOf& as_of) const {
+  Where where("scene = ?1", {sql(scene)});
+  where.and_also(fmt::format("id IN (SELECT n.id FROM annotation n WHERE n.scene = ?1 AND {})",
+                             where.label_holds(as_of)));
+  return select<AnnotationRow>(*connection_, where);
 }
 
 std::vector<SceneRow> Store::scenes_annotated(const std::string& type, TimeNs from, TimeNs to,
@@ -418,13 +421,14 @@ void Store::read_view(const std::string& view, const std::function<void(const Js
 }
 
 std::vector<AnnotationSupport> annotation_support(const Store& store,
-                                                  const std::vector<ObjectObservation>& observations) {
+                                                  const std::vector<ObjectObservation>& observations,
+                                                  const AsOf& as_of) {
   std::map<std::pair<std::string, std::string>, size_t> with_value;
   std::map<std::string, size_t> with_type;
   for (const ObjectObservation& observed : observations) {
     std::set<std::pair<std::string, std::string>> values;
     std::set<std::string> types;
-    for (const AnnotationRow& row : store.annotations(observed.observation.scene))
+    for (const AnnotationRow& row : store.annotations(observed.observation.scene, as_of))
       if (row.observation == observed.observation.id && !row.value.empty() &&
           row.type.find("Location") == std::string::npos && row.type.find("Geometry") == std::string::npos) {
         values.insert({row.type, row.value});

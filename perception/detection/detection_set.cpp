@@ -28,13 +28,13 @@ constexpr uintmax_t kMaxFileBytes = uintmax_t{512} << 20;
   throw Error(what, where, hint);
 }
 
-/// Error with the file as its place instead of none.
+/// Error with the file in its place.
 template <class Function>
 auto in_file(const fs::path& file, Function read) {
   try {
     return read();
   } catch (const Error& error) {
-    throw Error(error.message(), {file.string(), 0, error.location().key}, error.hint());
+    throw Error(error.message(), {file.string(), error.location().line, error.location().key}, error.hint());
   }
 }
 
@@ -200,13 +200,6 @@ Detection2D read_annotation(const json& entry, const std::map<std::string, Categ
   return detection;
 }
 
-/// Nesting that no COCO file has, and that would take memory without end.
-bool nested_deeply(int depth, json::parse_event_t /*event*/, json& /*value*/) {
-  constexpr int kMaxDepth = 16;
-  if (depth > kMaxDepth) throw Error("is nested too deeply");
-  return true;
-}
-
 /// A class without a name is called by its number; often numbers are counted from another start than the
 /// names.
 void warn_of_unnamed(const std::vector<ImageDetections>& images, const std::set<std::string>& names,
@@ -221,15 +214,18 @@ void warn_of_unnamed(const std::vector<ImageDetections>& images, const std::set<
                  {path.string(), 0, {}});
 }
 
+/// Error for what is a scene, or a list of scenes, as JSON Lines have one in each line.
+void refuse_scenes(const json& file) {
+  const json& first = file.is_array() && !file.empty() ? file.front() : file;
+  if (first.is_object() && first.contains("time") && first.contains("detections"))
+    throw Error("has scenes, but not one per line", {}, kScenePerLine);
+}
+
 std::vector<ImageDetections> read_coco(const fs::path& path, Warnings& warnings) {
   if (fs::file_size(path) > kMaxFileBytes)
     refuse_at({path.string(), 0, {}}, fmt::format("is larger than {} MB", kMaxFileBytes >> 20));
-  json file;
-  try {
-    file = json::parse(read_file(path), nested_deeply);
-  } catch (const json::exception&) {
-    refuse_at({path.string(), 0, {}}, "is not valid JSON");
-  }
+  const json file = parse_values(read_file(path));
+  refuse_scenes(file);
   std::map<std::string, ImageDetections> images;
   std::map<std::string, cv::Size> sizes;
   std::map<std::string, Category> categories;
@@ -440,18 +436,12 @@ Detection2D read_detection(const json& entry, const std::string& where, const fs
 }
 
 ImageDetections read_scene(const std::string& line, const fs::path& folder) {
-  json scene;
-  try {
-    scene = json::parse(line, nested_deeply);
-  } catch (const json::exception&) {
-    throw Error("is not valid JSON");
-  }
+  const json scene = parse_values(line);
   ImageDetections image;
   image.time = parse_time(text_of(member(scene, "time", "the line"), "time"));
   image.image = fmt::format("time {}", *image.time);
   size_t mask_pixels = 0;
-  if (!scene.contains("detections") || scene["detections"].is_null()) return image;
-  for (const json& entry : require_list(scene["detections"], "detections")) {
+  for (const json& entry : require_list(detections_of(scene), "detections")) {
     const std::string where = fmt::format("detections[{}]", image.detections.size());
     image.detections.push_back(read_detection(entry, where, folder));
     mask_pixels += image.detections.back().region.mask.total();

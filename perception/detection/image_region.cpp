@@ -11,6 +11,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/math/pose.h"
 #include "mapping/image/image_io.h"
+#include "perception/detection/detection_values.h"
 
 namespace loci::perception {
 namespace {
@@ -29,9 +30,8 @@ void check_area(double width, double height, const std::string& where) {
 }
 
 double position(const json& value, const std::string& where) {
-  if (!value.is_number()) refuse(where, fmt::format("must be numbers, has {}", value.type_name()));
-  const auto number = value.get<double>();
-  if (!std::isfinite(number) || std::abs(number) > kMaxImageSide)
+  const double number = finite_number(value, where);
+  if (std::abs(number) > kMaxImageSide)
     refuse(where, fmt::format("must be pixels of an image of up to {} a side", kMaxImageSide));
   return number;
 }

@@ -107,7 +107,7 @@ class Annotator {
   /// Before the first frame: looks up resources; throws Error when it cannot start.
   virtual void start(Context& /*context*/) {}
   virtual void process(cas::Cas& cas, Context& context) = 0;
-  /// After the last frame, also when the run was interrupted.
+  /// After the last frame, also of a run that was interrupted or failed.
   virtual void finish(Context& /*context*/) {}
 };
 

@@ -113,6 +113,14 @@ void Pipeline::finish(Context& context) {
   for (Step* step : steps()) step->finish(context);
 }
 
+void Pipeline::finish_stopped(Context& context) {
+  for (Step* step : steps()) try {
+      step->finish(context);
+    } catch (const std::exception& error) {
+      context.warnings.add(fmt::format("{} cannot finish: {}", step->descriptor().name, error.what()));
+    }
+}
+
 bool Pipeline::asynchronous() const {
   const auto is = [](const FlowNode& node) { return node.asynchronous(); };
   return std::ranges::any_of(flow_.nodes, is) || std::ranges::any_of(writers_.nodes, is);
@@ -214,9 +222,7 @@ void Pipeline::run_frames(Context& context, const std::shared_ptr<const cas::Typ
     }
   };
   parallel_stages(in_flight, line.size() + 1, begin, work);
-  if (!interrupted) return;
-  finish(context);
-  throw Interrupted();
+  if (interrupted) throw Interrupted();
 }
 
 PipelineResult Pipeline::run(Context& context, const std::shared_ptr<const cas::TypeSystem>& type_system,
@@ -225,7 +231,12 @@ PipelineResult Pipeline::run(Context& context, const std::shared_ptr<const cas::
   check_types(writers_, *type_system);
   start(context);
   PipelineResult result;
-  run_frames(context, type_system, progress, done, result);
+  try {
+    run_frames(context, type_system, progress, done, result);
+  } catch (...) {
+    finish_stopped(context);
+    throw;
+  }
   finish(context);
   progress.update(1, "done");
   result.seconds.emplace_back(reader_->descriptor().name, reader_seconds_);

@@ -85,6 +85,8 @@ class Pipeline {
   void run_frames(Context& context, const std::shared_ptr<const cas::TypeSystem>& type_system,
                   Progress& progress, const std::function<void(cas::Cas&)>& done, PipelineResult& result);
   void finish(Context& context);
+  /// Of a run that stopped: why it did is what counts, and what fails now is a warning.
+  void finish_stopped(Context& context);
   std::vector<Step*> steps() const;
 
   std::unique_ptr<Reader> reader_;

@@ -11,6 +11,11 @@ Images are arrays of numpy: colour as RGB, depth in metres with NaN where nothin
 matrices named target_from_source. Times are datetime in UTC; questions also take what people say ("08:30").
 """
 
+from . import _loci
+from ._calls import shorten_errors
+
+shorten_errors(_loci)
+
 from ._loci import (
     Camera,
     Cluster,

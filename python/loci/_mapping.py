@@ -1,10 +1,10 @@
 """Maps with their sidecar, and recordings."""
 
-import json
 import os
 from typing import Any, Union
 
 from . import _loci
+from ._json import dumps
 from ._loci import Map, Recording
 from .answers import Record, read
 
@@ -24,7 +24,7 @@ def _write(self: Map, path: Union[str, os.PathLike], *, force: bool = False) -> 
     joints are no tree, a sidecar speaks of links that there are not, or a file is there that loci did not write and
     `force` is not set."""
     semantics = getattr(self, "semantics", None)
-    self._write(path, json.dumps(semantics) if semantics else "", force)
+    self._write(path, dumps(semantics, "semantics", finite=True) if semantics else "", force)
 
 
 Map.read = staticmethod(_read_map)
@@ -34,7 +34,7 @@ Map.write = _write
 def open_recording(path: Union[str, os.PathLike], **options: Any) -> Recording:
     """Opens a recording of any known layout: its frames by number, or one after the other.
 
-    options: as of `loci-perceive info`: topics, poses, up, color_delay_s, seconds_apart
+    options: as of `loci-perceive info`: topics, poses, up, color_delay_s, seconds_apart, start
     """
     return _loci._open_recording(path, **options)
 

@@ -1,15 +1,16 @@
 """Questions as methods, and what they return. Their declarations are those of the C++ library."""
 
+import collections.abc
 import datetime
 import inspect
 import io
-import json
 import numbers
 import os
 import tempfile
 from typing import Any, Callable, Iterable, Iterator, List, Optional, Sequence, Union
 
 from . import _loci, answers
+from ._json import dumps, time_text
 from ._loci import Error, Memory, Scene
 from .answers import Record, python_name, read
 
@@ -27,9 +28,7 @@ class NotUnderstood(Error):
 def _argument(value):
     """A value as people write it."""
     if isinstance(value, datetime.datetime):
-        if value.tzinfo is None:
-            raise Error("a time needs a zone: datetime(..., tzinfo=timezone.utc)")
-        return value.isoformat()
+        return time_text(value)
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     if isinstance(value, str):
@@ -183,6 +182,13 @@ Memory.teach = _teach
 Memory.__iter__ = _iterate
 
 
+def _is_in_database(path):
+    return isinstance(path, str) and path.startswith(("postgresql://", "postgres://"))
+
+
+_DATABASE_IS_READ = "a memory in a database is read: the robot's file is written, and pushed"
+
+
 def open(
     path: Union[str, os.PathLike], write: bool = False, *, now: Optional[_Time] = None
 ) -> Memory:
@@ -192,21 +198,12 @@ def open(
     Use it in a `with` statement, or close() it. A memory that is opened for writing is made where it is missing.
     now: transaction time of what is written; the clock without it
     """
-    if isinstance(path, str) and path.startswith(("postgresql://", "postgres://")):
+    if _is_in_database(path):
         if write:
-            raise Error("a memory in a database is read: the robot's file is written, and pushed")
+            raise Error(_DATABASE_IS_READ)
         cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
         path = _loci._replica(path, os.path.join(cache, "loci", "fleet"))
     return Memory(path, write, now=now)
-
-
-def _plain(value):
-    """What JSON has no form for: times, paths, and arrays and numbers of numpy."""
-    if isinstance(value, (datetime.datetime, os.PathLike)):
-        return _argument(value)
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    raise TypeError(f"a detection cannot hold a {type(value).__name__}")
 
 
 def ingest(
@@ -230,14 +227,15 @@ def ingest(
 
     Returns the report.
     """
+    if _is_in_database(memory):
+        raise Error(_DATABASE_IS_READ)
     if isinstance(detections, (str, os.PathLike)):
-        return read(_loci._ingest(detections, memory, map, recording, progress, now, **options))
+        return read(_loci._ingest(detections, "", memory, map, recording, progress, now, **options))
+    if isinstance(detections, collections.abc.Mapping) or not isinstance(detections, collections.abc.Iterable):
+        raise Error("detections are a file or a list of scenes: [{'time': ..., 'detections': [...]}, ...]")
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "detections.jsonl")
         with io.open(file, "w", encoding="utf-8") as lines:
-            for scene in detections:
-                lines.write(json.dumps(scene, default=_plain) + "\n")
-        try:
-            return ingest(file, memory, map=map, recording=recording, progress=progress, now=now, **options)
-        except Error as error:  # users know no such file
-            raise type(error)(str(error).replace(file, "detections")) from None
+            for number, scene in enumerate(detections, 1):
+                lines.write(dumps(scene, f"detections:{number}") + "\n")
+        return read(_loci._ingest(file, "detections", memory, map, recording, progress, now, **options))

@@ -1,11 +1,11 @@
 """Pipelines, and annotators written in Python."""
 
 import inspect
-import json
 import os
 from typing import Any, Callable, Dict, List, Optional, Sequence, Type, Union
 
 from . import _loci
+from ._json import dumps
 from ._loci import Cluster, Error, PerceivedScene
 from ._memory import _Time
 from .answers import Record, read
@@ -26,7 +26,7 @@ class Annotator:
 
     inputs, outputs, optional_inputs: types of annotations by their short names, "Cluster", or views ("view:depth");
     what is not declared may not be there. options: names with defaults (bool, int, float or str); start() finds their
-    values as attributes. An object is made for one run.
+    values as attributes. An object is made for one run; an exception of it ends the run as a loci.Error.
     """
 
     inputs: Sequence[str] = ()
@@ -52,13 +52,13 @@ class Annotator:
         raise NotImplementedError
 
     def finish(self) -> None:
-        """After the last frame, also when the run was interrupted."""
+        """After the last frame, also of a run that was interrupted or failed."""
 
 
 def run(
     recording: Union[str, os.PathLike],
     *,
-    pipeline: Union[str, dict, None] = None,
+    pipeline: Union[str, os.PathLike, dict, None] = None,
     annotators: Sequence[Type[Annotator]] = (),
     types: Sequence[Union[str, os.PathLike]] = (),
     map: Union[str, os.PathLike] = "",
@@ -74,7 +74,7 @@ def run(
 ) -> Record:
     """Runs a perception pipeline over a recording, as `loci-perceive run` does.
 
-    pipeline: YAML text or a dictionary; the default one without it
+    pipeline: a YAML file, YAML text or a dictionary; the default one without it
     annotators: classes of Python that it may name; those that it does not name come at its end
     types: type systems (XML) of their annotations
     map: URDF; memory: file to write to; resume: go on with a recording that the memory has in part
@@ -90,11 +90,15 @@ def run(
             raise Error(f"{each!r} is no class of annotators: derive it from loci.Annotator, with process(scene)")
     if every < 0:
         raise Error(f"every is {every}: 0 = as the pipeline says, n = every n-th frame")
-    text = pipeline if isinstance(pipeline, str) else json.dumps(pipeline) if pipeline else ""
+    text, file = "", ""
+    if isinstance(pipeline, os.PathLike) or (isinstance(pipeline, str) and pipeline.endswith((".yaml", ".yml"))):
+        file = pipeline
+    elif pipeline:
+        text = pipeline if isinstance(pipeline, str) else dumps(pipeline, "pipeline")
     return read(
         _loci._run(
-            recording, text, list(annotators), list(types), map, memory, resume, fixed_camera, threads, every, done,
-            progress, now, **options
+            recording, text, file, list(annotators), list(types), map, memory, resume, fixed_camera, threads, every,
+            done, progress, now, **options
         )
     )
 
@@ -110,8 +114,9 @@ def describe_annotators() -> List[Record]:
 
 
 def _annotate(self: Union[Cluster, PerceivedScene], type: str, **features: Any) -> None:
-    """Adds an annotation of a type, by its short name, with features by name: numbers, texts, lists of them."""
-    self._annotate(type, json.dumps(features))
+    """Adds an annotation of a type, by its short name, with features by name: numbers and texts, lists or arrays of them."""
+    values = [f"{dumps(name, type)}: {dumps(value, f'{type}.{name}', finite=True)}" for name, value in features.items()]
+    self._annotate(type, "{" + ", ".join(values) + "}")
 
 
 def _annotations(self: Cluster) -> List[Record]:

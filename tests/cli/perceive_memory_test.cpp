@@ -83,6 +83,38 @@ TEST_F(PerceiveIntoMemory, SameRecordingTwiceIsRefusedWithOneLine) {
   EXPECT_EQ(memory::memory_dump(folder / "twice.loci"), before);
 }
 
+TEST_F(PerceiveIntoMemory, ResumingSaysWhatItLeavesOut) {
+  ASSERT_EQ(loci::apps::test::run(command("some.loci", "--every 6")).exit_code, 0);
+  const Outcome again = loci::apps::test::run(command("some.loci"));
+  EXPECT_THAT(again.error, HasSubstr("(4 of 24 frames); --resume adds the 5 frames after the last"));
+  EXPECT_THAT(again.error, HasSubstr("remove " + (folder / "some.loci").string()));
+  const Outcome resumed = loci::apps::test::run(command("some.loci", "--resume"));
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.error;
+  EXPECT_THAT(resumed.out, HasSubstr("5 frames, "));
+  EXPECT_THAT(resumed.out, HasSubstr("4 frames in the memory already; left out: 15 frames before the last"));
+  const Outcome whole = loci::apps::test::run(command("some.loci"));
+  EXPECT_THAT(whole.error, testing::Not(HasSubstr("--resume")));
+}
+
+TEST_F(PerceiveIntoMemory, ARecordingOfAnEarlierTimeSaysWhatToDo) {
+  ASSERT_EQ(loci::apps::test::run(command("day.loci")).exit_code, 0);
+  const auto record = [&](const std::string& rest) {
+    const std::string from = recording.string(), to = (folder / "images").string();
+    return loci::apps::test::run("rm -rf " + to + " && cp -r " + from + " " + to + " && cut -d, -f1,3- " +
+                                 from + "/frames.csv > " + to + "/frames.csv && loci-perceive run " + to +
+                                 " --quiet --every 8 -m " + (folder / "day.loci").string() + " " + rest);
+  };
+  const std::string before = memory::memory_dump(folder / "day.loci");
+  const Outcome early = record("");
+  EXPECT_EQ(early.exit_code, 1);
+  EXPECT_THAT(early.error,
+              HasSubstr("the recording begins at 2000-01-01T00:00:00Z (made up), before the last"));
+  EXPECT_THAT(early.error, HasSubstr("--start TIME"));
+  EXPECT_THAT(early.error, testing::Not(HasSubstr("IdentityResolution")));
+  EXPECT_EQ(memory::memory_dump(folder / "day.loci"), before);
+  EXPECT_EQ(record("--start 2036-05-01T08:30:00Z").exit_code, 0);
+}
+
 TEST_F(PerceiveIntoMemory, RecordingIsKnownByItsContentNotItsPath) {
   ASSERT_EQ(loci::apps::test::run(command("moved.loci")).exit_code, 0);
   std::filesystem::copy(recording, folder / "elsewhere", std::filesystem::copy_options::recursive);

@@ -157,5 +157,53 @@ TEST(RecordAndInfo, AHandHeldRecordingWithoutPosesIsTrackedAndUprightHoweverTheC
   }
 }
 
+/// A part of a video as a folder in the layout of 7-Scenes, without its poses.
+std::string part_of_video(const std::string& folder, int first, int last, int every) {
+  const fs::path video = shared("data/redkitchen_30hz/frames");
+  fs::create_directories(folder);
+  fs::copy_file(video.parent_path() / "cameras.yaml", folder + "/cameras.yaml");
+  for (int i = first; i < last; i += every)
+    for (const char* part : {"color.jpg", "depth.png"}) {
+      const std::string name = fmt::format("frame-{:06}.{}", i, part);
+      fs::copy_file(video / name, folder + "/" + name);
+    }
+  return folder;
+}
+
+TEST(RecordAndInfo, WhatHasNoPosesInTheFrameOfTheMapIsPlacedInIt) {
+  LOCI_NEEDS_SHARED("data/redkitchen_30hz");
+  const std::string folder = fresh_folder(), map = folder + "/map/map.urdf";
+  ASSERT_EQ(run("loci-map fuse " + shared("data/redkitchen_30hz/frames") + " --every 6 -o " + folder +
+                "/map/scans && loci-map interpret " + folder + "/map/scans -o " + folder + "/map")
+                .exit_code,
+            0);
+  const auto perceive = [&](const std::string& recording, const std::string& more = {}) {
+    return run("loci-perceive run " + recording + " --map " + map + " " + more);
+  };
+  const std::string video = part_of_video(folder + "/video", 0, 60, 3);
+  ASSERT_EQ(run("loci-map track " + video + " -o " + folder + "/posed").exit_code, 0);
+  const Outcome posed = perceive(folder + "/posed", "--every 8");
+  EXPECT_EQ(posed.exit_code, 0) << posed.error;
+  EXPECT_THAT(posed.error,
+              HasSubstr("the poses are in another frame than the map: the recording was placed"));
+  const Outcome updated = run("loci-map update " + map + " " + folder + "/posed -o " + folder + "/updated");
+  EXPECT_EQ(updated.exit_code, 0) << updated.error;
+  EXPECT_THAT(updated.error,
+              HasSubstr("the poses are in another frame than the map: the recording was placed"));
+  const Outcome in_map = perceive(shared("data/redkitchen_30hz/frames"), "--every 60");
+  EXPECT_THAT(in_map.error, testing::Not(HasSubstr("placed"))) << "its poses fit";
+  EXPECT_EQ(in_map.exit_code, 0) << in_map.error;
+  const std::string one = part_of_video(folder + "/one", 0, 1, 1);
+  for (const char* more : {"", "--fixed-camera"}) {
+    const Outcome outcome = perceive(one, more);
+    EXPECT_THAT(outcome.error, HasSubstr("the recording was placed in the map")) << more;
+    EXPECT_THAT(outcome.error, testing::Not(HasSubstr("first supporting plane")));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  }
+  fs::rename(folder + "/map/scans", folder + "/scans");
+  expect_one_line_refusal(perceive(one, "--quiet"),
+                          "the map has no scans beside it to place the recording by");
+}
+
 }  // namespace
 }  // namespace loci::apps::test

@@ -117,6 +117,19 @@ TEST_F(SilentNothing, FramesOutsideTheMapAreNamed) {
   EXPECT_NE(outcome.error.find("nothing of the map in view in 3"), std::string::npos) << outcome.error;
 }
 
+TEST_F(SilentNothing, AMemoryOfNothingSaysHowToTryAgain) {
+  const auto view = [](int64_t) { return BoxTable{table_camera(0, 0, 0), -1}; };
+  const auto pose = [&](int64_t i) { return std::optional(view(i).map_from_camera); };
+  const std::string command =
+      "loci-perceive run " + record(view, pose) + " --quiet -m " + folder_ + "/m.loci";
+  for (const Outcome& outcome : {run(command), run(command)}) {
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.error.find("to perceive it anew, remove " + folder_ + "/m.loci"), std::string::npos)
+        << outcome.error;
+    EXPECT_EQ(outcome.error.find("--resume"), std::string::npos) << outcome.error;
+  }
+}
+
 TEST_F(SilentNothing, FuseOfFewReadableFramesFailsAndWritesNothing) {
   const auto view = [](int64_t i) { return BoxTable{table_camera(0.02 * static_cast<double>(i))}; };
   const auto pose = [&](int64_t i) { return std::optional(view(i).map_from_camera); };

@@ -10,6 +10,7 @@ import time
 import unittest
 
 import loci
+import numpy
 from support import SAMPLES, FolderTest, SampleMemoryTest
 
 UTC = datetime.timezone.utc
@@ -124,6 +125,21 @@ class Contents(SampleMemoryTest):
                 with self.assertRaisesRegex(loci.Error, f"no table '{unknown}'; there are: objects"):
                     memory.table(unknown)
 
+    def test_arguments_of_wrong_types_are_errors_of_one_line(self):
+        with loci.open(self.file) as memory:
+            for wrong in (
+                lambda: memory.scene("1"),
+                lambda: memory.scene(),
+                lambda: memory.table(3),
+                lambda: loci.run(3),
+                lambda: loci.ingest("a.jsonl", 3),
+                lambda: loci.Camera("a"),
+            ):
+                with self.assertRaisesRegex(loci.Error, r"an argument is missing or of a wrong type; it takes \(.*\)[^\n]*$"):
+                    wrong()
+            with self.assertRaisesRegex(loci.Error, r"^Memory.scene: .*; it takes \(id: int\)$"):
+                memory.scene("1")
+
     def test_what_was_closed_answers_no_more(self):
         memory = loci.open(self.file)
         scene = memory.scene(1)
@@ -189,6 +205,42 @@ class Writing(FolderTest):
         with loci.open(file) as memory:
             self.assertEqual(memory.objects().objects[0].label, "mug")
 
+    def test_bad_scenes_of_python_are_named(self):
+        good = {"time": "2026-05-01T08:30:00Z", "detections": [{"position": numpy.array([1, 2, 0.9])}]}
+        nan = {"time": "2026-05-01T08:31:00Z", "detections": [{"position": numpy.array([1, numpy.nan, 2])}]}
+        with self.assertWarnsRegex(UserWarning, r"^detections:2: detections\[0\].position: .* is NaN") as caught:
+            loci.ingest([good, nan], self.folder / "m.loci", noise_m=numpy.float32(0.01))
+        self.assertEqual(caught.filename, __file__)
+        for wrong, reason in (
+            ([nan], r"^detections:1: detections\[0\].position: must be a finite number, is NaN"),
+            ([good, {"time": {1}}], r"^detections:2: a set cannot be given here"),
+            (good, "detections are a file or a list of scenes"),
+            (None, "detections are a file or a list of scenes"),
+            ([], "^detections: has no scenes"),
+        ):
+            with self.assertRaisesRegex(loci.Error, reason):
+                loci.ingest(wrong, self.folder / "n.loci")
+        with self.assertRaisesRegex(loci.Error, "a memory in a database is read"):
+            loci.ingest([good], "postgresql://localhost/kitchen?robot=a")
+
+    def test_what_the_last_look_missed_is_not_counted_as_there(self):
+        """As the command line has it."""
+        file = self.folder / "own.loci"
+        mug = {"position": [1.0, 2, 0.8], "class": "mug", "place": "table_1"}
+        box = {"position": [1.5, 2, 0.8], "class": "box", "place": "table_1"}
+        looked = [{"place": "table_1", "fraction": 0.5}]
+        loci.ingest(
+            [
+                {"time": f"2026-05-01T08:{minute}:00Z", "observed": looked, "detections": seen}
+                for minute, seen in (("00", [mug, box]), ("10", [mug, box]), ("20", [box]))
+            ],
+            file,
+        )
+        self.assertIn("perhaps also: the mug", command("on", "table_1", "-m", file))
+        with loci.open(file) as memory:
+            self.assertRegex(str(memory.on("table_1")), "^The box is on table_1.\n1 object is, perhaps 1 more, on table_1")
+            self.assertTrue(str(memory.was("mug", "on table_1")).startswith("Yes: the mug was on table_1, "))
+
     def test_options_of_ingest_are_checked(self):
         with self.assertRaisesRegex(loci.Error, "strictt.*did you mean 'strict'"):
             loci.ingest(SAMPLES / "detections.jsonl", self.folder / "m.loci", strictt=True)
@@ -234,7 +286,7 @@ class Watch(FolderTest):
         ingest(1, mug)
         program = os.path.join(os.environ["LOCI_BIN_DIR"], "loci-memory")
         command = [program, "watch", "milk appears", "anything comes to table_1", "-m", str(file), "--count", "1"]
-        command += ["--for", "60", "--run", "echo ran: $LOCI_QUESTION"]
+        command += ["--for", "60", "--run", "echo ran: $LOCI_QUESTION; exit 3"]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as watching:
             time.sleep(1.5)
             moved = {**mug, "position": [2.0, 0.6, 0.8], "place": "table_1"}
@@ -242,10 +294,19 @@ class Watch(FolderTest):
                 ingest(minute, moved)
             out, err = watching.communicate(timeout=90)
         self.assertIn("table_1", out)
+        self.assertIn("(anything comes to table_1)\n", out)  # which of the questions it answers
         self.assertIn("ran: anything comes to table_1", out)
+        self.assertIn("ended with status 3", err)
         self.assertIn("milk", err)  # not known yet
         self.assertEqual(watching.returncode, 0)
 
+
+    def test_no_event_is_no_count(self):
+        program = os.path.join(os.environ["LOCI_BIN_DIR"], "loci-memory")
+        command = [program, "watch", "anything appears", "-m", "none.loci", "--count", "0", "--for", "1"]
+        ended = subprocess.run(command, capture_output=True, text=True)
+        self.assertEqual(ended.returncode, 2)
+        self.assertIn("0 is not allowed (at least 1)", ended.stderr)
 
     def test_a_memory_that_is_made_later_is_waited_for(self):
         file = self.folder / "later.loci"

@@ -1,5 +1,7 @@
 """Pipelines with annotators of Python, and what memories keep of their scenes."""
 
+import os
+import signal
 import unittest
 
 import loci
@@ -149,6 +151,95 @@ class Pipelines(TabletopTest):
             loci.run(self.recording, every=-1)
         with self.assertRaisesRegex(loci.Error, "progress returned False"):
             loci.run(self.recording, progress=lambda fraction, text: False)
+
+    def test_values_of_numpy_are_annotated(self):
+        class Measures(loci.Annotator):
+            inputs = ["Cluster", "StandaloneImageROI"]
+            outputs = ["ClassificationAnnotation"]
+            options = {"share": numpy.float32(0.1), "count": numpy.int64(3)}
+
+            def process(self, scene):
+                for cluster in scene.clusters:
+                    height = cluster.points[:, 2].mean()
+                    cluster.annotate("ClassificationAnnotation", kind="object", label="far", confidence=height * self.share)
+
+        found = []
+        loci.run(
+            self.recording,
+            annotators=[Measures],
+            done=lambda scene: found.extend(each for cluster in scene.clusters for each in cluster.annotations),
+        )
+        own = [each for each in found if each.get("label") == "far"]
+        self.assertTrue(own)
+        self.assertTrue(all(0.05 < each.confidence < 0.5 for each in own))
+
+    def test_what_is_no_value_is_refused_at_the_line_of_the_user(self):
+        def annotator(**features):
+            class Wrong(loci.Annotator):
+                inputs = ["Cluster"]
+                outputs = ["ClassificationAnnotation"]
+
+                def process(self, scene):
+                    scene.clusters[0].annotate("ClassificationAnnotation", **features)
+
+            return Wrong
+
+        for features, reason in (
+            ({"confidence": float("nan")}, "ClassificationAnnotation.confidence: is not a finite number"),
+            ({"confidence": {1, 2}}, "ClassificationAnnotation.confidence: a set cannot be given here"),
+        ):
+            with self.assertRaisesRegex(loci.Error, rf"{reason}.* at .*perception_test.py\(\d+\): process$"):
+                loci.run(self.recording, annotators=[annotator(**features)])
+
+    def test_interrupts_stop_the_run_and_finish(self):
+        finished = []
+
+        class Stops(loci.Annotator):
+            inputs = ["Cluster"]
+
+            def process(self, scene):
+                raise KeyboardInterrupt
+
+            def finish(self):
+                finished.append(type(self).__name__)
+
+        class Signalled(Stops):
+            def process(self, scene):
+                os.kill(os.getpid(), signal.SIGINT)
+
+        class Fails(Stops):
+            def process(self, scene):
+                assert scene is None
+
+        flow = ["NormalEstimator", "KnownStructureFilter", "PlaneClusterExtractor", {"Stops": {}, "on_error": "skip"}]
+        self.assertRaises(KeyboardInterrupt, loci.run, self.recording, pipeline={"flow": flow}, annotators=[Stops])
+        self.assertRaises(KeyboardInterrupt, loci.run, self.recording, annotators=[Signalled], threads=1)
+        with self.assertRaisesRegex(loci.Error, r"Fails failed at frame 0: AssertionError at "):
+            loci.run(self.recording, annotators=[Fails])
+        self.assertEqual(finished, ["Stops", "Signalled", "Fails"])
+
+    def test_declarations_are_checked(self):
+        def declares(**declared):
+            return type("Mine", (loci.Annotator,), {"process": lambda self, scene: None, **declared})
+
+        for declared, reason in (
+            ({"inputs": "Cluster"}, r"Mine.inputs is 'Cluster'; give a list of texts"),
+            ({"outputs": 3}, r"Mine.outputs is 3; give a list of texts"),
+            ({"options": {"x": [1]}}, r"Mine.options.x is \[1\]; give a bool, an int"),
+            ({"options": {"x": 2**40}}, r"Mine.options.x is 1099511627776; give"),
+            ({"options": ["x"]}, r"Mine.options is \['x'\]; give a dictionary"),
+        ):
+            with self.assertRaisesRegex(loci.Error, f"^{reason}"):
+                loci.run(self.recording, annotators=[declares(**declared)])
+
+    def test_pipelines_are_files_too(self):
+        file = self.folder / "pipeline.yaml"
+        file.write_text("flow: [NormalEstimator, KnownStructureFilter, PlaneClusterExtractor]")
+        for pipeline in (file, str(file)):
+            self.assertEqual(loci.run(self.recording, pipeline=pipeline).frames, 3)
+        file.write_text("flow: [NormalEstimatr]")
+        with self.assertRaisesRegex(loci.Error, "pipeline.yaml:1.*did you mean 'NormalEstimator'"):
+            loci.run(self.recording, pipeline=file)
 
     def test_scenes_end(self):
         kept = []

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <opencv2/imgproc.hpp>
 #include <random>
@@ -35,9 +36,20 @@ class RandomMemory {
     bool detected = false;
   };
 
+  /// How the same day was perceived.
+  struct Perception {
+    int every = 1;                ///< scenes are processed
+    bool backwards = false;       ///< observations are numbered from the last to the first
+    int confused_from = 1 << 20;  ///< from this scene on two cubes are taken for each other
+    TimeNs now = kStart;          ///< transaction time
+  };
+
   RandomMemory(const std::filesystem::path& file, unsigned seed, int cube_count = 5, int scene_count = 14)
-      : random_(seed) {
-    memory::Store store = memory::Store::open_write(file, {.now = kStart});
+      : RandomMemory(file, seed, cube_count, scene_count, Perception()) {}
+  RandomMemory(const std::filesystem::path& file, unsigned seed, int cube_count, int scene_count,
+               const Perception& perception)
+      : perception_(perception), random_(seed) {
+    memory::Store store = memory::Store::open_write(file, {.now = perception.now});
     run_ = store.begin_run("loci-perceive run", "{}");
     recording_ =
         store.add_recording({.fingerprint = "random" + std::to_string(seed), .name = "day", .kind = "loci"});
@@ -65,6 +77,12 @@ class RandomMemory {
   double draw(double from, double to) { return std::uniform_real_distribution(from, to)(random_); }
 
  private:
+  struct Detection {
+    Cube* cube;
+    bool detected;
+    Vector2d offset = {0, 0};  ///< of the measured position
+  };
+
   /// At a free spot.
   void put(Cube& cube) {
     for (int attempt = 0; attempt < 1000; ++attempt) {
@@ -93,6 +111,7 @@ class RandomMemory {
   void add_scene(memory::Store& store, int number) {
     for (Cube& cube : cubes)
       if (draw(0, 1) < 0.12) put(cube);
+    if (number == perception_.confused_from) std::swap(cubes.front().object, cubes.back().object);
     const int table = draw(0, 1) < 0.5 ? 0 : 1;
     cv::Mat image(kHeight, kWidth, CV_8UC3, cv::Scalar(200, 200, 200)),
         depth(kHeight, kWidth, CV_32F, cv::Scalar(2.0));
@@ -107,6 +126,15 @@ class RandomMemory {
     std::vector<float> thumbnail;
     for (int v = 0; v < kHeight; v += 2)
       for (int u = 0; u < kWidth; u += 2) thumbnail.push_back(depth.at<float>(v, u));
+
+    std::vector<Detection> detections;
+    for (Cube& cube : cubes) {
+      if (cube.table != table) continue;
+      Detection one{&cube, draw(0, 1) < 0.75};
+      if (one.detected) one.offset = {draw(-1e-3, 1e-3), draw(-1e-3, 1e-3)};
+      detections.push_back(one);
+    }
+    if (number % perception_.every != 0) return;
 
     memory::SceneTransaction scene(store, run_);
     const memory::Id id = scene.add_scene(
@@ -124,12 +152,11 @@ class RandomMemory {
                           .place = tables_[size_t(table)],
                           .status = memory::ObjectStatus::seen,
                           .fraction = 0.9});
+    if (perception_.backwards) std::ranges::reverse(detections);
     int64_t seen = 0;
-    for (Cube& cube : cubes) {
-      if (cube.table != table) continue;
-      const bool detected = draw(0, 1) < 0.75;
-      sights[cube.mark].push_back({id, pixels_of(cube), detected});
-      if (detected) observe(scene, id, seen++, cube, image);
+    for (const Detection& one : detections) {
+      sights[one.cube->mark].push_back({id, pixels_of(*one.cube), one.detected});
+      if (one.detected) observe(scene, id, seen++, one, image);
     }
     scene.commit();
   }
@@ -139,11 +166,13 @@ class RandomMemory {
     return scene.add_blob({reinterpret_cast<const char*>(png.data()), png.size()}, "image/png");
   }
 
-  void observe(memory::SceneTransaction& scene, memory::Id id, int64_t number, Cube& cube,
+  void observe(memory::SceneTransaction& scene, memory::Id id, int64_t number, const Detection& detection,
                const cv::Mat& image) {
     using namespace memory;
+    Cube& cube = *detection.cube;
     const cv::Rect roi = pixels_of(cube);
-    const Vector3d at(cube.at.x() + draw(-1e-3, 1e-3), cube.at.y() + draw(-1e-3, 1e-3), kTop - kSide / 2);
+    const Vector3d at(cube.at.x() + detection.offset.x(), cube.at.y() + detection.offset.y(),
+                      kTop - kSide / 2);
     const Id place = tables_[size_t(cube.table)];
     const bool is_new = cube.object == 0;
     const Id seen = scene.add_observation({.scene = id,
@@ -178,6 +207,7 @@ class RandomMemory {
                      .position = at});
   }
 
+  const Perception perception_;
   std::mt19937 random_;
   memory::Id run_ = 0, recording_ = 0;
   std::vector<memory::Id> tables_;

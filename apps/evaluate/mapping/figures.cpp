@@ -231,14 +231,13 @@ std::vector<std::pair<std::string, std::vector<Figure>>> by_world(const std::vec
   return columns;
 }
 
-/// Drawn kitchens are called kitchen.urdf in a folder with their name.
-std::string column_name(const std::filesystem::path& world) {
+}  // namespace
+
+std::string world_name(const std::filesystem::path& world) {
   return world.filename() == "kitchen.urdf" && world.has_parent_path()
              ? world.parent_path().filename().string()
              : world.stem().string();
 }
-
-}  // namespace
 
 std::vector<Figure> figures_of(const std::vector<const MappedWorld*>& maps) {
   return Table(maps).figures();
@@ -247,7 +246,7 @@ std::vector<Figure> figures_of(const std::vector<const MappedWorld*>& maps) {
 std::string table_text(const std::vector<MappedWorld>& maps) {
   const auto columns = by_world(maps);
   std::string text = fmt::format("{:<36} {:>8}", "", "aim");
-  for (const auto& [world, figures] : columns) text += fmt::format(" {:>18}", column_name(world));
+  for (const auto& [world, figures] : columns) text += fmt::format(" {:>18}", world_name(world));
   text += "\n";
   for (size_t row = 0; row < columns.front().second.size(); ++row) {
     const Figure& first = columns.front().second[row];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,9 @@ struct Figure {
   bool known = false;  ///< whether there was anything to measure
   bool met = false;    ///< of figures with an aim
 };
+
+/// What a world is called: drawn kitchens are called kitchen.urdf in a folder with their name.
+std::string world_name(const std::filesystem::path& world);
 
 /// The figures of the claim in the order of the table; `maps` are those of one world.
 std::vector<Figure> figures_of(const std::vector<const MappedWorld*>& maps);

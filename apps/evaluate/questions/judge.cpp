@@ -54,15 +54,15 @@ std::multiset<std::string> by_looks(const std::set<std::string>& objects, const 
   return names;
 }
 
+std::string words_of(memory::Verdict verdict) {
+  return verdict == memory::Verdict::not_observed ? "not observed" : to_text(verdict);
+}
+
 /// Of one thing that is expected: unset = the reply says nothing of that type.
 std::optional<bool> fits(const AskedQuestion& asked, const Reply& reply, const memory::Store& store,
                          const TrueNames& names, const Twins& twins) {
-  if (!asked.verdict.empty()) {
-    if (!reply.verdict) return std::nullopt;
-    const std::string said =
-        *reply.verdict == memory::Verdict::not_observed ? "not observed" : to_text(*reply.verdict);
-    return contains(asked.verdict, said);
-  }
+  if (!asked.verdict.empty())
+    return reply.verdict ? std::optional(contains(asked.verdict, words_of(*reply.verdict))) : std::nullopt;
   if (asked.number) return reply.number ? std::optional(*reply.number == *asked.number) : std::nullopt;
   if (!asked.place.empty()) {
     if (reply.places.empty()) return reply.not_known ? std::optional(false) : std::nullopt;
@@ -90,7 +90,10 @@ std::optional<bool> fits(const AskedQuestion& asked, const Reply& reply, const m
     return reply.probability ? std::optional(*reply.probability >= asked.probability->first &&
                                              *reply.probability <= asked.probability->second)
                              : std::nullopt;
-  if (!asked.text.empty()) return lower_case(reply.text).find(asked.text) != std::string::npos;
+  if (!asked.text.empty())
+    return std::ranges::any_of(asked.text, [&](const std::string& one) {
+      return lower_case(reply.text).find(one) != std::string::npos;
+    });
   if (!asked.reason.empty())
     return reply.text.starts_with("Because") &&
            lower_case(reply.text).find(asked.reason) != std::string::npos;
@@ -107,7 +110,8 @@ Outcome outcome_of(const AskedQuestion& asked, const NaturalLanguageAnswer& answ
   }
   const Reply& reply = *answer.reply;
   const bool gone = reply.not_known && reply.text.find("gone") != std::string::npos;
-  if ((contains(asked.answer, "gone") && gone) || (contains(asked.answer, "not known") && reply.not_known))
+  if ((contains(asked.answer, "gone") && gone) || (contains(asked.answer, "not known") && reply.not_known) ||
+      (reply.verdict && contains(asked.answer, words_of(*reply.verdict))))
     return Outcome::right;
   const auto right = fits(asked, reply, store, names, twins);
   if (right && *right) return Outcome::right;

@@ -1,5 +1,9 @@
 #include "apps/evaluate/questions/table.h"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
 
@@ -36,10 +40,16 @@ AskedQuestion read_row(const Config& row) {
   asked.time = range<std::string>(row, "time");
   asked.duration = range<std::string>(row, "duration");
   asked.probability = range<double>(row, "probability");
-  asked.text = row.get<std::string>("text", "");
+  asked.text = any_of(row, "text");
   asked.reason = row.get<std::string>("reason", "");
   asked.answer = any_of(row, "answer");
   for (const std::string& other : any_of(row, "or")) asked.answer.push_back(other);
+  constexpr std::array<std::string_view, 7> kAnswers = {"unknown", "gone", "not known",   "not understood",
+                                                        "yes",     "no",   "not observed"};
+  for (const std::string& answer : asked.answer)
+    if (std::ranges::find(kAnswers, answer) == kAnswers.end())
+      throw Error("the answer '" + answer + "' is none of those that a table can expect",
+                  row.location(row.has("or") ? "or" : "answer"));
   row.finish();
   return asked;
 }

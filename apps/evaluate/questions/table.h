@@ -22,9 +22,9 @@ struct AskedQuestion {
   std::optional<std::pair<std::string, std::string>> time = {},
                                                      duration = {};  ///< first and last that are right
   std::optional<std::pair<double, double>> probability = {};
-  std::string text = {};                 ///< is in the answer
+  std::vector<std::string> text = {};    ///< one of them is in the answer
   std::string reason = {};               ///< is in the answer or its evidence
-  std::vector<std::string> answer = {};  ///< unknown, gone, not known, not understood
+  std::vector<std::string> answer = {};  ///< unknown, gone, not known, not understood, or a verdict
 };
 
 /// Reads a table (tests/data/questions). Error with file and line for what it does not know.

@@ -39,7 +39,9 @@ constexpr std::array<ReasonText, static_cast<size_t>(Reason::count)> kReasons = 
      "the poses need a frame with z up: give --up or world_to_map.txt"},
     {"outside_map", "nothing of the map in view", "check that the poses are in the frame of the map"},
     {"no_support_in_view", "no support of the map in view",
-     "show a counter or a table of the map, or check the sidecar of the map for supports"},
+     "show a counter or a table of the map, or check that the poses are in the frame of the map, and that "
+     "its "
+     "sidecar has supports"},
     {"unconfirmed", "objects that no other frame shows in the same place",
      "if the camera moved, it needs poses that fit (loci-map track), and frames that overlap (a smaller "
      "--every); if images without time stamps were taken apart, say so with --seconds-apart"},

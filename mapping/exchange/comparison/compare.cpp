@@ -139,6 +139,12 @@ std::optional<ComparedElement> compared(const WallPatch& map, const WallPatch& t
   return element;
 }
 
+/// Whether nearly all of a wall's length is within another's.
+bool covers(const WallPatch& wall, const WallPatch& piece) {
+  const double shared = std::min(wall.along_max, piece.along_max) - std::max(wall.along_min, piece.along_min);
+  return shared > 0.9 * (piece.along_max - piece.along_min);
+}
+
 void compare_walls(const MapStructure& map, const MapStructure& truth, const ComparisonOptions& options,
                    Comparison& result) {
   std::vector<bool> found(truth.walls.size(), false);
@@ -168,6 +174,14 @@ void compare_walls(const MapStructure& map, const MapStructure& truth, const Com
   }
   for (size_t j = 0; j < truth.walls.size(); ++j) {
     if (found[j] || !truth.walls[j].main || !asked_for(truth.walls[j].region, options)) continue;
+    // One wall of the map may go on behind a passage, as the next one of the truth.
+    const auto whole = std::ranges::find_if(map.walls, [&](const WallPatch& wall) {
+      return compared(wall, truth.walls[j], options) && covers(wall, truth.walls[j]);
+    });
+    if (whole != map.walls.end()) {
+      result.elements.push_back(*compared(*whole, truth.walls[j], options));
+      continue;
+    }
     ComparedElement element;
     element.kind = "wall";
     element.verdict = "missed";

@@ -200,10 +200,26 @@ ComparedJoint compare_joints(const std::optional<JointEstimate>& map, const Join
   return joint;
 }
 
+namespace {
+
+bool is_on(const WallPatch& wall, const Vector3d& point, double tolerance) {
+  const double along = Vector3d(-wall.normal.y(), wall.normal.x(), 0).dot(point);
+  return std::abs(wall.normal.dot(point) - wall.offset) < tolerance && along > wall.along_min &&
+         along < wall.along_max;
+}
+
+}  // namespace
+
 void compare_openings(const MapStructure& map, const MapStructure& truth, const ComparisonOptions& options,
                       Comparison& result) {
   if (!truth.openings) return;
-  const std::vector<KnownFront> found = map.openings.value_or(std::vector<KnownFront>{});
+  std::vector<KnownFront> found = map.openings.value_or(std::vector<KnownFront>{});
+  // Where walls of the truth end on both sides of a passage, the map may have one wall with an opening.
+  std::erase_if(found, [&](const KnownFront& opening) {
+    return std::ranges::none_of(truth.walls, [&](const WallPatch& wall) {
+      return is_on(wall, opening.front.centre, options.wall_tolerance_m);
+    });
+  });
   judge(
       "opening", found, truth, *truth.openings,
       assign(overlapping(found, *truth.openings, options), truth.openings->size()), options,

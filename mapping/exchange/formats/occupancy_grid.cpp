@@ -222,6 +222,19 @@ std::string grid_yaml(const OccupancyGrid& grid, const std::string& image) {
 void write_surface_tree(const std::vector<WorldTriangle>& triangles, double resolution,
                         const std::filesystem::path& path) {
   octomap::OcTree tree(resolution);
+  // A voxel's key has 16 bits.
+  const double reach = resolution * 32768;
+  double samples = 0;
+  for (const WorldTriangle& triangle : triangles) {
+    const Vector3d a = triangle.corners[1] - triangle.corners[0],
+                   b = triangle.corners[2] - triangle.corners[0];
+    samples += a.cross(b).norm() / (resolution * resolution);
+    for (const Vector3d& corner : triangle.corners)
+      if (corner.cwiseAbs().maxCoeff() > reach)
+        throw Error(fmt::format("a corner of the map is farther than {:.0f} m from the origin", reach), {},
+                    "choose a coarser resolution, or move the map to the origin");
+  }
+  if (samples > kMaxCells) throw Error("the map has too many voxels", {}, "choose a coarser resolution");
   // Steps of less than half a voxel miss no voxel by more than a corner.
   const double step = resolution / 2.5;
   for (const WorldTriangle& triangle : triangles) {

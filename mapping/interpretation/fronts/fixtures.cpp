@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -272,6 +273,13 @@ class FixtureFinder {
     const bool bar = shape.length > kFixtures.bar_elongation * shape.width &&
                      shape.length > kFixtures.min_bar_m &&
                      (!is_askew(shape) || std::hypot(box.width(), box.height()) > 1.5 * kFixtures.max_knob_m);
+    if (const std::optional<double> gap = bar ? gap_of(points, shape) : std::nullopt) {
+      std::array<std::vector<FixturePoint>, 2> halves;
+      for (const FixturePoint& point : points)
+        halves[shape.axis.dot(Vector2d(point.u, point.v) - shape.centre) < *gap ? 0 : 1].push_back(point);
+      if (std::min(halves[0].size(), halves[1].size()) >= kFixtures.min_points)
+        return try_halves(halves, box, random, shapeless);
+    }
     if (!bar) {
       shape.inliers.resize(points.size());
       for (size_t i = 0; i < points.size(); ++i) shape.inliers[i] = i;
@@ -281,6 +289,55 @@ class FixtureFinder {
     if (!why.empty()) return why;
     shapeless = false;
     return add(points, shape, bar);
+  }
+
+  /// Of what looks like one bar: where rays pass through its line over such a length that there are two, as
+  /// on neighbouring fronts; in metres from the middle. What hides a part of a bar stops the rays.
+  std::optional<double> gap_of(const std::vector<FixturePoint>& points, const FixtureShape& shape) const {
+    std::vector<double> depths;
+    for (const size_t i : shape.inliers) depths.push_back(points[i].depth);
+    const double protrusion = median(depths);
+    const Vector2d across(-shape.axis.y(), shape.axis.x());
+    const auto steps = static_cast<size_t>(shape.length / kFixtures.gap_step_m) + 1;
+    std::vector<int> through(steps), on(steps);
+    for (const FaceRay& ray : rays_.rays) {
+      if (!ray.returned) continue;
+      const double depth = static_cast<double>(ray.depth) - ground_.at(ray.plane_u(), ray.plane_v());
+      const bool before = depth > kFixtures.min_hit_depth * protrusion;
+      if (before && depth > kFaces.fixture_reach_m) continue;
+      const Vector2d d = ray.at_depth(before ? depth : protrusion) - shape.centre;
+      const double along = shape.axis.dot(d) + shape.length / 2;
+      if (along < 0 || along >= shape.length ||
+          std::abs(across.dot(d)) > kFixtures.core * std::max(shape.width, kFixtures.gap_step_m))
+        continue;
+      ++(before ? on : through)[static_cast<size_t>(along / kFixtures.gap_step_m)];
+    }
+    double best = 0, middle = 0;
+    for (size_t first = 0; first < steps; ++first)
+      for (size_t last = first, passed = 0, met = 0; last < steps; ++last) {
+        passed += static_cast<size_t>(through[last]);
+        met += static_cast<size_t>(on[last]);
+        if (through[last] <= on[last]) break;
+        const double length = static_cast<double>(last - first + 1) * kFixtures.gap_step_m;
+        if (passed < kFixtures.min_gap_rays || met * kFixtures.min_gap_rays > passed || length <= best)
+          continue;
+        best = length;
+        middle = static_cast<double>(first + last + 1) / 2 * kFixtures.gap_step_m - shape.length / 2;
+      }
+    const bool inside = std::abs(middle) < shape.length / 2 - kFixtures.min_bar_m;
+    return best >= kFixtures.min_gap_m && inside ? std::optional(middle) : std::nullopt;
+  }
+
+  std::string try_halves(const std::array<std::vector<FixturePoint>, 2>& halves, const FaceRect& box,
+                         const Random& random, bool& shapeless) {
+    shapeless = true;
+    std::string why;
+    for (size_t i = 0; i < halves.size(); ++i) {
+      bool without_shape = true;
+      why = try_cluster(halves[i], box, random.fork(i), without_shape);
+      shapeless = shapeless && without_shape;
+    }
+    return shapeless ? why : "";
   }
 
   /// Extends a bar as long as consecutive points before the face lie along it: higher shares shorten it.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -126,6 +127,27 @@ bool is_accepted(const PlacedFront& front, const std::vector<FaceFixture>& fixtu
              kFronts.min_wall_fixture_confidence;
 }
 
+/// Whether boards stand out from the edges of a front, on three sides or more: it is the back of open
+/// shelves.
+bool is_in_niche(const FaceRect& rect, const FaceRays& rays) {
+  constexpr size_t kSides = 4, kSteps = kFronts.niche_steps;
+  std::array<std::array<size_t, kSteps>, kSides> points{};
+  for (const FaceRay& ray : rays.rays) {
+    const double depth = static_cast<double>(ray.depth) - kFaces.relief_m;
+    if (!ray.returned || depth < 0 || !rect.contains(ray.point_u(), ray.point_v(), kFronts.niche_edge_m))
+      continue;
+    const auto step = static_cast<size_t>(depth / kFronts.niche_step_m);
+    if (step >= kSteps) continue;
+    const std::array<double, kSides> inside = {ray.point_u() - rect.u0, rect.u1 - ray.point_u(),
+                                               ray.point_v() - rect.v0, rect.v1 - ray.point_v()};
+    for (size_t side = 0; side < kSides; ++side)
+      if (std::abs(inside[side]) < kFronts.niche_edge_m) ++points[side][step];
+  }
+  return std::ranges::count_if(points, [](const auto& steps) {
+           return std::ranges::all_of(steps, [](size_t n) { return n >= kFronts.niche_points; });
+         }) >= 3;
+}
+
 FaceResult interpret_face(const FaceRays& rays, bool wall, const Random& random) {
   FaceResult result;
   if (rays.sigma > kFronts.max_sigma_m) return result;
@@ -138,7 +160,7 @@ FaceResult interpret_face(const FaceRays& rays, bool wall, const Random& random)
   const SeamMap seams(rays, found.fixtures);
   const FrontLayout layout = lay_out_fronts(seams, rays.face, found.fixtures);
   for (const PlacedFront& placed : layout.fronts)
-    if (is_accepted(placed, found.fixtures, wall))
+    if (is_accepted(placed, found.fixtures, wall) && (placed.fixture >= 0 || !is_in_niche(placed.rect, rays)))
       result.fronts.push_back(front_of(placed, rays, found.fixtures));
   if (wall && result.fronts.size() < kFronts.min_wall_fronts) result.fronts.clear();
   if (result.fronts.empty() && result.ribs.empty())

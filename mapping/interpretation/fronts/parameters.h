@@ -55,6 +55,9 @@ struct FixtureParameters {
   int join_gap_cells = 11;          ///< a bar may be hidden or missed over this length
   int join_bars_cells = 14;         ///< where one of them is long: a bar
   int join_offset_cells = 2;        ///< between the middle lines of patches of one bar
+  double gap_step_m = 0.01;         ///< of a bar's length, in which rays through and on it are counted
+  double min_gap_m = 0.03;          ///< between bars of neighbouring fronts, each 1.5 cm from the edge
+  size_t min_gap_rays = 5;          ///< through the gap, for each that met something there
   double min_grip_m = 0.008;        ///< free behind a bar: a slim fingertip needs 10 mm, less 2 mm of noise
   double min_long_grip_m = 0.014;   ///< of a long bar: a hand needs 25 mm, mixed returns take 1 cm off
   double min_protrusion_m = 3 * kRangeSigma;  ///< nearer to the face is noise
@@ -172,9 +175,13 @@ struct FrontParameters {
   double min_side_m = 0.07;       ///< a narrow drawer front
   double min_upright_m = 0.12;    ///< of an upright one: pull-outs are 15 cm wide, ribs of radiators less
   double min_bare_side_m = 0.12;  ///< narrower ones without fixture are filler strips …
-  double min_plinth_m = 0.01;     ///< … but for drawers that the plinth recedes below by so much
-  double max_sigma_m = 3 * kRangeSigma;       ///< more are corners and clutter, in which handles disappear
-  double min_fixture_confidence = 0.4;        ///< on furniture
+  double niche_edge_m = 0.03;     ///< from the edge of a front to a board that stands out there …
+  double niche_step_m = 0.03;     ///< … over so many steps of its depth …
+  static constexpr size_t niche_steps = 4;
+  size_t niche_points = 5;               ///< … with so many points in each
+  double min_plinth_m = 0.01;            ///< … but for drawers that the plinth recedes below by so much
+  double max_sigma_m = 3 * kRangeSigma;  ///< more are corners and clutter, in which handles disappear
+  double min_fixture_confidence = 0.4;   ///< on furniture
   double min_wall_fixture_confidence = 0.75;  ///< on a possible wall
   size_t min_wall_fronts = 2;                 ///< on a possible wall
   int min_wall_edges = 3;                     ///< resolved, on a possible wall

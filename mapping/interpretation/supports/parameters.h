@@ -53,6 +53,7 @@ struct RasterParameters {
   float unknown = -0.35F;         ///< unknown and far from surface
   float consumed = -50.0F;        ///< another support has it: never overlap
   double near_m = 0.15;           ///< objects hide surface up to this far from what was seen
+  double min_pierced = 0.05;      ///< of a piece in which rays passed, to be no sink: a basin has none
   double sunk_m = 0.3;            ///< a ray that ends less below a plane has sunk in, not passed through
   double closed_gap_m = 0.12;     ///< of the contour: holes that objects leave
   double contour_margin_m = 0.1;  ///< around the rectangle, in which the contour is traced

@@ -17,7 +17,6 @@ const Vector2d& position_of(const PlaneEvidence::SupportPoint& point) {
 }
 
 }  // namespace
-namespace {}  // namespace
 
 PlaneRaster::PlaneRaster(const PlaneEvidence& evidence, const std::vector<Vector2d>& seed, double yaw,
                          double cell, double margin)
@@ -41,7 +40,32 @@ PlaneRaster::PlaneRaster(const PlaneEvidence& evidence, const std::vector<Vector
   count(evidence.shadow, &Cell::shadow);
   for (const Vector2d& point : evidence.taken)
     if (Cell* cell_at = at(point)) cell_at->consumed = true;
+  mark_open();
   score_cells();
+}
+
+void PlaneRaster::mark_open() {
+  cv::Mat passed(height_, width_, CV_8UC1), labels, stats, centroids;
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x) {
+      const Cell& cell = cells_[number_of(x, y)];
+      passed.at<uint8_t>(y, x) = is_pierced(cell) || is_sunk(cell) ? 255 : 0;
+    }
+  // A slab's edge that few points show does not join a sink to the room before it.
+  cv::morphologyEx(passed, passed, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {3, 3}));
+  const int pieces = cv::connectedComponentsWithStats(passed, labels, stats, centroids, 8);
+  std::vector<int> pierced(static_cast<size_t>(pieces), 0);
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x)
+      if (is_pierced(cells_[number_of(x, y)])) ++pierced[static_cast<size_t>(labels.at<int>(y, x))];
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x) {
+      const int piece = labels.at<int>(y, x);
+      Cell& cell = cells_[number_of(x, y)];
+      cell.open =
+          piece > 0 && is_sunk(cell) &&
+          pierced[static_cast<size_t>(piece)] > kRaster.min_pierced * stats.at<int>(piece, cv::CC_STAT_AREA);
+    }
 }
 
 PlaneRaster::Cell* PlaneRaster::at(const Vector2d& map_point) {
@@ -155,6 +179,19 @@ double PlaneRaster::score_of(const std::vector<Vector2d>& polygon) const {
       if (cv::pointPolygonTest(corners, middle, false) >= 0)
         sum += static_cast<double>(scores_[number_of(x, y)]);
     }
+  return sum * cell_ * cell_;
+}
+
+double PlaneRaster::score_outside(const Extent& extent, const std::vector<Extent>& others) const {
+  const auto first = [&](int axis) {
+    return std::max(0, static_cast<int>(std::ceil((extent.min[axis] - origin_[axis]) / cell_ - 0.5)));
+  };
+  const auto middle = [&](int x, int y) { return Vector2d(origin_ + cell_ * Vector2d(x + 0.5, y + 0.5)); };
+  double sum = 0;
+  for (int y = first(1); y < height_ && middle(0, y).y() <= extent.max.y(); ++y)
+    for (int x = first(0); x < width_ && middle(x, y).x() <= extent.max.x(); ++x)
+      if (std::ranges::none_of(others, [&](const Extent& other) { return other.contains(middle(x, y)); }))
+        sum += static_cast<double>(scores_[number_of(x, y)]);
   return sum * cell_ * cell_;
 }
 

@@ -35,6 +35,8 @@ class PlaneRaster {
   Extent best_rectangle(double* score = nullptr) const;
   /// The sum of scores within a polygon of the map, in m².
   double score_of(const std::vector<Vector2d>& polygon) const;
+  /// The sum of scores, in m², of the cells of a rectangle that lie in none of the others.
+  double score_outside(const Extent& extent, const std::vector<Extent>& others) const;
   /// The outer boundary, in the map, of the surface in and around a box, with small gaps closed.
   std::vector<Vector2d> contour(const Extent& box) const;
   /// Excludes a rectangle from later searches.
@@ -50,18 +52,22 @@ class PlaneRaster {
  private:
   struct Cell {
     int support = 0, uncertain = 0, pierced = 0, sunk = 0, above = 0, shadow = 0;
+    bool open = false;  ///< rays ended a little below, as in a sink, but the room goes on from there
     bool consumed = false;
   };
   size_t number_of(int x, int y) const {
     return static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x);
   }
   Cell* at(const Vector2d& map_point);
+  void mark_open();
   void score_cells();
   static bool is_support(const Cell& cell) {
     return cell.support > 0 && cell.pierced + cell.sunk < 4 * cell.support;
   }
-  static bool is_pierced(const Cell& cell) { return !is_support(cell) && cell.pierced >= 2; }
-  static bool is_sunk(const Cell& cell) { return !is_support(cell) && cell.pierced < 2 && cell.sunk >= 2; }
+  static bool is_pierced(const Cell& cell) { return !is_support(cell) && (cell.pierced >= 2 || cell.open); }
+  static bool is_sunk(const Cell& cell) {
+    return !is_support(cell) && cell.pierced < 2 && cell.sunk >= 2 && !cell.open;
+  }
 
   Eigen::Rotation2Dd axes_from_map_;
   double cell_ = 0;

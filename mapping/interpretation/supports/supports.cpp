@@ -357,6 +357,42 @@ std::vector<std::vector<Extent>> grouped(const std::vector<Extent>& rectangles) 
   return groups;
 }
 
+/// A part without what is farther than `line` along an axis (nearer, for the lower side): what it keeps.
+Extent cut_at(Extent part, int axis, bool upper, double line) {
+  (upper ? part.max : part.min)[axis] = line;
+  return part;
+}
+
+/// The best rectangle of a slab with wings takes in what lies between them, as their surface outweighs it.
+/// Draws each side back as far as what leaves the union, with the wings continued to the new side, is
+/// evidence against it.
+void tighten(std::vector<Extent>& parts, const PlaneRaster& raster) {
+  for (size_t i = 0; i < parts.size(); ++i)
+    for (const int axis : {0, 1})
+      for (const bool upper : {false, true}) {
+        const Extent part = parts[i];
+        const double side = upper ? part.max[axis] : part.min[axis];
+        const double inward = upper ? -1 : 1;
+        std::vector<Extent> best = parts;
+        double least = 0;
+        for (double by = raster.cell(); by < part.size()[axis] - kSupports.touch_m; by += raster.cell()) {
+          const double line = side + inward * by;
+          std::vector<Extent> drawn = parts;
+          drawn[i] = cut_at(part, axis, upper, line);
+          double lost = 0;
+          for (size_t k = 0; k < parts.size(); ++k) {
+            const double near = upper ? parts[k].min[axis] : parts[k].max[axis];
+            if (k == i || !touch(parts[k], part) || inward * (line - near) < 0) continue;
+            drawn[k] = cut_at(parts[k], axis, !upper, line);
+            lost -= raster.score_outside(cut_at(drawn[k], axis, upper, near), parts);
+          }
+          lost += raster.score_outside(cut_at(part, axis, !upper, line), drawn);
+          if (lost < least) least = lost, best = drawn;
+        }
+        parts = std::move(best);
+      }
+}
+
 /// Whether two rectangles touch and agree in front and back.
 bool in_one_row(const Extent& a, const Extent& b) {
   return touch(a, b) && std::ranges::any_of(std::array{0, 1}, [&](int axis) {
@@ -473,6 +509,7 @@ SupportSearch find_supports(const Surface& surface, double floor_height, double 
     PlaneRaster raster(evidence, seed.points, support_yaw, kSupports.cell_m, kSupports.margin_m);
     const PlaneRaster whole = raster;
     for (std::vector<Extent>& parts : grouped(rectangles(raster, options))) {
+      if (parts.size() > 1) tighten(parts, whole);
       Support support;
       support.yaw = support_yaw;
       support.parts = std::move(parts);

@@ -127,17 +127,23 @@ std::optional<WallOpening> opening_in(const PlaneCells& fine, const VerticalPlan
     return std::nullopt;
   const double seen = share_of(cells, rect, 255, kOpenings.known_inside);
   if (seen < kOpenings.pierced_inside) return std::nullopt;
-  if (!has_edge(cells, rect, {-1, 0}) || !has_edge(cells, rect, {1, 0}) || !has_edge(cells, rect, {0, 1}))
+  // Passages between rooms have no lintel.
+  const cv::Rect above(rect.x, rect.y + rect.height, rect.width, cells.rows - rect.y - rect.height);
+  const bool passage = wall.bottom + cell * above.y > floor_height + kOpenings.min_passage_m &&
+                       share_of(cells, above, 128, 0) < 1 - kOpenings.solid_edge;
+  if (!has_edge(cells, rect, {-1, 0}) || !has_edge(cells, rect, {1, 0}) ||
+      !(passage || has_edge(cells, rect, {0, 1})))
     return std::nullopt;
   WallOpening opening = refined(fine, wall, rect);
   opening.seen = seen;
+  if (passage) opening.top = wall.top;
   // A threshold in shadow may hide the lowest part.
   const cv::Rect below(rect.x, 0, rect.width, rect.y);
   opening.doorway = opening.bottom < floor_height + kOpenings.max_threshold_m &&
                     share_of(cells, below, 128, 0) < 1 - kOpenings.solid_edge;
   if (opening.doorway)
     opening.bottom = floor_height;
-  else if (!has_edge(cells, rect, {0, -1}))
+  else if (passage || !has_edge(cells, rect, {0, -1}))
     return std::nullopt;
   return opening;
 }

@@ -96,6 +96,7 @@ struct OpeningParameters {
   double pierced_side = 0.5;     ///< of the outer cells: fewer do not belong to the rectangle
   double pierced_inside = 0.9;   ///< of the cells that were seen
   double known_inside = 0.6;     ///< of the cells: the others were out of view
+  double min_passage_m = 2.2;    ///< above the floor, to which rays pass: doors have a lintel below
   int edge_cells = 2;            ///< beside an opening, in which its wall must be seen
   double known_edge = 0.2;       ///< of them, as furniture hides parts of an edge
   double solid_edge = 0.6;       ///< of those that were seen

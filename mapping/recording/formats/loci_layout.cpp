@@ -130,6 +130,36 @@ std::string unit_of_stamps_because(const std::vector<FrameFiles>& frames) {
   return fmt::format("frames.csv: as nanoseconds frames are {} ns apart: check time_ns", apart);
 }
 
+/// Gives frames without a stamp one between those of their neighbours, in the order of the rows. `stamped`:
+/// the frames that have one, at least one. Error where that cannot be.
+void interpolate_stamps(const std::vector<size_t>& stamped, FileRecordingContent& content) {
+  std::vector<FrameFiles>& frames = content.frames;
+  if (stamped.size() == frames.size()) return;
+  const char* hint = "give all frames a time_ns, or none";
+  if (stamped.size() < 2) throw Error("only one frame has a time stamp", frames[stamped[0]].location, hint);
+  for (size_t k = 1; k < stamped.size(); ++k)
+    if (frames[stamped[k]].time_ns < frames[stamped[k - 1]].time_ns)
+      throw Error("the stamps go back here, and other frames have none", frames[stamped[k]].location, hint);
+  const auto on_line = [&](size_t a, size_t b, size_t i) {
+    const double apart =
+        static_cast<double>(frames[b].time_ns - frames[a].time_ns) / static_cast<double>(b - a);
+    return frames[a].time_ns + static_cast<TimeNs>(apart * (static_cast<double>(i) - static_cast<double>(a)));
+  };
+  size_t first = frames.size();
+  for (size_t i = 0, next = 0; i < frames.size(); ++i) {
+    if (next < stamped.size() && stamped[next] == i) {
+      ++next;
+      continue;
+    }
+    first = std::min(first, i);
+    const size_t after = std::clamp<size_t>(next, 1, stamped.size() - 1);
+    frames[i].time_ns = on_line(stamped[after - 1], stamped[after], i);
+  }
+  content.info.problems.push_back(fmt::format(
+      "{} of {} frames have no time stamp, the first is {}: theirs are taken between their neighbours'",
+      frames.size() - stamped.size(), frames.size(), frames[first].location.text()));
+}
+
 void read_frames(const fs::path& folder, FileRecordingContent& content) {
   const CsvTable table = CsvTable::read(folder / "frames.csv");
   check_columns(table, {"index", "time_ns", "color", "depth", "x", "y", "z", "qx", "qy", "qz", "qw"},
@@ -141,7 +171,7 @@ void read_frames(const fs::path& folder, FileRecordingContent& content) {
   const bool posed = std::any_of(kPoseColumns.begin(), kPoseColumns.end(),
                                  [&](const char* name) { return table.column(name) >= 0; });
   std::set<int64_t> indices;
-  size_t stamped = 0;
+  std::vector<size_t> stamped;
   for (size_t row = 0; row < table.rows(); ++row) {
     FrameFiles frame;
     frame.location = table.location(row);
@@ -154,19 +184,15 @@ void read_frames(const fs::path& folder, FileRecordingContent& content) {
       throw Error(fmt::format("the index {} is there twice", frame.index), frame.location);
     if (time >= 0 && !table.cell(row, static_cast<size_t>(time)).empty()) {
       frame.time_ns = table.integer(row, static_cast<size_t>(time));
-      ++stamped;
-    } else {
-      frame.time_ns = assumed_time(number_in_name(frame.depth).value_or(static_cast<int64_t>(row)));
-      content.info.time_assumed = true;
+      stamped.push_back(row);
     }
     if (posed) frame.map_from_camera = read_pose(table, row);
     content.frames.push_back(std::move(frame));
   }
-  if (stamped == 0)
-    set_times_by_name(content.info, content.frames);
-  else if (content.info.time_assumed)
-    content.info.guesses.emplace_back("the time stamps were made up");
-  if (const std::string why = unit_of_stamps_because(content.frames); stamped > 0 && !why.empty())
+  if (stamped.empty()) return set_times_by_name(content.info, content.frames);
+  interpolate_stamps(stamped, content);
+  if (content.info.time_assumed) content.info.guesses.emplace_back("the time stamps were made up");
+  if (const std::string why = unit_of_stamps_because(content.frames); !why.empty())
     content.info.problems.push_back(why);
 }
 

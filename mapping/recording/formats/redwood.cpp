@@ -106,6 +106,7 @@ void set_cameras_of_folder(const fs::path& folder, FileRecordingContent& content
   const fs::path cameras = beside_or_above(folder, "cameras.yaml");
   if (!cameras.empty() && read_cameras(cameras, content)) return;
   if (cameras.empty()) content.info.guesses.emplace_back("no cameras.yaml: depth is taken as millimetres");
+  content.camera_assumed = !open3d;
   if (!open3d)
     content.info.guesses.emplace_back(
         "no camera_intrinsic.json: f 525, centre 319.5 239.5 as PrimeSense has it");

@@ -96,10 +96,12 @@ FileRecordingContent read_seven_scenes(const fs::path& folder) {
   }
   set_times_by_name(content.info, content.frames);
   content.info.camera = kinect_camera();
-  if (const fs::path cameras = beside_or_above(folder, "cameras.yaml"); !cameras.empty())
+  if (const fs::path cameras = beside_or_above(folder, "cameras.yaml"); !cameras.empty()) {
     read_cameras(cameras, content);
-  else
+  } else {
+    content.camera_assumed = true;
     content.info.guesses.emplace_back("no cameras.yaml: the cameras of a Kinect v1 are assumed");
+  }
   return content;
 }
 

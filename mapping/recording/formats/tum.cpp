@@ -153,6 +153,7 @@ void set_cameras(const fs::path& folder, FileRecordingContent& content) {
   const std::string assumed = assume_camera(folder, content);
   const fs::path cameras = beside_or_above(folder, "cameras.yaml");
   if (!cameras.empty() && read_cameras(cameras, content)) return;
+  content.camera_assumed = true;
   fit_cameras_to_images(content);
   content.info.guesses.push_back(cameras.empty()
                                      ? fmt::format("no cameras.yaml: {}, depth in 1/5000 m", assumed)

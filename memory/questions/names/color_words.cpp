@@ -53,6 +53,13 @@ std::string same_color(const std::string& word) {
   return word == "gray" ? "grey" : word;
 }
 
+bool has_color(const std::string& color, const std::string& name) {
+  std::vector<std::string> words = words_of(lower_case(color));
+  name_basic_colors(words);
+  return std::ranges::any_of(words,
+                             [&](const std::string& word) { return same_color(word) == same_color(name); });
+}
+
 bool are_similar_colors(const std::string& a, const std::string& b) {
   static const std::set<std::pair<std::string, std::string>> all = {
       {"white", "grey"},  {"white", "beige"},  {"black", "grey"},   {"beige", "brown"}, {"orange", "yellow"},

@@ -11,6 +11,9 @@ bool is_color_word(const std::string& word);
 /// "gray" as "grey", others as they are.
 std::string same_color(const std::string& word);
 
+/// Whether a colour as it was seen or stated ("dark blue") is the one of a basic name ("blue").
+bool has_color(const std::string& color, const std::string& name);
+
 /// Whether light and shade, or people, make one of two colours of the other: "white", "grey".
 bool are_similar_colors(const std::string& a, const std::string& b);
 

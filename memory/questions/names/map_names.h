@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mapping/world/world.h"
+#include "memory/store/run_configuration.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {
@@ -14,8 +15,6 @@ namespace loci::memory {
 // have theirs in the rows of the table run: edits whose configuration has "part": {"of": "link" or "joint",
 // "name": the map's, "before", "after": people's, "" = none}.
 
-/// The program of runs that are edits by people.
-inline constexpr const char* kEditProgram = "loci-memory edit";
 /// The key of the fact that renames a place.
 inline constexpr const char* kPlaceNameKey = "name";
 

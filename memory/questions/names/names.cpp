@@ -18,7 +18,7 @@ std::string Names::of(const ObjectRef& object) const {
   };
   if (none_is([](const BeliefRow&) { return true; })) return name;
   if (object.label && object.color &&
-      none_is([&](const BeliefRow& row) { return row.color == object.color; }))
+      none_is([&](const BeliefRow& row) { return snapshot_.color_of(row) == object.color; }))
     return *object.color + " " + name;
   const BeliefRow* belief = snapshot_.belief(object.id);
   if (belief != nullptr && belief->place &&
@@ -44,8 +44,28 @@ std::string name_in_words(const std::string& place) {
   return place.ends_with(kBottom) ? place.substr(0, place.size() - kBottom.size()) : place;
 }
 
+std::string piece_in_words(std::string name) {
+  for (const std::string_view ending : {"_joint", "_front", "_bottom"})
+    if (name.ends_with(ending)) name.resize(name.size() - ending.size());
+  return name;
+}
+
+std::string name_key(const std::string& name) {
+  std::string key = lower_case(name);
+  std::ranges::replace(key, ' ', '_');
+  for (const std::string_view article : {"the_", "a_", "an_"})
+    if (key.starts_with(article)) return key.substr(article.size());
+  return key;
+}
+
+std::string part_in_words(const std::string& name) {
+  const bool numbered =
+      name.find('_') != std::string::npos || name.find_first_of("0123456789") != std::string::npos;
+  return numbered ? name_in_words(name) : with_article(name);
+}
+
 std::string in_words(const PlaceRef& place) {
-  return (place.container ? "in " : "on ") + name_in_words(place.name);
+  return (place.container ? "in " : "on ") + part_in_words(place.name);
 }
 
 std::string list_in_words(const std::vector<std::string>& names, size_t count) {

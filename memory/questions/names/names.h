@@ -24,10 +24,17 @@ class Names {
 
 /// "the milk", and "my cup" as it is.
 std::string with_article(const std::string& name);
-/// "on table_1", "in drawer_1".
+/// "the fridge", "drawer_1".
+std::string part_in_words(const std::string& name);
+/// "on table_1", "in drawer_1", "in the cutlery drawer".
 std::string in_words(const PlaceRef& place);
 /// "drawer_1" for drawer_1_bottom.
 std::string name_in_words(const std::string& place);
+/// The piece of furniture that a link or joint of the map is a part of: "drawer_1" for drawer_1_front_joint,
+/// drawer_1_front and drawer_1_bottom.
+std::string piece_in_words(std::string name);
+/// How names of places and parts are compared: in lower case, blanks as '_', without an article before them.
+std::string name_key(const std::string& name);
 /// "milk, tea and pot", at most `count` of them: "milk, tea and 4 more"; "nothing" for none.
 std::string list_in_words(const std::vector<std::string>& names, size_t count = 5);
 

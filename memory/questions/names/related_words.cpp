@@ -148,6 +148,14 @@ std::string singular_of(const std::string& word) {
   return bases.empty() || std::ranges::count(bases, word) > 0 ? word : bases.front();
 }
 
+std::string singular_of_furniture(std::string name) {
+  if (name.ends_with("ves"))
+    name.replace(name.size() - 3, 3, "f");
+  else if (name.ends_with('s'))
+    name.pop_back();
+  return name;
+}
+
 size_t rank_called(const std::string& word) {
   static const std::map<std::string, size_t> ranks = {{"second", 1}, {"2nd", 1},    {"third", 2},
                                                       {"3rd", 2},    {"fourth", 3}, {"4th", 3}};

@@ -24,6 +24,9 @@ bool is_other_thing(const std::string& modifier, const std::string& noun);
 
 /// "shelves" as "shelf"; a word that is its own singular, or that is not known, as it is.
 std::string singular_of(const std::string& word);
+/// The same of a name of furniture, "shelf" for "shelves", also where the plural is a word of its own:
+/// "drawers".
+std::string singular_of_furniture(std::string name);
 
 /// What "biggest" goes by, and "bigger" of two, of a size in metres along the axes of the map.
 using SizeMeasure = double (*)(const Vector3d& size);

@@ -9,11 +9,11 @@
 namespace loci::memory {
 namespace {
 
-constexpr const char* kType = "loci.annotation.ColorAnnotation";
+constexpr const char* kColorType = "loci.annotation.ColorAnnotation";
 
 /// Adds the fraction that one view shows of each colour; false where the annotation says none.
 bool add_fractions(const Store& store, const AnnotationRow& row, std::map<std::string, double>& sums) {
-  for (const Json& features : features_of(store, row, kType)) {
+  for (const Json& features : features_of(store, row, kColorType)) {
     const auto names = features.find("names"), fractions = features.find("fractions");
     if (names == features.end() || fractions == features.end() || !names->is_array() ||
         !fractions->is_array() || names->empty() || names->size() != fractions->size())
@@ -33,7 +33,8 @@ std::vector<std::string> seen_colors(const Store& store, Id object, const AsOf& 
   constexpr double kMinShare = 0.1;
   std::map<std::string, double> sums;
   size_t views = 0;
-  for (const auto& annotation : store.latest_observations(object, kLatestViews, {kType}, as_of).annotations)
+  for (const auto& annotation :
+       store.latest_observations(object, kLatestViews, {kColorType}, as_of).annotations)
     if (add_fractions(store, annotation.row, sums)) ++views;
   std::vector<std::string> colors;
   for (const auto& [name, sum] : sums)

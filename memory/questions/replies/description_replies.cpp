@@ -41,7 +41,8 @@ void by_place(const std::vector<ObjectBelief>& there, const Names& names, Reply&
 }
 
 /// Where none is likely there: what has gone has, and the rest may still be there.
-std::string none_in_words(const ObjectsAnswer& answer, const Names& names) {
+std::string none_in_words(const ObjectsAnswer& answer, const Names& names, const ReplyContext& context) {
+  if (answer.objects.empty()) return trimmed(to_text(answer, context.times));
   std::vector<std::string> doubtful;
   for (const ObjectBelief& object : answer.objects)
     if (object.status != ObjectStatus::gone) doubtful.push_back(names.of(object.object));
@@ -133,7 +134,7 @@ void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply
     reply.text = missed_in_words(missed, gone, asks, names, names_in(missed));
   } else {
     reply.text = any_time ? fmt::format("None{}.", state.empty() ? " seen then" : " is known to be " + state)
-                          : none_in_words(answer, names);
+                          : none_in_words(answer, names, context);
   }
   if (asks == Asks::summary && !there.empty() && there.size() < answer.objects.size())
     reply.text = fmt::format("{} of {} {} likely where {} seen last: {}.", there.size(),
@@ -155,11 +156,13 @@ bool are_of_one_size(Vector3d a, Vector3d b) {
   return (a.array() <= kViewRatio * b.array()).all() && (b.array() <= kViewRatio * a.array()).all();
 }
 
-/// Its colour, and a second one that light does not make of it: "white and blue".
+/// The colour that somebody stated, else the one that was seen, and a second one that light does not make of
+/// it: "white and blue".
 std::vector<std::string> colors_of(const ObjectRef& object, const ReplyContext& context) {
   std::vector<std::string> colors;
   if (object.color) colors.push_back(*object.color);
   const Snapshot snapshot(context.store, context.as_of);
+  if (snapshot.stated(object.id, "colour")) return colors;
   for (const std::string& color : snapshot.seen_colors(object.id))
     if (colors.size() == 1 && color != colors[0] && !are_similar_colors(color, lower_case(colors[0])))
       colors.push_back(color);
@@ -169,9 +172,23 @@ std::vector<std::string> colors_of(const ObjectRef& object, const ReplyContext& 
 /// "is red", "measures 6 x 4 x 25 cm"; unset where it is not known.
 std::optional<std::string> look_in_words(const ObjectRef& object, const std::string& property,
                                          const ReplyContext& context) {
+  const Snapshot snapshot(context.store, context.as_of);
+  const std::optional<std::string> said = snapshot.stated(object.id, property);
+  if (property == "material" && said) return "is made of " + *said;
+  if (property == "size" && said)
+    return (said->find_first_of("0123456789") == std::string::npos ? "is " : "measures ") + *said;
   if (property == "colour" && object.color) return "is " + list_in_words(colors_of(object, context), 2);
   if (property == "size" && object.size) return "measures " + size_text(*object.size);
   return {};
+}
+
+/// What was seen, where somebody stated something else.
+void add_looks(const ObjectRef& object, const Snapshot& snapshot, const std::string& property, Reply& reply) {
+  const BeliefRow* belief = snapshot.belief(object.id);
+  if (belief == nullptr || !snapshot.stated(object.id, property)) return;
+  if (property == "colour" && belief->color && belief->color != object.color)
+    reply.evidence.push_back("seen: " + *belief->color);
+  if (property == "size" && belief->size) reply.evidence.push_back("seen: " + size_text(*belief->size));
 }
 
 /// The colours or sizes of several objects, and whether they are the same.
@@ -221,16 +238,17 @@ void judge_colour(const AboutAnswer& answer, const ReplyContext& context, const 
   std::ranges::copy_if(answer.objects, std::back_inserter(there),
                        [](const AboutObject& one) { return one.now.status != ObjectStatus::gone; });
   const std::vector<AboutObject>& objects = there.empty() ? answer.objects : there;
-  const std::string value = context.query.argument("value"), asked = value == "gray" ? "grey" : value;
+  const std::string asked = context.query.argument("value");
   std::set<std::string> colours;
   bool known = true, all = true;
   for (const AboutObject& one : objects) {
     known = known && one.now.object.color;
     colours.insert(lower_case(one.now.object.color.value_or("")));
-    all = all && std::ranges::count(colors_of(one.now.object, context), asked) > 0;
+    all = all && std::ranges::any_of(colors_of(one.now.object, context),
+                                     [&](const std::string& color) { return has_color(color, asked); });
   }
   compare_looks(objects, "colour", context, names, reply);
-  const bool is = value == "different" ? colours.size() > 1 : all;
+  const bool is = asked == "different" ? colours.size() > 1 : all;
   reply.not_known = !known;
   reply.verdict = !known ? Verdict::not_observed : is ? Verdict::yes : Verdict::no;
   reply.text = fmt::format("{}: {}", !known ? "Not known" : is ? "Yes" : "No", reply.text);
@@ -268,6 +286,7 @@ void write_reply(const AboutAnswer& answer, const ReplyContext& context, Reply& 
                              object.size ? ", " + size_text(*object.size) : "",
                              first.now.place ? ", " + in_words(*first.now.place) : "");
   }
+  add_looks(object, snapshot, property, reply);
   for (const Fact& fact : first.facts)
     reply.evidence.push_back(fmt::format("{}: {} (said by {})", fact.key, fact.value, fact.source));
   add_sightings({first.now}, names, context, reply);

@@ -29,18 +29,18 @@ std::string happened(const Change& change, const Names& names) {
   if (change.kind == EventKind::joint_changed)
     return fmt::format("{} {}", joint_in_words(change), is_opening(change) ? "opened" : "closed");
   if (change.kind == EventKind::place_moved)
-    return fmt::format("{} was moved", change.place ? name_in_words(change.place->name) : "furniture");
+    return fmt::format("{} was moved", change.place ? part_in_words(change.place->name) : "furniture");
   const std::string name = change.object ? bare_subject(*change.object, names) : "an object";
   const auto at = [&](const std::optional<PlaceRef>& place) { return place ? " " + in_words(*place) : ""; };
   switch (change.kind) {
     case EventKind::moved:
       if (change.place && change.from_place && change.place->id != change.from_place->id)
-        return fmt::format("{} moved from {} to {}", name, name_in_words(change.from_place->name),
-                           name_in_words(change.place->name));
+        return fmt::format("{} moved from {} to {}", name, part_in_words(change.from_place->name),
+                           part_in_words(change.place->name));
       return fmt::format("{} moved{}", name, at(change.place));
     case EventKind::gone: {
       const auto& from = change.from_place ? change.from_place : change.place;
-      return fmt::format("{} has gone{}", name, from ? " from " + name_in_words(from->name) : "");
+      return fmt::format("{} has gone{}", name, from ? " from " + part_in_words(from->name) : "");
     }
     case EventKind::appeared:
       return fmt::format("{} appeared{}", name, at(change.place));
@@ -78,7 +78,7 @@ std::optional<std::string> unseen_joints(const Snapshot& snapshot, const ReplyCo
   std::vector<std::string> unseen;
   for (const std::string& joint : asked)
     if (!is_joint_seen(context.store, joint, context.as_of, answer.from, answer.to))
-      unseen.push_back(joint_in_words({.joint = snapshot.part_names().joint(joint)}));
+      unseen.push_back(joint_in_words({.joint = snapshot.joint_name(joint)}));
   if (unseen.empty() && !asked.empty()) return std::nullopt;
   const std::string place = context.query.argument("place");
   if (unseen.size() == asked.size() && !place.empty())
@@ -418,6 +418,10 @@ void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& r
       break;
     case Asks::agent:
       who_did(last, what, context, reply);
+      break;
+    case Asks::motive:
+      reply.not_known = true;
+      reply.text = fmt::format("Not known why: no look shows reasons; {} by {}.", what, by);
       break;
     default:
       reply.not_known = last.kind == EventKind::gone;

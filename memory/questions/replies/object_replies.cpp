@@ -225,10 +225,10 @@ void write_reply(const WhereAnswer& answer, const ReplyContext& context, Reply& 
       where_time(answer, names, context, reply);
       break;
     case Asks::probability:
-      reply.probability = first.probability;
+      reply.probability = first.status == ObjectStatus::gone ? 1 - first.probability : first.probability;
       reply.text =
           first.status == ObjectStatus::gone
-              ? place.text
+              ? fmt::format("{}: {}", percent(*reply.probability), uncapitalised(place.text))
               : fmt::format("{}: {} {} {}.", percent(first.probability), bare_subject(first.object, names),
                             is_or_was(context), spot_in_words(first.place, first.position));
       break;

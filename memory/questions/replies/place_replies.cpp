@@ -36,6 +36,13 @@ std::vector<std::string> names_joined_in(const std::string& text) {
   return names;
 }
 
+/// Whether a look within the minute that is asked about showed it, although the last one of it did not.
+bool was_seen_then(const ObjectBelief& object, const ReplyContext& context) {
+  const std::string at = context.query.argument("at");
+  return !at.empty() && at != "now" && context.as_of.at && object.last_seen &&
+         *context.as_of.at - object.last_seen->time < kMinute;
+}
+
 /// What is believed to be there, over all places asked about.
 struct Contents {
   std::vector<ObjectBelief> sure, perhaps;
@@ -53,7 +60,8 @@ Contents all_contents(const ContentsAnswer& answer, const ReplyContext& context)
   for (const PlaceContents& place : answer.places) {
     for (const ObjectBelief& object : place.there)
       if (std::ranges::count(except, object.object.id) == 0)
-        (is_there(object) ? contents.sure : contents.perhaps).push_back(object);
+        (is_there(object) || was_seen_then(object, context) ? contents.sure : contents.perhaps)
+            .push_back(object);
     if (answer.places.size() == 1 || !place.there.empty()) places.push_back(in_words(place.place));
     if (place.last_view &&
         (contents.seen_last == nullptr || place.last_view->time > contents.seen_last->last_view->time))
@@ -120,6 +128,16 @@ std::optional<std::string> elsewhere(const ContentsAnswer& answer, const Snapsho
     reply.objects.push_back(id);
   }
   return text;
+}
+
+/// The probability that one of the objects asked about is there, although none is believed to be.
+double doubted_chance(const ContentsAnswer& answer, const Snapshot& snapshot) {
+  double chance = 0;
+  for (const Id id : snapshot.find_objects(answer.subject))
+    for (const PlaceContents& place : answer.places)
+      if (const BeliefRow* belief = snapshot.belief(id); belief != nullptr && belief->place == place.place.id)
+        chance = std::max(chance, belief->probability);
+  return chance;
 }
 
 /// Whether the sentence asks about each of them: "both cups", "the cups".
@@ -290,6 +308,9 @@ void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Repl
       const std::vector<ObjectBelief>& objects = contents.sure.empty() ? contents.perhaps : contents.sure;
       if (objects.empty()) {
         contents_verdict(answer, contents, snapshot, names, context, reply);
+        if (reply.verdict != Verdict::no) break;
+        reply.probability = doubted_chance(answer, snapshot);
+        if (reply.text.starts_with("No: ")) reply.text.replace(0, 2, percent(*reply.probability));
         break;
       }
       reply.probability = objects.front().probability;
@@ -332,6 +353,8 @@ std::string relation_in_words(const NearAnswer& answer, const std::string& aroun
     case Relation::near:
       return answer.radius_m < 1 ? fmt::format("within {:.0f} cm of {}", 100 * answer.radius_m, around)
                                  : fmt::format("within {:.1f} m of {}", answer.radius_m, around);
+    case Relation::next_to:
+      return "next to " + around;
     case Relation::on:
       return "on " + around;
     case Relation::under:
@@ -426,7 +449,8 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
   const BeliefRow* belief = object ? snapshot.belief(*object) : nullptr;
   const bool hides = answer.relation == Relation::under || answer.relation == Relation::behind;
   if (belief != nullptr && belief->status == ObjectStatus::gone && !none_of_several(answer, snapshot)) {
-    const std::string near = answer.relation == Relation::near && !list.empty() && only.empty()
+    const bool around_it = answer.relation == Relation::near || answer.relation == Relation::next_to;
+    const std::string near = around_it && !list.empty() && only.empty()
                                  ? fmt::format("; where it was: {}", list_in_words(list, 3))
                                  : "";
     reply = {};
@@ -443,7 +467,8 @@ void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& r
     reply.verdict = list.empty() ? Verdict::no : Verdict::yes;
     reply.text = fmt::format("{}: {}", list.empty() ? "No" : "Yes", found);
   } else if (const bool farthest = context.query.argument("order") == "farthest";
-             list.size() == 1 && (farthest || !context.query.argument("count").empty())) {
+             answer.relation == Relation::near && list.size() == 1 &&
+             (farthest || !context.query.argument("count").empty())) {
     reply.text =
         fmt::format("{} is {} {}, {:.0f} cm away.", list[0], farthest ? "farthest from" : "nearest to",
                     around, 100 * answer.objects[0].distance_m);

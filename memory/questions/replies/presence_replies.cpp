@@ -333,12 +333,12 @@ void write_unseen(const UnseenMoment& unseen, TimeNs moment, const std::string& 
   reply.verdict = unseen.there ? Verdict::yes : Verdict::no;
   reply.probability = unseen.there ? unseen.probability : 1 - unseen.probability;
   const std::optional<Change> left = left_around(unseen.object->object.id, moment, snapshot);
-  reply.text =
-      fmt::format("{}: {} was {}, seen there at {}{}.", with_probability(unseen.there, unseen.probability),
-                  name, in_words(unseen.place), context.times.text(unseen.before),
-                  unseen.after ? " and " + context.times.text(*unseen.after)
-                  : left       ? "; it left by " + context.times.text(left->time)
-                               : "");
+  reply.text = fmt::format(
+      "{}: {} was {}, seen there at {}{}.", with_probability(unseen.there, unseen.probability), name,
+      in_words(unseen.place), context.times.text(unseen.before),
+      unseen.after ? fmt::format(" and {}, with no look in between", context.times.text(*unseen.after))
+      : left       ? "; it left by " + context.times.text(left->time)
+                   : "");
 }
 
 void write_verdict(Verdict verdict, const WasObject& object, const std::string& name,

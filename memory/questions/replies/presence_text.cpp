@@ -19,7 +19,7 @@ std::string verdict_text(const WasObject& object, const std::string& where, cons
     return fmt::format("Yes: {} was {} {}, seen in {}.", name, where, period, scenes_text(object.seen_there));
   if (object.verdict == Verdict::no)
     return fmt::format("No: {} was not {} {}: {}.", name, where, period, object.reason);
-  return fmt::format("Not observed: whether {} was {} {} is not known: {}.", name, where, period,
+  return fmt::format("Not observed: nobody saw whether {} was {} {}: {}.", name, where, period,
                      object.reason);
 }
 
@@ -81,12 +81,14 @@ std::string to_text(const WasAnswer& answer, const TimeWriter& times) {
   std::vector<std::string> lines;
   const std::string where =
       answer.place.empty() ? "seen anywhere" : (answer.container ? "in " : "on ") + answer.place;
-  const std::string first = times.text(answer.from), last = times.text(answer.to);
+  // "09:00" without seconds means the end of that minute (TimeReader).
+  const auto minute = [](TimeNs time) { return time % kMinute == kMinute - 1 ? time - kMinute + 1 : time; };
+  const std::string first = times.text(minute(answer.from)), last = times.text(minute(answer.to));
   const std::string period = first == last ? "at " + first : fmt::format("between {} and {}", first, last);
   if (answer.objects.size() > 1)
     lines.emplace_back(answer.verdict == Verdict::yes  ? "Yes, one of them was."
                        : answer.verdict == Verdict::no ? "No, none of them was."
-                                                       : "Not observed.");
+                                                       : "Nobody saw one of them there.");
   for (const WasObject& object : answer.objects) {
     lines.push_back(verdict_text(object, where, period));
     add_evidence(object, times, lines);

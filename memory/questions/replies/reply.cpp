@@ -102,8 +102,15 @@ Reply Answer::reply(const ReplyContext& context) const {
   return reply;
 }
 
+std::string headed(const Reply& reply, std::string text) {
+  if (!text.starts_with(reply.text)) text.insert(0, reply.text + "\n");
+  std::string notes;
+  for (const std::string& note : reply.notes) notes += "  (" + note + ")\n";
+  return text.insert(text.find('\n') + 1, notes);
+}
+
 std::string to_text(const Reply& reply) {
-  std::string text = reply.text + "\n";
+  std::string text = headed(reply, reply.text + "\n");
   for (const std::string& line : reply.evidence) text += "  " + line + "\n";
   return text;
 }
@@ -115,6 +122,7 @@ const Record<Reply>& reply_record() {
       Record<Reply>("Reply")
           .value("text", &Reply::text)
           .value("evidence", &Reply::evidence)
+          .value("notes", [](const Reply& reply) { return unless_empty(reply.notes); })
           .value("verdict", &Reply::verdict)
           .value("number", &Reply::number)
           .value("probability", &Reply::probability)

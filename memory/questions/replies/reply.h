@@ -16,6 +16,7 @@ inline constexpr size_t kMaxEvidenceLines = 3;
 
 struct Reply {
   std::string text = {};                   ///< one sentence of at most kMaxReplyLength characters
+  std::vector<std::string> notes = {};     ///< how names and times of the query were read, see notes_on()
   std::vector<std::string> evidence = {};  ///< at most kMaxEvidenceLines lines
   // What the sentence states, by its type; unset = nothing of that type.
   std::optional<Verdict> verdict = {};
@@ -27,7 +28,10 @@ struct Reply {
   std::optional<double> probability = {};
   bool not_known = false;  ///< the memory cannot tell
 };
-/// The sentence, and its evidence on indented lines.
+/// A longer text with the sentence before it, where it does not begin with that, and the notes after the
+/// first line.
+std::string headed(const Reply& reply, std::string text);
+/// The sentence, and its notes and evidence on indented lines.
 std::string to_text(const Reply& reply);
 Json to_json(const Reply& reply);
 

@@ -130,18 +130,9 @@ std::string between_text(const Change& change, const TimeWriter& times) {
              : "By " + times.text(change.time);
 }
 
-std::string part_in_words(const std::string& name) {
-  const bool numbered =
-      name.find('_') != std::string::npos || name.find_first_of("0123456789") != std::string::npos;
-  return numbered ? name_in_words(name) : with_article(name);
-}
-
 std::string joint_in_words(const Change& change) {
-  if (change.place) return name_in_words(change.place->name);
-  std::string name = change.joint.value_or("a joint");
-  for (const std::string_view ending : {"_joint", "_front"})
-    if (name.ends_with(ending)) name.resize(name.size() - ending.size());
-  return name;
+  if (change.place) return part_in_words(change.place->name);
+  return change.joint ? part_in_words(piece_in_words(*change.joint)) : "a joint";
 }
 
 }  // namespace loci::memory::replies

@@ -51,8 +51,6 @@ void add_sightings(const std::vector<ObjectBelief>& objects, const Names& names,
 
 /// "Between 08:00 and 09:30", "At 08:00" or, where it is not known since when, "By 09:30".
 std::string between_text(const Change& change, const TimeWriter& times);
-/// "the fridge", "drawer_1".
-std::string part_in_words(const std::string& name);
 /// "drawer_1" for drawer_1_front_joint.
 std::string joint_in_words(const Change& change);
 

@@ -13,6 +13,7 @@
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
 #include "memory/questions/routines/co_occurrence.h"
+#include "memory/questions/routines/digest.h"
 #include "memory/questions/routines/routines.h"
 #include "memory/questions/routines/tasks.h"
 #include "memory/questions/search.h"
@@ -50,6 +51,19 @@ std::vector<const UsualObject*> seen_at_places(const UsualAnswer& answer) {
   return there.empty() ? seen : there;
 }
 
+/// The one place that is usual for each of them.
+std::optional<PlaceRef> common_place(const std::vector<const UsualObject*>& objects) {
+  std::optional<PlaceRef> common;
+  for (const PlaceRef& place : tied_places(*objects.front())) {
+    const bool usual = std::ranges::all_of(objects, [&](const UsualObject* object) {
+      return std::ranges::count(tied_places(*object), place.id, &PlaceRef::id) > 0;
+    });
+    if (usual && common) return std::nullopt;
+    if (usual) common = place;
+  }
+  return common;
+}
+
 /// The usual place of each of several.
 void usual_places(const std::vector<const UsualObject*>& objects, const Names& names,
                   const ReplyContext& context, Reply& reply) {
@@ -66,6 +80,10 @@ void usual_places(const std::vector<const UsualObject*>& objects, const Names& n
                                          context.times.text(first.last.time)));
   }
   reply.text = fmt::format("{}.", fmt::join(list, "; "));
+  if (const auto common = common_place(objects)) {
+    reply.places = {common->name};
+    reply.text = fmt::format("All {} are usually {}.", objects.size(), in_words(*common));
+  }
 }
 
 /// Whether an object is where it usually is.
@@ -297,16 +315,18 @@ void write_reply(const MissingAnswer& answer, const ReplyContext& context, Reply
     for (const ExpectedObject& missing : place.missing) {
       // What is missing at one place, and at another, is not missing in the room.
       const std::string name = bare_subject(missing.now.object, names);
-      const bool is_elsewhere = answer.asked.empty() && is_there(missing.now);
-      std::vector<std::string>& named = is_elsewhere ? elsewhere : list;
-      if (std::ranges::count(named, name) == 0) named.push_back(name);
-      if (!is_elsewhere && std::ranges::count(reply.objects, missing.now.object.id) == 0)
+      const bool is_missing = !answer.asked.empty() || missing.now.status == ObjectStatus::gone;
+      if (is_missing && std::ranges::count(list, name) == 0) list.push_back(name);
+      if (is_missing && std::ranges::count(reply.objects, missing.now.object.id) == 0)
         reply.objects.push_back(missing.now.object.id);
       reply.evidence.push_back(fmt::format("{} was {} in {} of {}", names.of(missing.now.object),
                                            in_words(place.place), missing.visits,
                                            counted(place.visits, "visit")));
     }
   }
+  if (answer.asked.empty() && visits > 0)
+    for (const MisplacedObject& one : misplaced_objects(context.store, context.as_of))
+      elsewhere.push_back(bare_subject(one.now.object, names));
   const bool asks_whether = context.query.asks == Asks::exists;
   if (visits == 0) {
     reply.not_known = true;

@@ -23,19 +23,6 @@ constexpr size_t kMinUsualSightings = 3;        ///< fewer are not a habit
 constexpr double kMinUsualShare = 0.5;          ///< of its sightings
 constexpr double kMinPresent = 0.5;             ///< probability that it is where it is believed to be
 
-std::vector<MisplacedObject> misplaced_objects(const Store& store, const AsOf& as_of) {
-  std::vector<MisplacedObject> misplaced;
-  for (const UsualObject& object : ask(store, UsualQuestion{{}, as_of, {}}).objects) {
-    if (object.places.empty() || !object.now.place || object.now.status == ObjectStatus::gone) continue;
-    const UsualPlace& usual = object.places.front();
-    if (usual.place.id == object.now.place->id || usual.sightings < kMinUsualSightings ||
-        usual.share < kMinUsualShare || object.now.probability < kMinPresent)
-      continue;
-    misplaced.push_back({object.now, usual.place, usual.sightings, usual.share});
-  }
-  return misplaced;
-}
-
 std::vector<ObjectBelief> missing_objects(const Snapshot& snapshot, TimeNs since) {
   std::vector<ObjectBelief> missing;
   for (const BeliefRow& row : snapshot.beliefs()) {
@@ -52,6 +39,19 @@ std::vector<ObjectBelief> missing_objects(const Snapshot& snapshot, TimeNs since
 
 }  // namespace
 
+std::vector<MisplacedObject> misplaced_objects(const Store& store, const AsOf& as_of) {
+  std::vector<MisplacedObject> misplaced;
+  for (const UsualObject& object : ask(store, UsualQuestion{{}, as_of, {}}).objects) {
+    if (object.places.empty() || !object.now.place || object.now.status == ObjectStatus::gone) continue;
+    const UsualPlace& usual = object.places.front();
+    if (usual.place.id == object.now.place->id || usual.sightings < kMinUsualSightings ||
+        usual.share < kMinUsualShare || object.now.probability < kMinPresent)
+      continue;
+    misplaced.push_back({object.now, usual.place, usual.sightings, usual.share});
+  }
+  return misplaced;
+}
+
 DigestAnswer ask(const Store& store, const DigestQuestion& question) {
   const std::optional<SceneRow> last = store.latest_scene(question.as_of);
   if (!last) throw store.error("there are no scenes yet");
@@ -60,7 +60,7 @@ DigestAnswer ask(const Store& store, const DigestQuestion& question) {
   const std::string day = store.time_zone().format(moment).substr(0, 10);
   const auto [from, to] = times.read(day);
   AsOf as_of = question.as_of;
-  as_of.at = std::min(to, as_of.at.value_or(to));
+  as_of.at = std::min(to, as_of.at.value_or(last->time));
   const Snapshot snapshot(store, as_of);
   DigestAnswer answer{.from = from,
                       .to = to,

@@ -22,7 +22,10 @@ struct MisplacedObject {
   size_t sightings = 0;  ///< there
   double share = 0;      ///< of all its sightings at places
 };
-/// What a day left behind, as of its end.
+/// What is believed to be elsewhere than where at least half of its sightings were, three or more.
+std::vector<MisplacedObject> misplaced_objects(const Store& store, const AsOf& as_of);
+
+/// What a day left behind, as of its end or of the last scene.
 struct DigestAnswer {
   TimeNs from = 0, to = 0;  ///< a day in the memory's zone
   std::string day = {};     ///< "2026-05-01"

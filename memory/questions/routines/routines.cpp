@@ -8,8 +8,10 @@
 #include <sstream>
 
 #include "mapping/base/math/math.h"
+#include "mapping/base/text/text.h"
 #include "memory/questions/events.h"
 #include "memory/questions/location.h"
+#include "memory/questions/names/related_words.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
@@ -323,18 +325,45 @@ Json to_json(const UsualAnswer& answer) {
   return usual_record().json(answer);
 }
 
+namespace {
+
+/// "biggest" of "biggest cup", "second biggest" of "second biggest cup"; "" where none is said.
+std::string superlative_of(const std::string& subject) {
+  const std::vector<std::string> words = words_of(subject);
+  const size_t at = !words.empty() && rank_called(words[0]) > 0 ? 1 : 0;
+  if (at >= words.size() || !is_superlative(words[at])) return "";
+  return at == 0 ? words[0] : words[0] + " " + words[1];
+}
+
+/// Only the one of all with most of something.
+void keep_most(const Snapshot& snapshot, const std::string& rank, ContentsHistoryAnswer& answer) {
+  std::vector<std::string> names;
+  for (const PlaceContentsHistory& place : answer.places)
+    for (const PastContent& object : place.objects) names.push_back(object.now.object.name);
+  if (names.empty()) return;
+  const Id most = snapshot.find_objects(fmt::format("{} {}", rank, fmt::join(names, " or "))).front();
+  for (PlaceContentsHistory& place : answer.places)
+    std::erase_if(place.objects, [&](const PastContent& object) { return object.now.object.id != most; });
+}
+
+}  // namespace
+
 ContentsHistoryAnswer ask(const Store& store, const ContentsHistoryQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
   ContentsHistoryAnswer answer{.asked = question.place};
+  // "Biggest cup": of the cups that were there.
+  const std::string rank = superlative_of(question.subject);
+  const std::string subject = trimmed(question.subject.substr(rank.size()));
   std::optional<std::set<Id>> meant;
-  if (!question.subject.empty()) {
-    const std::vector<Id> objects = snapshot.find_objects(question.subject);
+  if (!subject.empty()) {
+    const std::vector<Id> objects = snapshot.find_objects(subject);
     meant.emplace(objects.begin(), objects.end());
   }
   const bool fresh = question.state == "new";
   for (const PlaceRow& place : snapshot.find_places(question.place))
     answer.places.push_back(
         (fresh ? new_contents_of : contents_history_of)(snapshot, place, question, meant));
+  if (!rank.empty()) keep_most(snapshot, rank, answer);
   if (question.state.empty() || fresh) return answer;
   std::set<Id> handled;  // that left, or were moved
   if (question.state != "gone")
@@ -537,6 +566,8 @@ std::vector<SentenceForm> contents_history_sentences() {
       {"what: newsince at<place> [thing]", objects, "", state("new")},
       {"what: newsince which<object> at<place>", objects, "", state("new")},
       {"what: been at<place> [stand|thing|put|see|keep]", objects, "What has been on the table today?"},
+      {"what: most<object> at<place> [stand|put|see]", objects,
+       "What was the biggest object on the table today?"},
       {"what: longesttime at<place> [thing|keep|leave]", longest, "What has been on the table the longest?"},
       {"what: longesttime which<object> at<place> [keep|leave]", longest},
       {"howlong: empty <place> -was -did -had",

@@ -283,13 +283,21 @@ Answer ask_task(const Arguments& given) {
       static_cast<TaskQuestion::Kind>(std::ranges::find(kTasks, given.text("task")) - kTasks.begin());
   const bool stow = kind == TaskQuestion::Kind::stow;
   const bool of_objects = stow || kind == TaskQuestion::Kind::bring;
+  const auto takes = [&](const char* name, bool does) {
+    if (!does && !given.text(name).empty())
+      throw Error(fmt::format("'{}' does not take {}", given.text("task"), name));
+  };
+  takes("place", kind != TaskQuestion::Kind::bring);
+  takes("destination", stow);
+  takes("occasion", kind == TaskQuestion::Kind::set);
+  const std::string destination = given.text(given.text("destination").empty() ? "place" : "destination");
   // What follows the task without a name is what it is about.
   const std::string about = given.text(of_objects || given.text("place").empty() ? "object" : "place");
   if (about.empty() && kind != TaskQuestion::Kind::clean)
     throw Error(fmt::format("'{}' needs {}", given.text("task"), of_objects ? "an object" : "a place"));
   return ask(given.store(), TaskQuestion{.kind = kind,
                                          .subject = of_objects ? about : "",
-                                         .place = stow         ? given.text("destination")
+                                         .place = stow         ? destination
                                                   : of_objects ? ""
                                                                : about,
                                          .occasion = given.text("occasion"),

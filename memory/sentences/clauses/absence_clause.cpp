@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "memory/sentences/courtesy.h"
 #include "memory/sentences/lexicon.h"
 #include "memory/sentences/mentions.h"
 
@@ -15,7 +16,9 @@ std::optional<Absence> find_absence(const std::string& sentence, const Snapshot&
                                                "many", "hours",   "minutes", "for"},
                                      away = {"away", "gone", "missing", "absent"},
                                      others = {"was", "were", "the", "my", "our", "from", "off", "on", "in"};
-  const Tokens tokens = tokens_of(sentence_words(sentence));
+  Words said = sentence_words(sentence);
+  strip_surroundings(said);
+  const Tokens tokens = tokens_of(said);
   const Words& words = tokens.words;
   if (words.size() < 4 || !length.contains(words[0])) return std::nullopt;
   const auto any_of = [&](const std::set<std::string>& set) {

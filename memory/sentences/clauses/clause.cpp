@@ -16,7 +16,8 @@ using WordSet = std::set<std::string>;
 const WordSet kAtRelations = {"on", "in", "at"};
 /// Whether a relation to an object is another relation of that object: "behind" and "in front".
 bool has_inverse(const std::string& relation) {
-  static const WordSet relations = {"behind", "infront", "leftof", "rightof", "under", "near", "on"};
+  static const WordSet relations = {"behind", "infront", "leftof", "rightof",
+                                    "under",  "near",    "nextto", "on"};
   return relations.contains(relation);
 }
 /// Verbs that say no more than that something is there, is seen or is known: rules need not name them.
@@ -494,7 +495,8 @@ std::optional<Clause> read_clause(Words words, const WordSet& concepts, const Ti
   const bool stays = clause->marks.contains("stays") && !clause->marks.contains("is");
   if (!ever && (stays || (period && period->spans)) && asks_for_lasting_state(*clause))
     clause->concepts.insert(period && !period->from.empty() ? "throughout" : "stays");
-  if (!period) return clause;
+  const bool now = period && period->from == "now" && period->to == "now";
+  if (!period || (now && clause->concepts.contains("miss"))) return clause;
   clause->period = period;
   clause->marks.insert("time");
   // "Was it there all day" is more than "was it there today", "was it moved all day" is not.

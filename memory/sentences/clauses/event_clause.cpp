@@ -21,6 +21,7 @@ const std::map<std::string, Link>& links() {
 }
 
 constexpr TimeNs kMoment = 120 * kSecond;  ///< a state that lasts longer names a period
+constexpr TimeNs kLook = 60 * kSecond;     ///< in which the frames of the look that saw an event follow it
 
 /// "the drawer was opened": a name or a person, then a verb.
 bool is_clause(const Words& words) {
@@ -97,7 +98,7 @@ std::string question_at(const EventClause& clause, const TimeSpan& event, bool l
     case Link::at:
       return clause.question + (lasts && event.last - event.first >= kMoment
                                     ? " between " + before + " and " + after
-                                    : " at " + after);
+                                    : " at " + (state ? format_time(event.last + kLook) : after));
     case Link::condition:
       break;
   }

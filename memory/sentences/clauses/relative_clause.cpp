@@ -61,7 +61,10 @@ std::optional<RelativeClause> find_clause(const Tokens& tokens, const Snapshot& 
     const Mention &name = mentions[i], &place = mentions[i + 1];
     bool left = false;
     if (name.place || !links(tokens, name.last, place.first, left)) continue;
-    const bool beside = tokens.lemmas[place.first - 1] == "near" || tokens.lemmas[place.first - 2] == "near";
+    const auto is_beside = [&](size_t at) {
+      return tokens.lemmas[at] == "near" || tokens.lemmas[at] == "nextto";
+    };
+    const bool beside = is_beside(place.first - 1) || is_beside(place.first - 2);
     if (place.place == beside) continue;
     RelativeClause clause{.first = name.first,
                           .last = place.last,

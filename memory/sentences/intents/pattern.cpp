@@ -58,6 +58,7 @@ class Matcher {
              is_name_(join_words(words_, first + (article ? 1 : 0), last));
     }
     if (kind == "colour") return single && is_color_word(words_[first]);
+    if (kind == "furniture") return single && is_furniture(words_[first]);
     if (kind == "doing")
       return single && words_[first].ends_with("ing") &&
              !wordnet::base_forms(words_[first], wordnet::PartOfSpeech::verb).empty();

@@ -293,29 +293,19 @@ bool chooses(const std::string& sentence) {
 }
 
 std::optional<TwoQuestions> two_questions(const std::string& sentence) {
-  const Words words = words_and_marks(sentence);
-  for (size_t i = 3; i + 3 < words.size(); ++i) {
-    if (words[i] != "and" || !is_question_word(words[i + 1]) ||
-        class_of(lemma_of(words[i + 2])) != WordClass::auxiliary)
-      continue;
-    size_t end = i;
-    while (end > 0 && is_mark(words[end - 1])) --end;
-    return TwoQuestions{join_words(words, 0, end) + "?", join_words(words, i + 1, words.size())};
-  }
-  return std::nullopt;
-}
-
-std::optional<TwoQuestions> elided_question(const std::string& sentence) {
-  static const std::vector<Words> more =
+  static const std::vector<Words> elided =
       expand_form("when|where|why|who|since when|until when|how long|how often|how many times");
   Words words = words_and_marks(sentence);
   while (!words.empty() && is_mark(words.back())) words.pop_back();
-  for (const Words& one : more) {
-    if (words.size() < one.size() + 4 || !starts_with_words(words, one, words.size() - one.size())) continue;
-    Words question(words.begin(), words.end() - std::ssize(one));
-    if (question.back() != "and") continue;
-    while (question.back() == "and" || is_mark(question.back())) question.pop_back();
-    return TwoQuestions{joined(question, " ") + "?", joined(one, " ") + "?"};
+  for (size_t i = 3; i + 1 < words.size(); ++i) {
+    if (words[i] != "and") continue;
+    const Words more = tail_of(words, i + 1);
+    const bool alone = std::ranges::count(elided, more) > 0;
+    const bool whole =
+        more.size() > 2 && is_question_word(more[0]) && class_of(lemma_of(more[1])) == WordClass::auxiliary;
+    if (!alone && !whole) continue;
+    while (i > 0 && is_mark(words[i - 1])) --i;
+    return TwoQuestions{join_words(words, 0, i) + "?", joined(more, " ") + "?", alone};
   }
   return std::nullopt;
 }

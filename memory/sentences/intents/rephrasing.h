@@ -39,13 +39,12 @@ std::string without_partitive(const std::string& question);
 /// Whether the sentence asks which of what was spoken of: an answer about everything is none.
 bool chooses(const std::string& sentence);
 
-/// A question, and another one of the same.
+/// A question, and another one about the same.
 struct TwoQuestions {
   std::string question = {}, more = {};
+  bool elided = false;  ///< `more` is a question word only
 };
-/// "Was the pot moved, and when?"; unset for other sentences.
-std::optional<TwoQuestions> elided_question(const std::string& sentence);
-/// "Is the tea back, and when was it put there?"; likewise.
+/// "Was the pot moved, and when?", "is the tea back, and when was it put there?"; unset for other sentences.
 std::optional<TwoQuestions> two_questions(const std::string& sentence);
 
 }  // namespace loci::memory

@@ -74,6 +74,27 @@ const std::vector<Pattern>& meanings() {
        "is <y> nearer to <a> or to <b>"},
       {"^ give|state|name|report|tell the? interval|period|time|window|moment during|in|at? which <x>",
        "when did <x>"},
+      // Everything that something happened to.
+      {"^ a? list|name|show|report|give|tell|print me|us? a? list? of? everything|anything that|which <x>",
+       "what <x>"},
+      {"^ a? list|name|show|report|give|tell|print me|us? a? list? of? all? the? objects|things|items "
+       "that|which <x>",
+       "what <x>"},
+      {"^ a? list|name|show|report|give|tell|print me|us? a? list? of? everything|anything "
+       "moved|touched|handled <x>",
+       "what was moved <x>"},
+      {"^ a? list|name|show|report|give|tell|print me|us? a? list? of? everything|anything "
+       "put|placed|set|brought|added "
+       "<x>",
+       "what was put <x>"},
+      {"^ a? list|name|show|report|give|tell|print me|us? a? list? of? everything|anything "
+       "taken|removed|cleared <x>",
+       "what was taken <x>"},
+      {"^ what did|have you see|seen|notice|noticed last|recently|lately $",
+       "what did you see in the last 10 minutes"},
+      {"^ what is|was the? last|latest object|thing|item|objects|things that? you saw|see|noticed $",
+       "what did you see in the last 10 minutes"},
+      {"^ which|what <n:furniture> was <x> on|in|at before|previously|earlier $", "where was <x> before"},
       // Which one of that name: "the cup, the red one, where is it?"
       {"the|my <x:name> , the <c:colour> one , <z>", "the <c> <x> , <z>"},
       {"the|my <x:name> , the <c:colour> one $", "the <c> <x>"},
@@ -95,6 +116,8 @@ const std::vector<Pattern>& meanings() {
       {"^ <x> , including <c:name> $", "<x>"},
       // Which of two did it more often.
       {"^ which|what <x> more|most often , <a:name> or <b:name> $", "which of <a> and <b> <x> most often"},
+      {"^ which|what <x> earlier|sooner ,? <a:name> or <b:name> $", "which <x> first , <a> or <b>"},
+      {"^ which|what <x> later ,? <a:name> or <b:name> $", "which <x> last , <a> or <b>"},
       // What has an own question.
       {"which|what <x:name> disappeared|vanished|left and|but came|returned back? $", "which <x> came back"},
       {"be seen|found right? now|currently", "be seen"},
@@ -134,7 +157,9 @@ const std::vector<Pattern>& meanings() {
       {"^ are there two|three|four <n:noun> or one|two|three|four|five $", "how many <n> are there"},
       {"which|what of? the? two? <n:noun> is|was closer|nearer to <y> , the <a> one? or the <b> one $",
        "is <y> nearer to the <a> <n> or to the <b> <n>"},
-      {"which|what of? the? two? <n:noun> is|was <v> , the <a> one or the <b> one $", "which <n> is <v>"},
+      {"which|what of? the two <n:noun> is|was <v> , the <a> one or the <b> one $", "which <n> is <v>"},
+      {"^ which|what <n:noun> <v> ,? the <a:colour> one? or the <b:colour> one? $",
+       "which <a> <n> or <b> <n> <v>"},
       // Lists: of four, the last three first.
       {"<a:name> , <b:name> ,? and <c:name>", "<a> and <b> and <c>"},
       {"<a:name> , <b:name> ,? or <c:name>", "<a> or <b> or <c>"},

@@ -26,6 +26,8 @@ struct ErasedObservation {
   ObservationRow row;
   TimeNs time = 0;
   Id object = 0;
+  bool at_border = false;      ///< of the depth image, which may show a part of it only
+  Vector3d whole = {0, 0, 0};  ///< size of the object where images showed all of it
 
   bool has_box() const { return row.position || row.map_from_box; }
   /// The box with a margin, in its own frame and from there to the map.
@@ -36,38 +38,74 @@ struct ErasedObservation {
     constexpr double kUnknown_m = 0.3, kMargin_m = 0.02;
     return (row.size.value_or(Vector3d::Constant(kUnknown_m)) / 2).array() + kMargin_m;
   }
+  /// The same for all that may be seen of it: the box has its visible side, its other sides may be as wide,
+  /// and beyond the border of an image all of it may lie.
+  Vector3d half_extent() const {
+    Vector3d half = half_size();
+    half.x() = half.y() = std::max(half.x(), half.y());
+    return at_border ? half.cwiseMax(whole) : half;
+  }
 };
 
 using Track = std::vector<ErasedObservation>;  ///< of one object at one spot, in order of time
 
+/// The middle of what is seen of a large object depends on the side from which it is seen.
 bool is_same_spot(const ErasedObservation& a, const ErasedObservation& b) {
   constexpr double kSame_m = 0.05;
   if (!a.has_box() || !b.has_box()) return a.has_box() == b.has_box();
-  return (a.map_from_box().translation() - b.map_from_box().translation()).norm() < kSame_m;
+  const double half_side = std::max(a.half_size().maxCoeff(), b.half_size().maxCoeff());
+  return (a.map_from_box().translation() - b.map_from_box().translation()).norm() <
+         std::max(kSame_m, half_side);
+}
+
+/// Sizes of objects, by the observations that are all in their images.
+void complete_sizes(std::vector<Track>& tracks) {
+  std::map<Id, Vector3d> whole;
+  for (const Track& track : tracks)
+    for (const ErasedObservation& one : track)
+      if (one.row.size && !one.at_border) {
+        const auto known = whole.try_emplace(one.object, *one.row.size).first;
+        known->second = known->second.cwiseMax(*one.row.size);
+      }
+  for (Track& track : tracks)
+    for (ErasedObservation& one : track)
+      if (const auto known = whole.find(one.object); known != whole.end()) one.whole = known->second;
+}
+
+bool touches_border(const ObservationRow& row, const SqlRow& scene) {
+  const auto width = scene.get<std::optional<int64_t>>("camera_width"),
+             height = scene.get<std::optional<int64_t>>("camera_height");
+  if (!row.roi || !width || !height) return false;
+  constexpr int kNear_px = 2;
+  const auto& [x, y, columns, rows] = *row.roi;
+  return x <= kNear_px || y <= kNear_px || x + columns >= *width - kNear_px || y + rows >= *height - kNear_px;
 }
 
 /// An object may be left standing at each spot where it was observed.
 std::vector<Track> read_tracks(Store::Connection& db) {
   std::vector<Track> tracks;
   db.query(
-      "SELECT o.*, s.time AS scene_time, coalesce((SELECT a.object FROM association_known a WHERE "
+      "SELECT o.*, s.time AS scene_time, s.camera_width, s.camera_height, coalesce((SELECT a.object FROM "
+      "association_known a WHERE "
       "a.observation = o.id AND a.known_to IS NULL AND a.chosen = 1 AND a.probability > 0), 0) AS object "
       "FROM "
       "temp.gone_observation g JOIN observation o ON o.id = g.id JOIN scene s ON s.id = o.scene ORDER BY "
       "s.time, o.id",
       {}, [&](const SqlRow& row) {
-        const ErasedObservation one{read_row<ObservationRow>(row), row.get<TimeNs>("scene_time"),
-                                    row.get<Id>("object")};
+        ErasedObservation one{read_row<ObservationRow>(row), row.get<TimeNs>("scene_time"),
+                              row.get<Id>("object")};
+        one.at_border = touches_border(one.row, row);
         const auto track = std::ranges::find_if(tracks, [&](const Track& known) {
           return known.front().object == one.object && is_same_spot(known.front(), one);
         });
         (track == tracks.end() ? tracks.emplace_back() : *track).push_back(one);
       });
+  complete_sizes(tracks);
   return tracks;
 }
 
 /// What a scene shows within a box.
-enum class Content { out_of_view, hidden, empty, occupied, not_measured };
+enum class Content { out_of_view, hidden, partly_hidden, empty, occupied, not_measured };
 
 /// A scene with its depth, and the pixels that belong to what remains.
 class SceneView {
@@ -85,27 +123,48 @@ class SceneView {
   bool has_camera() const { return scene_.camera && scene_.map_from_camera; }
   const std::vector<ObservationRow>& others() const { return others_; }
 
-  /// The region of the image that a box covers; unset = none, or behind the camera.
+  /// The region of the depth image and what lies beside it that a box covers; unset = behind the camera.
   std::optional<Region> region_of(const ErasedObservation& observed) const {
     const SceneCamera& camera = *scene_.camera;
     const Isometry3d camera_from_box = scene_.map_from_camera->inverse() * observed.map_from_box();
     Region region{1e9, 1e9, -1e9, -1e9, 1e9, -1e9};
     for (int corner = 0; corner < 8; ++corner) {
       const Vector3d sign((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
-      const Vector3d p = camera_from_box * sign.cwiseProduct(observed.half_size());
+      const Vector3d p = camera_from_box * sign.cwiseProduct(observed.half_extent());
       if (p.z() < 0.05) return std::nullopt;
       const double u = (camera.fx * p.x() / p.z() + camera.cx + 0.5) / camera.width,
                    v = (camera.fy * p.y() / p.z() + camera.cy + 0.5) / camera.height;
       region = {std::min(region.left, u),   std::min(region.top, v),        std::max(region.right, u),
                 std::max(region.bottom, v), std::min(region.near_m, p.z()), std::max(region.far_m, p.z())};
     }
-    if (!region.overlaps({})) return std::nullopt;
     return region;
+  }
+
+  /// The same region of the colour image, whose camera may sit beside the depth camera and show more.
+  Region in_color(const Region& region) const {
+    if (!scene_.camera) return region;
+    const mapping::RgbdCamera cameras = cameras_of(store_, scene_);
+    const Isometry3d color_from_depth = cameras.depth_from_color.inverse();
+    Region seen{1e9, 1e9, -1e9, -1e9};
+    for (const double u : {region.left, region.right})
+      for (const double v : {region.top, region.bottom})
+        for (const double z : {region.near_m, region.far_m}) {
+          const Vector2d pixel = cameras.color.project(
+              color_from_depth *
+              cameras.depth.unproject(u * cameras.depth.width - 0.5, v * cameras.depth.height - 0.5, z));
+          const double x = (pixel.x() + 0.5) / cameras.color.width,
+                       y = (pixel.y() + 0.5) / cameras.color.height;
+          seen = {std::min(seen.left, x), std::min(seen.top, y), std::max(seen.right, x),
+                  std::max(seen.bottom, y)};
+        }
+    return seen;
   }
 
   Content content_of(const ErasedObservation& observed) const {
     const std::optional<Region> region = region_of(observed);
     if (!region) return Content::out_of_view;
+    if (!region->overlaps({}))
+      return scene_.image && in_color(*region).overlaps({}) ? Content::not_measured : Content::out_of_view;
     if (depth_.empty()) return Content::not_measured;
     const int width = scene_.depth_width, height = scene_.depth_height;
     const SceneCamera& camera = *scene_.camera;
@@ -134,7 +193,7 @@ class SceneView {
           ++behind;
       }
     if (occupied > 0) return Content::occupied;
-    if (behind > 0) return Content::empty;
+    if (behind > 0) return before > 0 ? Content::partly_hidden : Content::empty;
     return before > 0 ? Content::hidden : Content::not_measured;
   }
 
@@ -169,8 +228,9 @@ class SceneView {
 /// What is cut out of a scene.
 struct Cut {
   std::vector<Region> regions = {};
-  bool everything = false;  ///< nobody knows where it is
-  bool observed = true;     ///< only regions of observations, whose masks are apart from those of others
+  std::vector<Region> color = {};  ///< of the colour image only
+  bool everything = false;         ///< nobody knows where it is
+  bool observed = true;  ///< only regions of observations, whose masks are apart from those of others
 };
 
 Region roi_region(const ObservationRow& row, const SceneCamera& camera) {
@@ -189,14 +249,16 @@ void cut_observed(const ErasedObservation& observed, const SceneRow& scene, cons
     seen.observed = true;
     if (region) seen.near_m = region->near_m, seen.far_m = region->far_m;
     cut.regions.push_back(seen);
+    if (region) cut.color.push_back(*region);
   } else if (region) {
     cut.regions.push_back(*region);
   }
   if (!has_roi && !region) cut.everything = true;
 }
 
-/// Cuts out an object that a scene did not observe, if it shows it all the same. Returns what is at its spot.
-Content cut_unobserved(const ErasedObservation& observed, const SceneView& view, Cut& cut) {
+/// Cuts out an object that a scene did not observe, if it shows it all the same; one that is `believed` to be
+/// there also where it is behind something, of which a part of it may stand out. Returns what is at its spot.
+Content cut_unobserved(const ErasedObservation& observed, bool believed, const SceneView& view, Cut& cut) {
   if (!view.has_camera() || !observed.has_box()) {
     cut.everything = true;
     return Content::not_measured;
@@ -205,6 +267,8 @@ Content cut_unobserved(const ErasedObservation& observed, const SceneView& view,
   if (content == Content::occupied || content == Content::not_measured) {
     cut.regions.push_back(*view.region_of(observed));
     cut.observed = false;
+  } else if (believed && (content == Content::hidden || content == Content::partly_hidden)) {
+    cut.regions.push_back(*view.region_of(observed));
   }
   return content;
 }
@@ -228,9 +292,15 @@ class SceneEraser {
  public:
   SceneEraser(const Store& store, Store::Connection& db, const SceneRow& scene, const Cut& cut,
               ErasedImages& result, std::vector<ImageSignature>& uncertain)
-      : store_(store), db_(db), scene_(scene), cut_(cut), result_(result), uncertain_(uncertain) {}
+      : store_(store),
+        db_(db),
+        scene_(scene),
+        view_(store, db, scene),
+        cut_(cut),
+        result_(result),
+        uncertain_(uncertain) {}
 
-  void run(const std::vector<ObservationRow>& others) {
+  void run() {
     if (scene_.image || scene_.depth) ++result_.scenes;
     if (cut_.everything) {
       if (scene_.image || scene_.depth) ++result_.images;
@@ -245,7 +315,7 @@ class SceneEraser {
       if (scene_.depth) erase_pixels("depth", *scene_.depth, kDepthThumbnailMedia, 2);
       if (scene_.pixel_kinds) erase_pixels("pixel_kinds", *scene_.pixel_kinds, kPixelKindsMedia, 1);
     }
-    for (const ObservationRow& other : others) erase_from_other(other);
+    for (const ObservationRow& other : view_.others()) erase_from_other(other);
     db_.run("INSERT OR IGNORE INTO temp.gone_image VALUES (?)", {sql(scene_.id)});
   }
 
@@ -256,38 +326,20 @@ class SceneEraser {
     try {
       cv::Mat image = mapping::decode_image({blob.bytes.begin(), blob.bytes.end()}, store_.path().string());
       for (const Region& region : cut_.regions) {
-        const cv::Rect pixels = pixels_of(in_color(region), image.size());
+        const cv::Rect pixels = pixels_of(view_.in_color(region), image.size());
         if (pixels.empty()) continue;
         if (image.depth() == CV_8U)
           (region.observed ? result_.signatures : uncertain_).push_back(signature_of(image, pixels));
         image(pixels).setTo(cv::Scalar::all(0));
       }
+      for (const Region& region : cut_.color)
+        image(pixels_of(view_.in_color(region), image.size())).setTo(cv::Scalar::all(0));
       const auto bytes = mapping::encode_image(image, blob.media == "image/png" ? ".png" : ".jpg");
       rest = db_.add_blob({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, blob.media);
     } catch (const Error&) {  // not an image: nobody can say what it shows
       ++result_.images;
     }
     db_.run("UPDATE scene SET image = ?1 WHERE id = ?2", {sql(rest), sql(scene_.id)});
-  }
-
-  /// The same region of the colour image, whose camera may sit beside the depth camera.
-  Region in_color(const Region& region) const {
-    if (!scene_.camera) return region;
-    const mapping::RgbdCamera cameras = cameras_of(store_, scene_);
-    const Isometry3d color_from_depth = cameras.depth_from_color.inverse();
-    Region seen{1e9, 1e9, -1e9, -1e9};
-    for (const double u : {region.left, region.right})
-      for (const double v : {region.top, region.bottom})
-        for (const double z : {region.near_m, region.far_m}) {
-          const Vector2d pixel = cameras.color.project(
-              color_from_depth *
-              cameras.depth.unproject(u * cameras.depth.width - 0.5, v * cameras.depth.height - 0.5, z));
-          const double x = (pixel.x() + 0.5) / cameras.color.width,
-                       y = (pixel.y() + 0.5) / cameras.color.height;
-          seen = {std::min(seen.left, x), std::min(seen.top, y), std::max(seen.right, x),
-                  std::max(seen.bottom, y)};
-        }
-    return seen;
   }
 
   /// Sets the regions to 0 in an image at the thumbnail's resolution.
@@ -322,6 +374,7 @@ class SceneEraser {
   const Store& store_;
   Store::Connection& db_;
   const SceneRow& scene_;
+  const SceneView view_;
   const Cut& cut_;
   ErasedImages& result_;
   std::vector<ImageSignature>& uncertain_;  ///< of regions where the object was not observed
@@ -339,13 +392,14 @@ std::map<Id, Cut> cuts_of(const Store& store, Store::Connection& db, const std::
     auto last = first;
     for (auto scene = first; scene != scenes.end(); ++scene)
       if (observed.contains(scene->id)) last = scene;
-    const auto apply = [&](const SceneRow& scene, const std::vector<const ErasedObservation*>& boxes) {
+    const auto apply = [&](const SceneRow& scene, bool believed,
+                           const std::vector<const ErasedObservation*>& boxes) {
       const SceneView view(store, db, scene);
       Cut cut;
       bool stays = false;
       for (const ErasedObservation* box : boxes) {
-        const Content content = cut_unobserved(*box, view, cut);
-        stays = stays || content != Content::empty;
+        const Content content = cut_unobserved(*box, believed, view, cut);
+        stays = stays || (content != Content::empty && content != Content::partly_hidden);
       }
       if (cut.everything || !cut.regions.empty()) {
         Cut& all = cuts[scene.id];
@@ -357,9 +411,9 @@ std::map<Id, Cut> cuts_of(const Store& store, Store::Connection& db, const std::
     };
     // Before it was first observed, and after it was observed last, until its spot was seen without it.
     for (auto scene = first; scene != scenes.begin();)
-      if (!apply(*--scene, {&track.front()})) break;
+      if (!apply(*--scene, false, {&track.front()})) break;
     for (auto scene = last; scene != scenes.end() && ++scene != scenes.end();)
-      if (!apply(*scene, {&track.back()})) break;
+      if (!apply(*scene, false, {&track.back()})) break;
     auto next = track.begin();
     for (auto scene = first; scene != scenes.end() && scene <= last; ++scene) {
       while (next != track.end() && next->time < scene->time) ++next;
@@ -372,7 +426,7 @@ std::map<Id, Cut> cuts_of(const Store& store, Store::Connection& db, const std::
       std::vector<const ErasedObservation*> boxes;
       if (next != track.begin()) boxes.push_back(&*std::prev(next));
       if (next != track.end()) boxes.push_back(&*next);
-      apply(*scene, boxes);
+      apply(*scene, true, boxes);
     }
   }
   return cuts;
@@ -397,7 +451,7 @@ ErasedImages erase_from_images(const Store& store, Store::Connection& db) {
   std::vector<ImageSignature> uncertain;
   for (const SceneRow& scene : scenes)
     if (const auto cut = cuts.find(scene.id); cut != cuts.end())
-      SceneEraser(store, db, scene, cut->second, result, uncertain).run(SceneView(store, db, scene).others());
+      SceneEraser(store, db, scene, cut->second, result, uncertain).run();
   drop_shown(store, uncertain);
   result.signatures.insert(result.signatures.end(), uncertain.begin(), uncertain.end());
   db.statements.clear();

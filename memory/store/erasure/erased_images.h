@@ -16,9 +16,10 @@ struct ErasedImages {
 };
 
 /// Cuts the observations of table temp.gone_observation out of colour images, depth thumbnails, pixel kinds
-/// and the crops and masks of others: in the scenes that observed them, and in those between, before and
-/// after in which the depth shows something in their box. A scene of which nobody knows what it shows loses
-/// its images. Scenes that changed are added to temp.gone_image. Must run before the rows of the observations
+/// and the crops and masks of others: in the scenes that observed them, with their boxes as far as the colour
+/// image shows them, in those between in which their box is in view and not seen empty, and in those before
+/// and after in which the depth shows something in it. A scene of which nobody knows what it shows loses its
+/// images. Scenes that changed are added to temp.gone_image. Must run before the rows of the observations
 /// are deleted.
 ErasedImages erase_from_images(const Store& store, Store::Connection& db);
 

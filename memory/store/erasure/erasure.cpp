@@ -159,7 +159,7 @@ void Eraser::delete_rows() {
                   "ON CONFLICT DO UPDATE "
                   "SET since = min(since, excluded.since);",
                   is_gone("id", "belief"), is_gone("id", "association")));
-  for (const char* table : kSupersededTables) remove(table, is_gone("id", table));
+  for (const char* table : {"association", "event", "belief", "fact"}) remove(table, is_gone("id", table));
   remove("visibility", is_gone("object", "object") + " OR " + scene);
   // About a scene as a whole: a text, or an obstacle, may be of the object.
   const std::string of_image = "observation IS NULL AND " + is_gone("scene", "image");

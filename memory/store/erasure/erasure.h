@@ -9,9 +9,6 @@
 
 namespace loci::memory {
 
-/// Tables whose rows supersede each other.
-inline constexpr const char* kSupersededTables[] = {"association", "event", "belief", "fact"};
-
 /// What is to go, by id.
 struct Targets {
   std::set<Id> objects = {}, observations = {}, facts = {}, places = {};
@@ -46,10 +43,18 @@ class Eraser {
   /// Objects that have no observation but gone ones: those that were merged into a gone object, too.
   int64_t mark_emptied_objects();
   void mark_rows();
-  /// Rows that gone ones supersede would hold again: they go as well, unless a remaining row superseded them
-  /// in turn.
-  void mark_superseded(const std::string& table);
-  /// Runs of people's edits whose rows or text are about it, and those that undo or redo them.
+  /// Rows of others that are not known any more and say that they were, or came from, where it was observed;
+  /// events that are known lose where they came from.
+  void mark_abandoned_rows();
+  /// Rows of others that gone ones supersede would hold again: these become their retractions, which undo can
+  /// take back, instead of going.
+  void retract_superseded(const std::string& table);
+  /// Facts that gone ones supersede go as well, unless a remaining one superseded them in turn.
+  void mark_superseded_facts();
+  /// Rows that supersede gone ones supersede what those superseded. How many.
+  int64_t relink(const std::string& table);
+  /// Runs of people's edits that are about it, and those that undo or redo them. Others forget its
+  /// observations.
   void mark_runs();
   bool mentions(const Json& configuration) const;
 

@@ -25,7 +25,9 @@ void Eraser::mark() {
   while (mark_observations() + mark_emptied_objects() > 0) {
   }
   mark_rows();
-  for (const char* table : kSupersededTables) mark_superseded(table);
+  mark_abandoned_rows();
+  for (const char* table : {"association", "event", "belief"}) retract_superseded(table);
+  mark_superseded_facts();
   for (const Id id : db_.values<Id>("SELECT id FROM temp.gone_object")) result_.object_ids.insert(id);
   for (const Id id : db_.values<Id>("SELECT id FROM temp.gone_observation"))
     result_.observation_ids.insert(id);
@@ -78,31 +80,67 @@ void Eraser::mark_rows() {
       "temp.gone_object));");
 }
 
-void Eraser::mark_superseded(const std::string& table) {
+void Eraser::mark_abandoned_rows() {
+  const auto is_there = [](const char* prefix) {
+    return fmt::format(
+        "EXISTS (SELECT 1 FROM observation o WHERE o.x = r.{0}x AND o.y = r.{0}y AND o.id IN "
+        "(SELECT id FROM temp.gone_observation))",
+        prefix);
+  };
+  change(
+      fmt::format("INSERT OR IGNORE INTO temp.gone_belief SELECT id FROM belief_known r WHERE r.known_to IS "
+                  "NOT NULL AND {0};"
+                  "INSERT OR IGNORE INTO temp.gone_event SELECT id FROM event_known r WHERE r.known_to IS "
+                  "NOT NULL AND ({0} OR {1});"
+                  "UPDATE event AS r SET from_place = NULL, from_x = NULL, from_y = NULL, from_z = NULL "
+                  "WHERE id NOT IN (SELECT id FROM temp.gone_event) AND {1};",
+                  is_there(""), is_there("from_")));
+}
+
+void Eraser::retract_superseded(const std::string& table) {
   const std::string gone = "(SELECT id FROM temp.gone_" + table + ")";
-  if (targets_.interval && table == "fact")  // until then it held
+  const std::string instead =
+      fmt::format("id IN {0} AND supersedes IS NOT NULL AND supersedes NOT IN {0}", gone);
+  std::string columns;
+  for (const std::string& column : db_.values<std::string>(fmt::format(
+           "SELECT name FROM pragma_table_info('{}') WHERE name NOT IN ('id', 'supersedes', 'known_from', "
+           "'known_to', 'run', 'source')",
+           table)))
+    columns += column + ", ";
+  change(
+      fmt::format("UPDATE {0} AS g SET ({1}known_to) = (SELECT {1}g.known_from FROM {0} t WHERE t.id = "
+                  "g.supersedes) WHERE {2};"
+                  "DELETE FROM temp.gone_{0} WHERE id IN (SELECT id FROM {0} WHERE {2});",
+                  table, columns, instead));
+  relink(table);
+}
+
+int64_t Eraser::relink(const std::string& table) {
+  const std::string once = fmt::format(
+      "UPDATE {0} SET supersedes = (SELECT g.supersedes FROM {0} g WHERE g.id = {0}.supersedes) WHERE id NOT "
+      "IN {1} AND supersedes IN {1};",
+      table, "(SELECT id FROM temp.gone_" + table + ")");
+  int64_t all = 0;
+  while (const int64_t changed = change(once)) all += changed;
+  return all;
+}
+
+void Eraser::mark_superseded_facts() {
+  const std::string gone = "(SELECT id FROM temp.gone_fact)";
+  if (targets_.interval)  // until then it held
     change(fmt::format(
                "UPDATE fact SET valid_to = ?1 WHERE id NOT IN {0} AND valid_from < ?1 AND (valid_to IS NULL "
                "OR valid_to > ?1) AND id IN (SELECT supersedes FROM fact WHERE id IN {0});",
                gone),
            {sql(from())});
-  const std::string relink = fmt::format(
-      "UPDATE {0} SET supersedes = (SELECT g.supersedes FROM {0} g WHERE g.id = {0}.supersedes) WHERE id "
-      "NOT IN {1} "
-      "AND supersedes IN {1};",
-      table, gone);
   const std::string follow = fmt::format(
-      "INSERT OR IGNORE INTO temp.gone_{0} SELECT t.id FROM {0} t WHERE t.id NOT IN {1} AND t.id IN "
+      "INSERT OR IGNORE INTO temp.gone_fact SELECT t.id FROM fact t WHERE t.id NOT IN {0} AND t.id IN "
       "(SELECT "
-      "supersedes FROM {0} WHERE id IN {1}) AND NOT EXISTS (SELECT 1 FROM {0} b WHERE b.supersedes = t.id "
-      "AND b.id "
-      "NOT IN {1}){2};",
-      table, gone,
-      targets_.interval && table == "fact" ? fmt::format(" AND t.valid_from >= {}", from()) : "");
-  do {
-    while (change(relink) > 0) {
-    }
-  } while (change(follow) > 0);
+      "supersedes FROM fact WHERE id IN {0}) AND NOT EXISTS (SELECT 1 FROM fact b WHERE b.supersedes = t.id "
+      "AND b.id NOT IN {0}){1};",
+      gone, targets_.interval ? fmt::format(" AND t.valid_from >= {}", from()) : "");
+  do relink("fact");
+  while (change(follow) > 0);
 }
 
 void Eraser::mark_runs() {
@@ -113,10 +151,9 @@ void Eraser::mark_runs() {
               const RunRow run = read_row<RunRow>(row);
               edits[run.id] = configuration_of(run, db_.path);
             });
-  for (const char* table : kSupersededTables)
-    for (const Id run :
-         db_.values<Id>(fmt::format("SELECT DISTINCT run FROM {} WHERE {}", table, is_gone("id", table))))
-      if (edits.contains(run)) gone.insert(run);
+  for (const Id run :
+       db_.values<Id>(fmt::format("SELECT DISTINCT run FROM fact WHERE {}", is_gone("id", "fact"))))
+    if (edits.contains(run)) gone.insert(run);
   for (const auto& [run, configuration] : edits)
     if (mentions(configuration)) gone.insert(run);
   for (size_t before = 0; before != gone.size();) {
@@ -133,6 +170,15 @@ void Eraser::mark_runs() {
     change("INSERT INTO temp.gone_run VALUES (?);", {sql(run)});
     if (edits.contains(run)) collect_strings(edits[run]);
   }
+  for (auto& [run, configuration] : edits) {
+    if (gone.contains(run) || !configuration.contains("identity")) continue;
+    for (Json& one : configuration["identity"])
+      std::erase_if(one["observations"].get_ref<Json::array_t&>(), [&](const Json& observation) {
+        return result_.observation_ids.contains(observation.get<Id>());
+      });
+    const std::string rest = configuration.dump();
+    change("UPDATE run SET configuration = ?1 WHERE id = ?2;", {sql(rest), sql(run)});
+  }
 }
 
 bool Eraser::mentions(const Json& configuration) const {
@@ -142,6 +188,13 @@ bool Eraser::mentions(const Json& configuration) const {
   if (configuration.contains("label") &&
       is(configuration["label"].value("observation", Json()), result_.observation_ids))
     return true;
+  if (configuration.contains("identity"))
+    for (const Json& one : configuration["identity"])
+      if (is(one["object"], result_.object_ids) ||
+          (targets_.interval && std::ranges::any_of(one["observations"], [&](const Json& observation) {
+             return is(observation, result_.observation_ids);
+           })))
+        return true;
   if (configuration.contains("split"))
     for (const char* key : {"object", "new"})
       if (is(configuration["split"].value(key, Json()), result_.object_ids)) return true;

@@ -9,6 +9,7 @@
 #include "mapping/base/time.h"
 #include "memory/store/database.h"
 #include "memory/store/erasure/erased_images.h"
+#include "memory/store/rows/table_rows.h"
 
 namespace loci::memory {
 namespace {
@@ -29,15 +30,22 @@ struct Pattern {
   std::string bytes, name;
 };
 
+std::string name_of(const std::string& text) {
+  return fmt::format("the text '{}'", text);
+}
+
+std::string name_of(double number) {
+  return fmt::format("the number {}", number);
+}
+
 std::vector<Pattern> patterns_of(const ForgottenTokens& tokens) {
   std::vector<Pattern> patterns;
   for (const std::string& text : tokens.texts)
-    if (!text.empty()) patterns.push_back({text, fmt::format("the text '{}'", text)});
+    if (!text.empty()) patterns.push_back({text, name_of(text)});
   for (const std::string& hash : tokens.hashes)
     if (!hash.empty()) patterns.push_back({hash, fmt::format("the hash {:.12}…", hash)});
   for (const double number : tokens.numbers)
-    for (const bool first : {false, true})
-      patterns.push_back({number_bytes(number, first), fmt::format("the number {}", number)});
+    for (const bool first : {false, true}) patterns.push_back({number_bytes(number, first), name_of(number)});
   return patterns;
 }
 
@@ -49,6 +57,36 @@ class Finder {
     for (const Pattern& pattern : patterns_)
       if (bytes.find(pattern.bytes) != std::string_view::npos)
         found_.insert(pattern.name + " is in " + where);
+  }
+
+  /// Columns of the tables. What is found here is not searched for in the bytes of the file: what is found
+  /// there, then, is in free space.
+  void search_columns(SQLite::Database& database) {
+    SQLite::Statement columns(
+        database,
+        "SELECT t.name, c.name, c.type FROM sqlite_schema t, pragma_table_info(t.name) c WHERE t.type = "
+        "'table' AND t.sql NOT LIKE 'CREATE VIRTUAL%' AND c.type IN ('REAL', 'TEXT')");
+    while (columns.executeStep()) {
+      const std::string table = columns.getColumn(0).getString(), column = columns.getColumn(1).getString();
+      const bool numbers = columns.getColumn(2).getString() == "REAL";
+      const std::string value = sql_name(column);
+      SQLite::Statement has(database,
+                            fmt::format("SELECT 1 FROM {} WHERE {} LIMIT 1", sql_name(table),
+                                        numbers ? value + " = ?" : fmt::format("instr({}, ?) > 0", value)));
+      const auto report_if_found = [&](const auto& token, const std::string& name) {
+        has.bind(1, token);
+        if (has.executeStep()) {
+          found_.insert(fmt::format("{} is in column {} of table {}", name, column, table));
+          std::erase_if(patterns_, [&](const Pattern& pattern) { return pattern.name == name; });
+        }
+        has.reset();
+      };
+      if (numbers)
+        for (const double number : tokens_.numbers) report_if_found(number, name_of(number));
+      else
+        for (const std::string& text : tokens_.texts)
+          if (!text.empty()) report_if_found(text, name_of(text));
+    }
   }
 
   void search_blob(const BlobRow& blob) {
@@ -165,6 +203,7 @@ std::vector<std::string> find_forgotten(const std::filesystem::path& memory, con
                       fmt::format("{} {}", table, rows.getColumn(0).getString()));
       }
     }
+    finder.search_columns(database);
   }
   finder.search(read_file(memory), "the bytes of the file");
   for (const char* end : {"-wal", "-journal"}) {

@@ -204,9 +204,9 @@ RetentionResult retain(const std::filesystem::path& memory, const RetentionRules
                        const std::filesystem::path& output) {
   if (!rules.images_s && !rules.crops_s && !rules.reasoning_s)
     throw Error("nothing to discard is named", {memory.string(), 0, {}}, "give an age");
-  if (rules.images_s && rules.crops_s && *rules.crops_s < *rules.images_s)
+  if (rules.crops_s && (!rules.images_s || *rules.crops_s < *rules.images_s))
     throw Error("crops would go before the images that they are of", {memory.string(), 0, {}},
-                "keep crops at least as long as images");
+                "keep images for a time (--keep-images), and crops at least as long");
   std::error_code missing;
   const auto bytes_before = static_cast<int64_t>(std::filesystem::file_size(memory, missing));
   RetentionResult result;

@@ -8,7 +8,7 @@ namespace loci::memory {
 struct RetentionRules {
   /// Older scenes lose images, depth thumbnails with their pixel kinds, and clouds: crops remain.
   std::optional<double> images_s = {};
-  /// Older ones lose crops, masks and large arrays too: numbers remain.
+  /// Older ones lose crops, masks and large arrays too: numbers remain. Not shorter than images_s.
   std::optional<double> crops_s = {};
   /// Older ones lose what `why` and `reason` need (table reasoning): what was concluded remains.
   std::optional<double> reasoning_s = {};

@@ -124,6 +124,10 @@ struct LogRow {
   std::optional<double> milliseconds = {};
 };
 
+/// Type of the annotations with which people label observations. Of an observation the newest holds; an empty
+/// one says that it has none.
+inline constexpr const char* kLabelType = "loci.Label";
+
 struct AnnotationRow {
   static constexpr const char* kTable = "annotation_value";
   Id id = 0;

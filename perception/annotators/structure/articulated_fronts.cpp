@@ -11,21 +11,24 @@
 namespace loci::perception {
 namespace {
 
-constexpr double kSpacing = 0.025;    ///< metres between points of a front
-constexpr double kTolerance = 0.015;  ///< metres, plus twice the noise
-constexpr double kThrough = 3;        ///< cost of a point in free space; one off by the tolerance costs 1
-constexpr double kMinOn = 0.25;       ///< share of a front that must be seen for it to be determined
-constexpr double kMaxThrough = 0.1;   ///< of those seen, that may lie in free space
-constexpr double kMinCostGain = 0.1;  ///< of cost, for the given position to be given up
-constexpr double kMinMotion = 0.03;   ///< metres of its farthest point; less may be the map's or pose's error
+constexpr double kSpacing = 0.025;      ///< metres between points of a front
+constexpr double kTolerance = 0.015;    ///< metres, plus twice the noise
+constexpr double kThrough = 3;          ///< cost of a point in free space; one off by the tolerance costs 1
+constexpr double kMinOn = 0.25;         ///< share of a front that must be seen for it to be determined
+constexpr double kMaxThrough = 0.1;     ///< of those seen, that may lie in free space
+constexpr double kMinCostGain = 0.1;    ///< of cost, for the given position to be given up
+constexpr double kMinShown = 0.1;       ///< share of a whole front, in the image or not, that shows a motion
+constexpr double kMinSeenAsOpen = 0.5;  ///< of what is in view, where one does not look through the front
 constexpr int kFewPoints = 25;
-constexpr int kPositions = 60;  ///< of a joint, tried first
-constexpr double kReach = 0.5;  ///< metres before a front: what is further away is in nobody's way
+constexpr int kPositions = 60;        ///< of a joint, tried first
+constexpr TimeNs kWatched = kSecond;  ///< that a front is seen elsewhere in a video before it is there
+constexpr double kReach = 0.5;        ///< metres before a front: what is further away is in nobody's way
 
 }  // namespace
 
 /// A front at a position against an image.
 struct ArticulatedFronts::Match {
+  int facing = 0;  ///< samples that look at the camera, in view or not
   int in_view = 0, on = 0, through = 0;
   double cost = 0;  ///< mean over those in view
 
@@ -35,6 +38,13 @@ struct ArticulatedFronts::Match {
     return through > kMaxThrough * (on + more) || (best.sure() && cost >= best.cost * (in_view + more));
   }
   bool sure() const { return in_view >= kFewPoints && on >= kMinOn * in_view && through <= kMaxThrough * on; }
+  /// Whether it is enough to say that a front has left the position of `given`. What stands before a front
+  /// may look like a part of it elsewhere, so where one does not look through the front, most of it has to be
+  /// seen.
+  bool shows_motion_from(const Match& given) const {
+    const bool looked_through = given.through > kMaxThrough * given.in_view;
+    return on >= kMinShown * facing && (looked_through || on >= kMinSeenAsOpen * in_view);
+  }
 };
 
 ArticulatedFronts::ArticulatedFronts(const mapping::World& world, const mapping::MeshSearch& meshes)
@@ -75,11 +85,12 @@ ArticulatedFronts::Match ArticulatedFronts::match(const Front& front, const Isom
     --left;
     if (sample.normal.dot(eye - sample.point) < 0) continue;  // Half of them look away.
     const Vector3d point = camera_from_link * sample.point;
+    if ((camera_from_link.linear() * sample.normal).dot(-point) < kFacing * point.norm()) continue;
+    ++match.facing;
     const int pixel = pixel_of(point, camera);
     if (pixel < 0) continue;
     const auto depth = static_cast<double>(measured[pixel][2]);
     if (std::isnan(depth)) continue;
-    if ((camera_from_link.linear() * sample.normal).dot(-point) < kFacing * point.norm()) continue;
     const double off = (depth - point.z()) / (kTolerance + 2 * depth_noise(point.z()));
     ++match.in_view;
     if (std::abs(off) <= 1) ++match.on;
@@ -125,9 +136,14 @@ std::vector<FrontState> ArticulatedFronts::estimate(const cv::Mat& points,
       consider(around - fine);
       consider(around + fine);
     }
-    state.determined = best.sure();
-    state.moved = best.sure() && (!given.sure() || best.cost < given.cost - kMinCostGain) &&
-                  state.reach * std::abs(state.position - state.given) >= kMinMotion;
+    const double shift = state.reach * std::abs(state.position - state.given);
+    const bool differs =
+        best.sure() && (!given.sure() || best.cost < given.cost - kMinCostGain) && shift >= kMinFrontMotion;
+    const double range = (camera_from_joint * joint_motion(front.joint, state.given) * front.middle).z();
+    state.moved = differs && shift >= kMinFrontMotion + kDistortion * depth_noise(range) &&
+                  best.shows_motion_from(given);
+    // Between the two the image shows neither that the front moved nor that it did not.
+    state.determined = best.sure() && state.moved == differs;
     if (!state.moved) state.position = state.given;
     const Match& kept = state.moved ? best : given;
     state.in_view = kept.in_view;
@@ -168,6 +184,22 @@ std::vector<Obstacle> ArticulatedFronts::obstacles(const cv::Mat& points, const 
     found.push_back(obstacle);
   }
   return found;
+}
+
+void FrontTracks::settle(FrontState& state, TimeNs time, bool in_video) {
+  if (!state.determined) return;
+  Track& track = tracks_.try_emplace(state.joint, Track{state.given, {}}).first->second;
+  const auto seen_at = [&](double position) {
+    return state.reach * std::abs(state.position - position) < kMinFrontMotion;
+  };
+  if (!seen_at(track.position)) {
+    if (!track.pending || !seen_at(track.pending->position)) track.pending = {state.position, time};
+    state.determined = !in_video || time - track.pending->since >= kWatched;
+    if (state.determined) track.position = state.position;
+  }
+  if (state.determined) track.pending.reset();
+  state.position = state.determined ? track.position : state.given;
+  state.moved = state.determined && state.reach * std::abs(state.position - state.given) >= kMinFrontMotion;
 }
 
 }  // namespace loci::perception

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cmath>
+#include <map>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "mapping/base/math/pose.h"
+#include "mapping/base/time.h"
 #include "mapping/sensor/camera.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/mesh.h"
@@ -24,13 +27,16 @@ inline bool out_of_view(const Vector3d& middle, double radius, const mapping::Pi
          outside(0, -camera.fy, camera.height - camera.cy);
 }
 
+/// Metres that the farthest point of a front moves: less may be the map's or the pose's error.
+inline constexpr double kMinFrontMotion = 0.03;
+
 /// How a front (of a drawer or a door) stands in one depth image.
 struct FrontState {
   std::string joint;
   double reach = 1;         ///< metres that its farthest point moves per metre or radian
   double given = 0;         ///< position that was assumed, metres or radians
   double position = 0;      ///< as the image shows it; the given one where it does not
-  bool determined = false;  ///< enough of the front is seen at that position
+  bool determined = false;  ///< the image shows it there, or elsewhere beyond the errors of depth and map
   bool moved = false;       ///< the image shows it elsewhere than given
   int in_view = 0;          ///< points of the front that face the camera and have a depth in their pixel
   int on = 0;               ///< of these, where the depth is the front's
@@ -50,7 +56,8 @@ class ArticulatedFronts {
   ArticulatedFronts(const mapping::World& world, const mapping::MeshSearch& meshes);
 
   /// Fits each joint by its front: of all positions within its limits, the one at which most of the front
-  /// lies on the depth and least of it where the camera looked through. What hides a front says nothing.
+  /// lies on the depth and least of it where the camera looked through. What hides a front says nothing. Off
+  /// the given position by more than noise but less than a depth camera distorts, it is not determined.
   /// `points`: CV_32FC3, camera frame, NaN = none. The same on any number of threads.
   std::vector<FrontState> estimate(const cv::Mat& points, const mapping::PinholeCamera& camera,
                                    const Isometry3d& map_from_camera, const JointState& joints,
@@ -79,6 +86,25 @@ class ArticulatedFronts {
 
   mapping::World world_;
   std::vector<Front> fronts_;
+};
+
+/// Where fronts stand over the frames of a recording. In a video a front has to be seen elsewhere for a while
+/// before it is believed there; frames that lie apart count at once.
+class FrontTracks {
+ public:
+  /// Replaces what a frame shows by what is believed; not determined while a motion is not confirmed.
+  void settle(FrontState& state, TimeNs time, bool in_video);
+
+ private:
+  struct Sighting {
+    double position = 0;
+    TimeNs since = 0;
+  };
+  struct Track {
+    double position = 0;              ///< believed
+    std::optional<Sighting> pending;  ///< elsewhere
+  };
+  std::map<std::string, Track> tracks_;  ///< by joint
 };
 
 }  // namespace loci::perception

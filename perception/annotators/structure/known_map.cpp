@@ -103,6 +103,24 @@ Corners outline_of(const Corners& triangles) {
   return outline;
 }
 
+/// The drawer whose bottom a link is.
+std::optional<SupportSurface::Drawer> drawer_of(const KnownMap& map, const mapping::Link& link,
+                                                const std::vector<Isometry3d>& map_from_links,
+                                                double bottom) {
+  if (!map.class_of(link.name).starts_with("drawer")) return std::nullopt;
+  const mapping::Joint* joint = map.world.parent_joint(link.name);
+  while (joint != nullptr && joint->type != mapping::JointType::prismatic)
+    joint = map.world.parent_joint(joint->parent);
+  if (joint == nullptr) return std::nullopt;
+  const size_t front = map.world.link_index(joint->child);
+  double top = bottom;
+  Warnings ignored;  // Missing meshes were warned about when the map was loaded.
+  for (const mapping::Visual& visual : map.world.links[front].visuals)
+    for (const Eigen::Vector3f& vertex : triangulate(visual.geometry, map.meshes, ignored).vertices)
+      top = std::max(top, (map_from_links[front] * (visual.link_from_visual * vertex.cast<double>())).z());
+  return SupportSurface::Drawer{joint->name, top - bottom};
+}
+
 std::optional<SupportSurface> surface_of(const KnownMap& map, const mapping::Link& link,
                                          const Isometry3d& map_from_link) {
   constexpr double kMinFilled = 0.1;  // of the outline
@@ -264,6 +282,8 @@ std::vector<SupportSurface> KnownMap::support_surfaces(const std::vector<std::st
     const auto at = std::find(names.begin(), names.end(), link.name);
     if (at == names.end()) continue;
     surface->link_id = static_cast<size_t>(at - names.begin());
+    surface->drawer = drawer_of(*this, link, map_from_links,
+                                (map_from_links[i] * surface->link_from_top).translation().z());
     surfaces.push_back(std::move(*surface));
   }
   return surfaces;

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,12 @@ struct KnownRobot {
 
 /// A surface of the map on which objects may stand.
 struct SupportSurface {
+  /// The box of which it is the bottom.
+  struct Drawer {
+    std::string joint;
+    double height_m = 0;  ///< of the front's upper edge over the bottom
+  };
+
   std::string link;
   std::string class_name;
   size_t link_id = 0;  ///< in KnownMap::scene
@@ -40,6 +47,7 @@ struct SupportSurface {
   /// up.
   Isometry3d link_from_top = Isometry3d::Identity();
   std::vector<Vector2d> outline;  ///< counter-clockwise, in that frame, metres; goes round corners
+  std::optional<Drawer> drawer;
 };
 
 /// The map that a recording is perceived against: world, sidecar, and its triangles ready to be drawn. A

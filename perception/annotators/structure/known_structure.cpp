@@ -72,7 +72,6 @@ int region_of(const Vector3d& point, const std::vector<Prism>& prisms, const Kno
 void grow_known_structure(const cv::Mat& points, const cv::Mat& normals, const mapping::RenderedView& view,
                           const std::vector<char>& is_surface, const KnownStructureOptions& options,
                           KnownStructure& known) {
-  constexpr double kDistortion = 7;
   constexpr float kAlike = 0.94f;  // 20 degrees: what leans against a wall is turned from it
   constexpr auto kExplained = static_cast<uint8_t>(mapping::PixelKind::map_explained);
   const auto* point = points.ptr<cv::Vec3f>();
@@ -122,6 +121,15 @@ struct Counts {
   std::vector<int> pixels;  ///< by region
 };
 
+/// A drawer holds what stands no higher than its front, and shut it shows nothing of what it holds.
+double height_over(const SupportSurface& surface, const JointState& joints,
+                   const KnownStructureOptions& options) {
+  if (!surface.drawer) return options.region_height_m;
+  const auto at = joints.find(surface.drawer->joint);
+  const bool open = at != joints.end() && std::abs(at->second) >= kMinFrontMotion;
+  return open ? surface.drawer->height_m : 0;
+}
+
 constexpr int kFewPixels = 200;  ///< A region with fewer is not in view.
 
 JointState joints_of(const types::Scene& scene, const KnownMap& map, Warnings& warnings) {
@@ -138,8 +146,7 @@ JointState joints_of(const types::Scene& scene, const KnownMap& map, Warnings& w
   return joints;
 }
 
-void add_region(const types::SceneCas& scene, const Region& region, const cv::Mat& labels, int label,
-                const KnownStructureOptions& options) {
+void add_region(const types::SceneCas& scene, const Region& region, const cv::Mat& labels, int label) {
   cas::Cas& cas = scene.cas();
   const SupportSurface& surface = *region.surface;
   Eigen::AlignedBox2d extent;
@@ -147,13 +154,13 @@ void add_region(const types::SceneCas& scene, const Region& region, const cv::Ma
   const Vector2d centre = extent.center();
   const Vector2d size = extent.sizes();
   Isometry3d link_from_box = surface.link_from_top;
-  link_from_box = link_from_box * Eigen::Translation3d(centre.x(), centre.y(), options.region_height_m / 2);
+  link_from_box = link_from_box * Eigen::Translation3d(centre.x(), centre.y(), region.height_m / 2);
   const auto roi = types::RegionOfInterest::create(cas);
   roi.name.set(surface.link);
   roi.frame_id.set(surface.link);
   const auto box = roi.bbox.get_or_create();
   box.pose.set(types::to(cas, link_from_box));
-  box.size.set(types::to(cas, Vector3d(size.x(), size.y(), options.region_height_m)));
+  box.size.set(types::to(cas, Vector3d(size.x(), size.y(), region.height_m)));
   scene.scene().regions.push_back(roi);
 
   const auto mask = types::SegmentationLocationAnnotation::create(cas);
@@ -248,7 +255,8 @@ KnownStructure find_known_structure(const cv::Mat& points, const cv::Mat& normal
   const mapping::RenderedView view = map.scene.render(camera, map_from_camera, rendering, threads);
   result.map_depth = view.depth;
   for (const SupportSurface& surface : surfaces)
-    result.regions.push_back({&surface, map.scene.map_from_link(surface.link_id) * surface.link_from_top, 0});
+    result.regions.push_back({&surface, map.scene.map_from_link(surface.link_id) * surface.link_from_top, 0,
+                              height_over(surface, joints, options)});
   const std::vector<Prism> prisms = prisms_in_view(result.regions, camera, map_from_camera, options);
   std::vector<char> is_surface(map.scene.link_names().size(), 0);
   for (const SupportSurface& surface : surfaces) is_surface[surface.link_id] = 1;
@@ -388,10 +396,14 @@ Isometry3d KnownStructureFilter::refined_pose(const types::SceneCas& facade, con
 
 void KnownStructureFilter::fit_joints(const types::SceneCas& scene, const cv::Mat& points,
                                       const mapping::PinholeCamera& camera, const Isometry3d& pose,
-                                      int threads, JointState& joints) {
+                                      const Context& context, JointState& joints) {
   if (!fit_joints_) return;
+  const TimeNs time = scene.scene().timestamp.get();
+  const bool in_video = context.in_video(time) || (last_fitted_ && time - *last_fitted_ < kSecond);
+  last_fitted_ = time;
   JointState fitted = joints;
-  for (const FrontState& front : fronts_->estimate(points, camera, pose, joints, threads)) {
+  for (FrontState& front : fronts_->estimate(points, camera, pose, joints, context.threads)) {
+    if (!joints.contains(front.joint)) tracks_.settle(front, time, in_video);
     if (!front.determined) continue;
     annotate_joint(scene, front);
     if (joints.contains(front.joint)) continue;
@@ -479,7 +491,7 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
   const Isometry3d pose = refined_pose(facade, points, camera, context);
   const cv::Mat normals = cloud_normals(facade);
   find_furniture(facade, {points, normals, camera, pose, joints}, context.threads);
-  fit_joints(facade, points, camera, pose, context.threads, joints);
+  fit_joints(facade, points, camera, pose, context, joints);
   map_->place_robots(scene.timestamp.get(), all_joints, camera_link_, pose);
   const std::vector<SupportSurface> surfaces = standing_surfaces();
   KnownStructure known =
@@ -493,7 +505,7 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
   auto* label = known.region.ptr<uint16_t>();
   for (int i = 0; i < points.rows * points.cols; ++i) label[i] = number[label[i]];
   for (size_t r = 0; r < known.regions.size(); ++r)
-    if (number[r + 1] > 0) add_region(facade, known.regions[r], known.region, number[r + 1], options_);
+    if (number[r + 1] > 0) add_region(facade, known.regions[r], known.region, number[r + 1]);
   types::set_view_image(facade, kRegionsView, known.region);
   types::set_view_image(facade, kStructureView, known.kind);
   types::set_view_image(facade, kMapDepthView, known.map_depth);

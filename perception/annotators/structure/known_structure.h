@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -33,6 +34,7 @@ struct Region {
   const SupportSurface* surface = nullptr;
   Isometry3d map_from_top = Isometry3d::Identity();  ///< with the joints of the frame
   int pixels = 0;                                    ///< that fell into it
+  double height_m = 0;                               ///< of the space that holds what is there, metres
 };
 
 /// View of the scene with the kind of each pixel: CV_8U, mapping::PixelKind.
@@ -81,7 +83,7 @@ class KnownStructureFilter : public Annotator {
   /// Regions of furniture that is known to be somewhere.
   std::vector<SupportSurface> standing_surfaces() const;
   void fit_joints(const types::SceneCas& scene, const cv::Mat& points, const mapping::PinholeCamera& camera,
-                  const Isometry3d& pose, int threads, JointState& joints);
+                  const Isometry3d& pose, const Context& context, JointState& joints);
   void remove_robots(const types::SceneCas& scene, const mapping::PinholeCamera& camera, Context& context);
   void annotate_obstacles(const types::SceneCas& scene, const cv::Mat& points,
                           const mapping::PinholeCamera& camera, const Isometry3d& pose,
@@ -96,6 +98,8 @@ class KnownStructureFilter : public Annotator {
   std::vector<SupportSurface> surfaces_;
   std::unique_ptr<ArticulatedFronts> fronts_;
   std::unique_ptr<MovedFurniture> furniture_;
+  FrontTracks tracks_;
+  std::optional<TimeNs> last_fitted_;  ///< time of the last frame whose fronts were fitted
 };
 
 }  // namespace loci::perception

@@ -20,6 +20,10 @@ void add_surface_samples(const mapping::Visual& visual, const mapping::MeshSearc
 /// Surfaces that face the camera less are not compared with a depth image (cosine).
 inline constexpr double kFacing = 0.2;
 
+/// Standard deviations of the depth by which all of a surface may lie off the map: depth cameras distort and
+/// maps drift by more than single pixels scatter.
+inline constexpr double kDistortion = 7;
+
 /// The pixel that a point (camera frame) falls into, row · width + column; -1 outside.
 inline int pixel_of(const Vector3d& point, const mapping::PinholeCamera& camera) {
   if (!(point.z() > 0.1)) return -1;

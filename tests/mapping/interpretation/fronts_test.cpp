@@ -377,6 +377,31 @@ TEST(Fronts, ABarAsLongAsItsFrontIsAHandle) {
   }
 }
 
+TEST(Fronts, BarsThatNearlyMeetBelongToTheFrontsTheyAreOn) {
+  Furniture block;
+  block.add_body(-0.45, 0.45, 0.1, 0.85);
+  for (const double u : {-0.45, -0.15, 0.15}) {
+    block.add_panel(u + 0.003, u + 0.297, 0.1, 0.85);
+    block.add_level_bar(u + 0.15, 0.79, 0.24);  // 6 cm to the next one
+  }
+  const std::vector<Front> fronts = fronts_of_furniture(block, 2);
+  for (const double u : {-0.45, -0.15, 0.15}) {
+    const Front* front = front_at(fronts, block, u, u + 0.3, 0.1, 0.85);
+    ASSERT_NE(front, nullptr) << u;
+    ASSERT_TRUE(front->fixture.has_value()) << u;
+    EXPECT_NEAR(front->fixture->length, 0.24, 0.04);
+    EXPECT_LT((front->fixture->centre - block.at(u + 0.15, 0.79, 0.03)).norm(), 0.02);
+  }
+}
+
+TEST(Fronts, TheBackOfOpenShelvesIsNoFront) {
+  Furniture shelf;
+  shelf.add_body(-0.3, 0.3, 0.7, 1.3);
+  for (const double u : {-0.3, 0.28}) shelf.parts.push_back({{0, -u - 0.02, 0.7}, {0.35, -u, 1.3}});
+  for (const double v : {0.7, 1.0, 1.28}) shelf.parts.push_back({{0, -0.3, v}, {0.35, 0.3, v + 0.02}});
+  EXPECT_TRUE(fronts_of_furniture(shelf, 5).empty());
+}
+
 TEST(Fronts, AHandleTenCentimetresBeforeItsFrontIsFound) {
   Furniture block;
   block.add_body(-0.3, 0.3, 0.1, 0.85);

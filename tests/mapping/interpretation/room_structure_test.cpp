@@ -216,6 +216,47 @@ TEST(RoomStructure, CounterEndsAtARefrigeratorThatIsLittleHigher) {
   for (const Vector2d& corner : outline_of(map, "counter_1")) EXPECT_LT(corner.x(), 2.25);
 }
 
+TEST(RoomStructure, WhatLiesBetweenTheWingsOfACounterIsNone) {
+  AnalyticRoom room;
+  room.solids.push_back({{0.0, 2.4, 0}, {4.0, 3.0, 0.9}});
+  room.solids.push_back({{0.0, 0.9, 0}, {0.6, 2.4, 0.9}});
+  room.solids.push_back({{3.4, 1.2, 0}, {4.0, 2.4, 0.9}});
+  // From outside of the U its aisle is seen at a flat angle.
+  const std::vector<Vector3d> origins = {{0.3, 0.3, 1.25}, {3.7, 0.3, 1.25}, {3.7, 0.8, 1.25}};
+  const InterpretedMap map = interpreted_room(scan_room(room, origins, 0.002, 33));
+  std::vector<std::vector<Vector2d>> counters;
+  for (const auto& [name, link] : map.semantics.links)
+    if (link.class_name == "counter") counters.push_back(outline_of(map, name));
+  double claimed = 0;
+  for (double x = 0.005; x < 4; x += 0.01)
+    for (double y = 0.005; y < 3; y += 0.01) {
+      const bool found = std::ranges::any_of(counters, [&](const auto& one) { return inside(one, {x, y}); });
+      claimed += 1e-4 * (found && !(y > 2.4 || (x < 0.6 && y > 0.9) || (x > 3.4 && y > 1.2)));
+    }
+  EXPECT_LT(claimed, 0.1) << "square metres of the aisle";
+}
+
+TEST(RoomStructure, APassageWithoutLintelIsAnOpening) {
+  AnalyticRoom room;
+  room.solids.push_back({{2.0, 0, 0}, {2.1, 0.8, 2.5}});
+  room.solids.push_back({{2.0, 1.9, 0}, {2.1, 3.0, 2.5}});
+  const std::vector<Vector3d> origins = {
+      {0.7, 0.7, 1.25}, {1.0, 2.2, 1.25}, {3.3, 1.2, 1.25}, {3.0, 2.3, 1.25}};
+  const InterpretedMap map = interpreted_room(scan_room(room, origins, 0.004, 3, kUp));
+  size_t faces = 0;
+  for (const auto& [name, link] : map.semantics.links) {
+    if (link.class_name != "wall") continue;
+    const Json& outline = link.geometry.at("outline");
+    const auto y = [&](size_t corner) { return outline.at(corner).at(1).get<double>(); };
+    if (std::abs(outline.at(0).at(0).get<double>() - 2.05) > 0.1) continue;
+    if (std::abs(y(0) - y(1)) < 1.5) continue;  // a wall that ends at the passage
+    ++faces;
+    ASSERT_TRUE(link.geometry.contains("openings")) << name;
+    EXPECT_NEAR(link.geometry.at("openings").at(0).at("width").get<double>(), 1.1, 0.05) << name;
+  }
+  EXPECT_EQ(faces, 2U);
+}
+
 TEST(RoomStructure, CounterEndsAtAPassage) {
   AnalyticRoom room;
   add_counter(room, 0.5, 2.2);

@@ -689,6 +689,23 @@ TEST_F(Formats, ConvertedRecordingsComeBackEqual) {
   }
 }
 
+TEST_F(Formats, TimesThatWereMadeUpStaySoInEveryFormat) {
+  for (const char* name : {"made_up/000000.depth.png", "made_up/000040.depth.png"})
+    write_depth(name, 1500, 640, 480);
+  const auto original = open_recording(root_ / "made_up");
+  ASSERT_TRUE(original->info().time_assumed);
+  NoProgress progress;
+  for (const auto format : {RecordingFormat::loci, RecordingFormat::mcap, RecordingFormat::tum}) {
+    const fs::path out =
+        root_ / (format == RecordingFormat::mcap ? "copy.mcap" : std::to_string(int(format)));
+    convert_recording(*original, out, {.format = format, .inputs = {root_ / "made_up"}}, progress);
+    EXPECT_TRUE(open_recording(out)->info().time_assumed) << int(format);
+    RecordingOptions options;
+    options.start = "2026-05-01T08:30:00Z";
+    EXPECT_EQ(format_time(open_recording(out, options)->time_of(0)), options.start) << int(format);
+  }
+}
+
 TEST_F(Formats, ConvertNeverReplacesItsInputOrOtherPeoplesFiles) {
   write_depth("rec/depth/1.png", 1000, 640, 480);
   write_color("rec/color/1.png", 640, 480);

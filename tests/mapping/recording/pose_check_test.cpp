@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping/base/math/math.h"
+#include "mapping/recording/gravity.h"
 #include "mapping/recording/posed_recording.h"
 
 namespace loci::mapping {
@@ -68,8 +69,38 @@ TEST_F(PoseCheck, AnotherDirectionThatIsUpIsNamedWithItsOption) {
   const std::vector<std::string> doubts = doubts_about_poses(*turned, options);
   ASSERT_EQ(doubts.size(), 1U);
   EXPECT_THAT(doubts[0], HasSubstr("give --up=y"));
-  options.up = "y";
-  EXPECT_TRUE(doubts_about_poses(*turned, options).empty());
+}
+
+TEST_F(PoseCheck, AGivenDirectionThatIsNotUpIsNamed) {
+  const Isometry3d y_down(Eigen::AngleAxisd(-kPi / 2, Vector3d::UnitX()));
+  const auto doubts_of = [&](const std::string& up, bool has_poses) {
+    RecordingOptions options;
+    options.up = up;
+    auto recording = open_recording(folder_);
+    const std::vector<std::optional<Isometry3d>> none(recording->size());
+    recording =
+        has_poses ? turned_upright(in_frame(std::move(recording), y_down, "map"), parse_direction(up), "map")
+                  : with_up(with_poses(std::move(recording), none, "", false), parse_direction(up));
+    return doubts_about_poses(*recording, options);
+  };
+  EXPECT_THAT(doubts_of("y", true), testing::IsEmpty());
+  EXPECT_THAT(doubts_of("-y", true),
+              testing::ElementsAre(testing::AllOf(HasSubstr("--up=-y is not up"), HasSubstr("give --up=y"))));
+  EXPECT_THAT(doubts_of("-y", false), testing::IsEmpty());
+  EXPECT_THAT(doubts_of("y", false), testing::ElementsAre(HasSubstr("--up=y is not up")));
+}
+
+TEST_F(PoseCheck, PosesThatNeverMoveDoNotFitACameraThatDoes) {
+  const fs::path video = fs::path(LOCI_SHARED_DIR) / "data/redkitchen_30hz/frames";
+  auto recording = open_recording(video);
+  const std::vector<std::optional<Isometry3d>> poses(recording->size(), Isometry3d::Identity());
+  const PoseAgreement agreement = check_poses(*with_poses(std::move(recording), poses, "world", true));
+  EXPECT_FALSE(agreement.fits());
+  EXPECT_THAT(agreement.text(), HasSubstr("the poses never move"));
+  const fs::path still = fs::path(LOCI_SHARED_DIR) / "data/osd_changes";
+  auto fixed = open_recording(still);
+  const std::vector<std::optional<Isometry3d>> same(fixed->size(), Isometry3d::Identity());
+  EXPECT_TRUE(check_poses(*with_poses(std::move(fixed), same, "world", true)).fits());
 }
 
 }  // namespace

@@ -215,6 +215,47 @@ TEST_F(RecordingFiles, FewFramesWithoutStampsAreNoVideo) {
   EXPECT_THROW(open_recording(rec_, options), Error) << "it has stamps";
 }
 
+TEST_F(RecordingFiles, AStartIsThatOfFramesWithoutStamps) {
+  write_small();
+  write_file_atomically(rec_ / "frames.csv", "depth\nframes/000000_depth.png\nframes/000002_depth.png\n");
+  RecordingOptions options;
+  options.start = "2026-05-01T08:30:00Z";
+  options.seconds_apart = 0.2;
+  const auto recording = open_recording(rec_, options);
+  EXPECT_EQ(format_time(recording->info().first_time), options.start);
+  EXPECT_EQ(format_time(recording->frame(1).time_ns), "2026-05-01T08:30:00.2Z");
+  EXPECT_EQ(recording->info().last_time, recording->time_of(1));
+  options.start = "3026-05-01T08:30:00Z";
+  EXPECT_THROW(open_recording(rec_, options), Error) << "too far off";
+  write_small();
+  options = {};
+  options.start = "2026-05-01T08:30:00Z";
+  EXPECT_THROW(open_recording(rec_, options), Error) << "it has stamps";
+}
+
+TEST_F(RecordingFiles, FramesWithoutAStampGetOneBetweenTheirNeighbours) {
+  const auto with_stamps = [&](const std::vector<std::string>& stamps) {
+    write_small();
+    std::string rows = "time_ns,depth\n";
+    for (const std::string& stamp : stamps) rows += stamp + ",frames/000000_depth.png\n";
+    write_file_atomically(rec_ / "frames.csv", rows);
+  };
+  const TimeNs begin = 1'700'000'000 * kSecond;
+  const std::string first = std::to_string(begin), later = std::to_string(begin + 2 * kSecond);
+  with_stamps({"", first, "", later, ""});
+  const auto recording = open_recording(rec_);
+  EXPECT_FALSE(recording->info().time_assumed);
+  for (size_t i = 0; i < 5; ++i)
+    EXPECT_EQ(recording->time_of(i), begin + (static_cast<TimeNs>(i) - 1) * kSecond);
+  EXPECT_THAT(recording->info().problems,
+              testing::Contains(
+                  testing::AllOf(HasSubstr("3 of 5 frames have no time stamp"), HasSubstr("frames.csv:2"))));
+  with_stamps({"", first, ""});
+  EXPECT_THAT(refusal(), HasSubstr("only one frame has a time stamp"));
+  with_stamps({later, "", first});
+  EXPECT_THAT(refusal(), HasSubstr("frames.csv:4: the stamps go back here"));
+}
+
 TEST_F(RecordingFiles, StampsInAnotherUnitArePointedAt) {
   write_small();
   write_file_atomically(rec_ / "frames.csv",
@@ -336,6 +377,27 @@ TEST_F(RecordingFiles, SevenScenesWithoutDescriptionIsAKinect) {
   EXPECT_EQ(recording->info().map_frame, "world");
   EXPECT_THAT(recording->info().guesses, testing::Contains(HasSubstr("Kinect")));
   EXPECT_EQ(recording->time_of(1) - recording->time_of(0), 60 * kSecond);
+}
+
+TEST_F(RecordingFiles, ADescribedCameraHasNotTheBaselineOfTheOneThatWasAssumed) {
+  write_seven_scenes();
+  EXPECT_NEAR(open_recording(rec_)->info().camera.depth_from_color.translation().x(), 0.022, 0.01);
+  const std::string camera = "{width: 640, height: 480, fx: 600, fy: 600, cx: 320, cy: 240}";
+  for (const std::string& text : {"depth: " + camera, "depth: " + camera + "\ncolor: " + camera}) {
+    write_file_atomically(rec_ / "cameras.yaml", text + "\n");
+    const auto recording = open_recording(rec_);
+    EXPECT_TRUE(recording->info().camera.depth_from_color.isApprox(Isometry3d::Identity()));
+    EXPECT_THAT(recording->info().guesses, testing::Contains(HasSubstr("colour is taken as")));
+  }
+  write_file_atomically(rec_ / "cameras.yaml", "depth: {unit_m: 0.001}\n");
+  EXPECT_NEAR(open_recording(rec_)->info().camera.depth_from_color.translation().x(), 0.022, 0.01);
+}
+
+TEST_F(RecordingFiles, ImagesThatDoNotFitAnAssumedCameraSayHowToDescribeIt) {
+  make_folder(rec_);
+  write_image(rec_ / "frame-000000.depth.png", cv::Mat(720, 1280, CV_16UC1, cv::Scalar(1500)));
+  EXPECT_THAT(refusal(),
+              HasSubstr("write a cameras.yaml beside the images: 'depth: {width: 1280, height: 720"));
 }
 
 TEST_F(RecordingFiles, APartOfSevenScenesThatIsMissingCostsItsFrameOnly) {

@@ -12,6 +12,7 @@
 #include "mapping/base/math/random.h"
 #include "mapping/base/text/json.h"
 #include "mapping/tracking/alignment.h"
+#include "mapping/tracking/known_poses.h"
 #include "mapping/tracking/pose_graph.h"
 
 namespace loci::mapping {
@@ -442,6 +443,22 @@ TEST(Tracking, PosesComeWithTheRecording) {
   EXPECT_EQ(posed->info().frames_with_pose, 12U);
   EXPECT_EQ(posed->info().map_frame, "map");
   EXPECT_TRUE(posed->frame(0).map_from_camera->isApprox(camera_at(0, 0, 0)));
+}
+
+TEST(Tracking, ToBePlacedACameraThatStandsStillHasOnePose) {
+  NoProgress progress;
+  for (const size_t frames : {size_t{1}, size_t{12}}) {
+    Warnings warnings;
+    const auto room = [&] {
+      return std::make_unique<Room>(std::vector<Isometry3d>(frames, camera_at(0, 0, 0)));
+    };
+    EXPECT_EQ(with_known_poses(room(), PosesFor::perception, 2, progress, warnings)->info().frames_with_pose,
+              0U);
+    const auto placed = with_known_poses(room(), PosesFor::placement, 2, progress, warnings);
+    EXPECT_EQ(placed->info().frames_with_pose, frames);
+    EXPECT_TRUE(placed->info().levelled);
+    EXPECT_TRUE(placed->pose_of(0)->isApprox(*with_fixed_pose(room(), warnings)->pose_of(frames - 1)));
+  }
 }
 
 TEST(Tracking, NothingToTrackIsAnError) {

@@ -98,6 +98,23 @@ TEST(FreeStandingPieces, StrayPointsThatTouchTwoPiecesAreNoThird) {
   for (const Piece& piece : pieces) EXPECT_LT(piece.box.sizes().x(), 0.65F);
 }
 
+TEST(FreeStandingPieces, ClutterOnACounterIsNoFurniture) {
+  Room room;
+  room.add_plane({0, 0, 0.9F}, {1.2F, 0, 0}, {0, 0.6F, 0});  // The counter, which the map does not have.
+  room.add_plane({0, 0, 0.1F}, {1.2F, 0, 0}, {0, 0, 0.8F});
+  room.add_plane({0.5F, 0.2F, 0.955F}, {0.3F, 0, 0}, {0, 0, 0.25F});  // A box, of which the foot is hidden.
+  room.add_plane({0.5F, 0.2F, 1.2F}, {0.3F, 0, 0}, {0, 0.3F, 0});
+  const std::vector<Piece> pieces = room.pieces();
+  ASSERT_EQ(pieces.size(), 1U);
+  EXPECT_LT(pieces[0].box.min().z(), 0.2F);
+}
+
+TEST(FreeStandingPieces, ATopWhoseLegsNobodySawIsFurniture) {
+  Room room;
+  room.add_plane({0, 0, 0.72F}, {1.2F, 0, 0}, {0, 0.7F, 0});
+  EXPECT_EQ(room.pieces().size(), 1U);
+}
+
 TEST(FreeStandingPieces, TheSeatOfAChairBelowATableGoesWithItsBack) {
   Room room;
   room.add_table({0.5F, 0});

@@ -121,6 +121,8 @@ TEST(Mesh, NamesOfFilesFollowTheUrdf) {
   EXPECT_EQ(uri(0), "old/textures/a.obj");
   EXPECT_EQ(uri(1), "package://p/b.dae");
   EXPECT_EQ(uri(2), "/c.stl");
+  move_mesh_names(world, "", "maps");  // the folder of "map.urdf"
+  EXPECT_EQ(uri(0), "../old/textures/a.obj");
 }
 
 TEST(Mesh, MirroredMeshStaysWoundOutwards) {

@@ -335,5 +335,83 @@ TEST_F(EditProperties, AllQuestionsAgreeOnWhereAnObjectIs) {
   }
 }
 
+/// What is forgotten takes the edits along that were about it; others stay, and whatever is undone then
+/// leaves the memory sound.
+TEST_F(EditProperties, ForgettingLeavesEditsOfOthers) {
+  size_t left_edits = 0;
+  for (unsigned seed = 41; seed < 53; ++seed) {
+    SCOPED_TRACE(seed);
+    std::filesystem::remove(file_);
+    RandomHome home(seed);
+    std::mt19937 random(seed);
+    add_scenes(home, 18, file_);
+    for (int step = 0; step < 12; ++step) {
+      const unsigned what = static_cast<unsigned>(random() % 6);
+      const std::vector<Edit> done = edits(Store::open_read(file_)).done;
+      if (what < 3) {
+        random_edit(random);
+      } else if (what < 5 && !done.empty()) {
+        edit([](Store& store) { return undo(store); });
+      } else if (what == 5) {
+        const std::vector<BeliefRow> beliefs = Store::open_read(file_).beliefs();
+        if (beliefs.size() < 3) break;
+        const Id object = beliefs[random() % beliefs.size()].object;
+        const ForgetResult result = forget(file_, {.object = object});
+        std::vector<std::string> texts;
+        for (const Edit& still : edits(Store::open_read(file_)).done) texts.push_back(still.text);
+        for (const Edit& one : done) {
+          const bool is_about = std::ranges::any_of(result.object_ids, [&](Id id) {
+            return (one.text + " ").find(object_name(id) + " ") != std::string::npos ||
+                   one.text.find(object_name(id) + ":") != std::string::npos;
+          });
+          if (is_about) continue;
+          EXPECT_THAT(texts, testing::Contains(one.text));
+          ++left_edits;
+        }
+      }
+      ASSERT_THAT(Store::open_read(file_).verify(silent_).problems, IsEmpty())
+          << "step " << step << ": " << what;
+    }
+    while (!edits(Store::open_read(file_)).done.empty()) {
+      edit([](Store& store) { return undo(store); });
+      ASSERT_THAT(Store::open_read(file_).verify(silent_).problems, IsEmpty());
+    }
+  }
+  EXPECT_GT(left_edits, 5U);
+}
+
+TEST_F(EditProperties, AMergeThatStaysIsUndoneAfterAnotherObjectWasForgotten) {
+  for (const unsigned seed : {61U, 62U, 63U}) {
+    SCOPED_TRACE(seed);
+    std::filesystem::remove(file_);
+    RandomHome home(seed);
+    std::mt19937 random(seed);
+    add_scenes(home, 20, file_);
+    std::optional<std::pair<Id, Id>> merged;  // the one that goes, and the one that stays
+    for (int tries = 0; !merged && tries < 60; ++tries)
+      edit([&](Store& store) {
+        const std::vector<BeliefRow> beliefs = store.beliefs();
+        const Id a = beliefs[random() % beliefs.size()].object, b = beliefs[random() % beliefs.size()].object;
+        try {
+          merge_objects(store, a, b);
+          merged = {std::max(a, b), std::min(a, b)};
+        } catch (const Error&) {  // seen together
+        }
+        return 0;
+      });
+    if (!merged) continue;
+    std::optional<Id> other;
+    for (const BeliefRow& belief : Store::open_read(file_).beliefs())
+      if (belief.object != merged->second) other = belief.object;
+    ASSERT_TRUE(other);
+    forget(file_, {.object = *other});
+    ASSERT_EQ(edits(Store::open_read(file_)).done.size(), 1U);
+    EXPECT_TRUE(Store::open_read(file_).observations_of(merged->first).empty());
+    edit([](Store& store) { return undo(store); });
+    expect_sound();
+    EXPECT_FALSE(Store::open_read(file_).observations_of(merged->first).empty()) << "they are two again";
+  }
+}
+
 }  // namespace
 }  // namespace loci::memory

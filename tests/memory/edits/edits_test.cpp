@@ -2,6 +2,8 @@
 
 #include "memory/edits/edits.h"
 
+#include <fmt/format.h>
+
 #include "mapping/base/files.h"
 #include "mapping/base/text/json.h"
 #include "mapping/world/urdf.h"
@@ -12,6 +14,8 @@
 #include "memory/questions/location.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/objects.h"
+#include "memory/questions/question.h"
+#include "memory/questions/replies/reply.h"
 #include "memory/questions/snapshot.h"
 #include "tests/memory/questions/day_fixture.h"
 
@@ -298,6 +302,93 @@ TEST_F(MapEdits, NoNameMakesTheMapUnreadable) {
   expect_sound();
 }
 
+/// A day in a home whose map says where objects can be; no scene has looked into its second and third drawer.
+class DrawerEdits : public Edits {
+ protected:
+  void SetUp() override {
+    Edits::SetUp();
+    const std::filesystem::path samples = std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples";
+    edit([&](Store& store) {
+      return store.add_map("kitchen.urdf", read_file(samples / "kitchen.urdf"),
+                           read_file(samples / "kitchen.semantic.json"));
+    });
+  }
+  Reply reply(const Query& query) const {
+    const Question& question = *find_question(query.question);
+    return question.reply(*store_, query, question.ask(*store_, query));
+  }
+  /// What `opens` calls the one part that it finds.
+  std::string opens(const std::string& name) const {
+    const OpensAnswer answer = ask(*store_, OpensQuestion{name, {}});
+    return answer.parts.size() == 1 ? answer.parts[0].name : fmt::format("{} parts", answer.parts.size());
+  }
+};
+
+TEST_F(DrawerEdits, APieceOfFurnitureIsNamedByWhatAnswersCallIt) {
+  edit([](Store& store) { return name_part(store, "drawer_2", "cutlery drawer"); });
+  for (const char* name : {"cutlery drawer", "the cutlery drawer", "drawer_2", "drawer_2_front",
+                           "drawer_2_bottom", "drawer_2_front_joint"}) {
+    const std::vector<PlaceRow> places = Snapshot(*store_, {}).find_places(name);
+    ASSERT_EQ(places.size(), 1U) << name;
+    EXPECT_EQ(places[0].name, "cutlery drawer") << name;
+    EXPECT_EQ(opens(name), "cutlery drawer") << name;
+  }
+  const Reply in = reply({"in", {{"place", "drawer_2"}}});
+  EXPECT_THAT(in.text, HasSubstr("in the cutlery drawer"));
+  EXPECT_THAT(in.notes, IsEmpty());
+  EXPECT_EQ(Snapshot(*store_, {}).joint_name("drawer_2_front_joint"), "cutlery drawer") << "in events";
+  EXPECT_THAT(refusal([](Store& store) { name_part(store, "drawer_3", "cutlery drawer"); }),
+              HasSubstr("is called 'cutlery drawer'"));
+  edit([](Store& store) { return set_joint_type(store, "cutlery drawer", "fixed"); });
+  EXPECT_EQ(named_map(*store_)->find_joint("drawer_2_front_joint")->type, mapping::JointType::fixed);
+  edit([](Store& store) { return undo(store); });
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(opens("drawer_2"), "drawer_2_front");
+  expect_sound();
+}
+
+TEST_F(DrawerEdits, ADoorIsCalledInEventsAsPeopleCallIt) {
+  edit([](Store& store) { return name_part(store, "door_1", "pan cupboard"); });
+  EXPECT_EQ(Snapshot(*store_, {}).joint_name("door_1_joint"), "pan cupboard");
+  EXPECT_EQ(opens("pan cupboard"), "pan cupboard");
+}
+
+TEST_F(DrawerEdits, ADrawerThatNobodyLookedIntoHasFacts) {
+  ASSERT_TRUE(Snapshot(*store_, {}).places_called("drawer_3").empty());
+  edit([](Store& store) { return set_fact(store, "drawer_3", "alias", "Spoon drawer"); });
+  EXPECT_EQ(Snapshot(*store_, {}).find_places("spoon drawer").at(0).name, "drawer_3_bottom");
+  EXPECT_EQ(opens("spoon drawer"), "drawer_3_front");
+  EXPECT_EQ(ask(*store_, FactsQuestion{"drawer_3", "", {}}).facts.at(0).value, "Spoon drawer");
+  EXPECT_THAT(refusal([](Store& store) { set_fact(store, "object_1", "alias", "drawer_2"); }),
+              HasSubstr("a place already"));
+  EXPECT_EQ(Snapshot(*store_, {}).places_called("dining table").size(), 1U) << "an alias of the map";
+  expect_sound();
+}
+
+TEST_F(Edits, AWithdrawnExampleTakesItsClassBack) {
+  const auto class_of = [&] {
+    const std::vector<Fact> facts = ask(*store_, FactsQuestion{"object_1", "class", {}}).facts;
+    return facts.size() == 1 ? facts[0].value : fmt::format("{} facts", facts.size());
+  };
+  edit([](Store& store) { return set_fact(store, "object_1", "class", "mug"); });
+  edit([](Store& store) { return teach(store, "object_1", "cup").report(); });
+  edit([](Store& store) { return teach(store, "object_1", "jug").report(); });
+  ASSERT_EQ(class_of(), "jug");
+  const FactsAnswer removed = edit([](Store& store) { return remove_fact(store, "object_1", "taught", ""); });
+  EXPECT_EQ(class_of(), "mug") << "what was said before it was taught";
+  EXPECT_THAT(to_text(removed), HasSubstr("object_1 class mug"));
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(class_of(), "jug");
+  edit([](Store& store) { return remove_fact(store, "object_1", "taught", ""); });
+  EXPECT_EQ(class_of(), "mug");
+  edit([](Store& store) { return teach(store, "object_2", "cup").report(); });
+  edit([](Store& store) { return set_fact(store, "object_2", "class", "bowl"); });
+  edit([](Store& store) { return remove_fact(store, "object_2", "taught", ""); });
+  EXPECT_EQ(ask(*store_, FactsQuestion{"object_2", "class", {}}).facts.at(0).value, "bowl")
+      << "what was said since";
+  expect_sound();
+}
+
 TEST_F(Edits, ALabelledThingCanBeFoundByItsClass) {
   const Id observation = store_->observations(1).front().id;
   edit([](Store& store) { return label_observation(store, 1, 0, "mug"); });
@@ -332,6 +423,60 @@ TEST_F(Edits, ACorrectedJointIsInANewMapAndTheOldOneStays) {
               HasSubstr("drawer_2_front_joint"));
   EXPECT_THAT(refusal([](Store& store) { set_joint_type(store, "drawer_2_front_joint", "bent"); }),
               HasSubstr("prismatic"));
+}
+
+TEST_F(Edits, OfTwoOwnersTheOneThatWasSaidLastHolds) {
+  edit([](Store& store) { return say(store, "object_2", "owner", "Ada"); });
+  edit([](Store& store) { return say(store, "object_4", "owner", "Grace"); });
+  edit([](Store& store) { return say(store, "object_2", "alias", "bowl"); });
+  edit([](Store& store) { return say(store, "object_4", "alias", "pot"); });
+  const auto owners = [&] {
+    std::vector<std::string> values;
+    for (const Fact& fact : ask(*store_, FactsQuestion{"object_2", "owner", {}}).facts)
+      values.push_back(fact.value);
+    return values;
+  };
+  const Edit merged = edit([](Store& store) { return merge_objects(store, 2, 4); });
+  EXPECT_EQ(owners(), std::vector<std::string>{"Grace"});
+  EXPECT_THAT(merged.note, HasSubstr("owner is Grace, as was said last, not Ada"));
+  EXPECT_EQ(ask(*store_, FactsQuestion{"object_2", "alias", {}}).facts.size(), 2U) << "names are many";
+  edit([](Store& store) { return undo(store); });
+  EXPECT_EQ(owners(), std::vector<std::string>{"Ada"});
+  edit([](Store& store) { return say(store, "object_2", "owner", "Ida"); });
+  const Edit again = edit([](Store& store) { return merge_objects(store, 2, 4); });
+  EXPECT_EQ(owners(), std::vector<std::string>{"Ida"});
+  EXPECT_THAT(again.note, HasSubstr("owner is Ida, as was said last, not Grace"));
+}
+
+TEST_F(Edits, AnObjectThatIsAnotherNowIsNotMissing) {
+  edit([](Store& store) { return merge_objects(store, 2, 4); });
+  EXPECT_THAT(
+      [&] {
+        ask(*store_, WhereQuestion{"object_4", {}});
+      },
+      testing::ThrowsMessage<Error>(HasSubstr("object_4 is object_2 now")));
+  const AsOf before = {std::nullopt, SyntheticDay::kKnownSecond};
+  EXPECT_EQ(ask(*store_, WhereQuestion{"object_4", before}).objects.size(), 1U);
+}
+
+TEST_F(Edits, AnUndoneLabelIsInNoAnswer) {
+  edit([](Store& store) { return label_observation(store, 1, 0, "gizmo"); });
+  const auto says_gizmo = [&](const AsOf& as_of) {
+    return text(ask(*store_, AboutQuestion{.subject = "object_1", .as_of = as_of})).find("gizmo") !=
+           std::string::npos;
+  };
+  const AsOf before_it = {std::nullopt, SyntheticDay::kKnownSecond + kSecond},
+             with_it = {std::nullopt, SyntheticDay::kKnownSecond + 86400 * kSecond};
+  EXPECT_EQ(ask(*store_, WhereQuestion{"gizmo", {}}).objects.at(0).object.id, 1);
+  EXPECT_TRUE(says_gizmo({}));
+  EXPECT_FALSE(says_gizmo(before_it));
+  EXPECT_THROW(ask(*store_, WhereQuestion{"gizmo", before_it}), Error);
+  edit([](Store& store) { return undo(store); });
+  EXPECT_THROW(ask(*store_, WhereQuestion{"gizmo", {}}), Error);
+  EXPECT_FALSE(says_gizmo({}));
+  EXPECT_TRUE(says_gizmo(with_it)) << "it was known then";
+  edit([](Store& store) { return redo(store); });
+  EXPECT_EQ(ask(*store_, WhereQuestion{"gizmo", {}}).objects.at(0).object.id, 1);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "memory/store/erasure/forgotten_tokens.h"
 #include "memory/store/erasure/retention.h"
 #include "memory/store/rows/merge.h"
+#include "tests/memory/edits/random_edits.h"
 #include "tests/memory/questions/day_fixture.h"
 #include "tests/support/random_memory.h"
 
@@ -29,6 +30,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 using testing_support::day_time;
+using testing_support::edit_at_random;
 using testing_support::SyntheticDay;
 
 std::vector<std::string> problems(const fs::path& file) {
@@ -378,41 +380,6 @@ TEST_F(Forgetting, KilledAtAnyMomentLeavesTheOldOrTheNewMemory) {
 
 class RandomForgetting : public testing_support::TemporaryFolder {
  protected:
-  /// Some edits; those that are refused are as good as none.
-  void edit_at_random(RandomMemory& random) {
-    const int count = int(random.draw(0, 7));
-    for (int i = 0; i < count; ++i) {
-      Store store = Store::open_write(file_, {.now = RandomMemory::kStart + (i + 1) * 86400 * kSecond});
-      const auto beliefs = store.beliefs();
-      const auto scenes = store.scenes();
-      const auto any = [&](const auto& list) {
-        return list.at(size_t(random.draw(0, double(list.size()) - 0.001)));
-      };
-      try {
-        switch (int(random.draw(0, 6))) {
-          case 0:
-            merge_objects(store, any(beliefs).object, any(beliefs).object);
-            break;
-          case 1:
-            split_object(store, any(beliefs).object, any(scenes).time);
-            break;
-          case 2:
-            label_observation(store, any(scenes).id, 0, fmt::format("label{}", i));
-            break;
-          case 3:
-            say(store, object_name(any(beliefs).object), "alias", fmt::format("alias{}", i));
-            break;
-          case 4:
-            undo(store);
-            break;
-          default:
-            redo(store);
-        }
-      } catch (const Error&) {
-      }
-    }
-  }
-
   /// Whether an image of the memory shows a cube where it stood.
   bool shows(const Store& store, const RandomMemory::Cube& cube, const RandomMemory::Sight& sight) {
     const SceneRow scene = store.scene(sight.scene);
@@ -430,7 +397,7 @@ TEST_F(RandomForgetting, TakesAllOfAnObjectAndNothingOfOthers) {
     SCOPED_TRACE(seed);
     fs::remove(file_);
     RandomMemory random(file_, seed);
-    edit_at_random(random);
+    edit_at_random(file_, random);
     ASSERT_THAT(problems(file_), IsEmpty());
     std::map<Id, std::set<Id>> observed;
     std::map<std::string, std::set<Id>> objects_with_mark;
@@ -517,7 +484,7 @@ TEST_F(RandomForgetting, OfAnIntervalLeavesNothingOfIt) {
     SCOPED_TRACE(seed);
     fs::remove(file_);
     RandomMemory random(file_, seed);
-    edit_at_random(random);
+    edit_at_random(file_, random);
     const TimeNs from = RandomMemory::kStart + int64_t(random.draw(0, 12)) * 600 * kSecond,
                  to = from + 1500 * kSecond;
     const ForgetResult result = forget(file_, {.from = from, .to = to});
@@ -542,7 +509,7 @@ TEST_F(RandomForgetting, RetentionLeavesNoBytesOfOldImages) {
     SCOPED_TRACE(seed);
     fs::remove(file_);
     RandomMemory random(file_, seed);
-    edit_at_random(random);
+    edit_at_random(file_, random);
     std::map<std::string, std::string> blobs;
     {
       const Store store = Store::open_read(file_);
@@ -565,6 +532,68 @@ TEST_F(RandomForgetting, RetentionLeavesNoBytesOfOldImages) {
         EXPECT_EQ(bytes.find(content.substr(content.size() / 2, 64)), std::string::npos);
       }
   }
+}
+
+/// Edits that name none of the forgotten objects stay, and every edit that stays can be undone.
+TEST_F(RandomForgetting, LeavesEditsOfOthersToBeUndone) {
+  size_t left_edits = 0;
+  for (unsigned seed = 400; seed < 420; ++seed) {
+    SCOPED_TRACE(seed);
+    fs::remove(file_);
+    RandomMemory random(file_, seed);
+    int day = 1;
+    for (int step = 0; step < 4; ++step, day += 10) {
+      edit_at_random(file_, random, 6, day);
+      const std::vector<Edit> before = edits(Store::open_read(file_)).done;
+      const std::vector<BeliefRow> beliefs = Store::open_read(file_).beliefs();
+      if (beliefs.empty()) break;
+      const Id object = beliefs.at(size_t(random.draw(0, double(beliefs.size()) - 0.001))).object;
+      const ForgetResult result = forget(file_, {.object = object});
+      ASSERT_THAT(problems(file_), IsEmpty()) << "object " << object;
+      std::vector<std::string> texts;
+      for (const Edit& done : edits(Store::open_read(file_)).done) texts.push_back(done.text);
+      for (const Edit& done : before) {
+        const bool is_label = done.text.starts_with("observation");
+        if (is_label || std::ranges::any_of(result.object_ids, [&](Id id) { return names(done.text, id); }))
+          continue;
+        EXPECT_THAT(texts, testing::Contains(done.text));
+        ++left_edits;
+      }
+    }
+    while (!edits(Store::open_read(file_)).done.empty()) {
+      edit(
+          file_, [](Store& store) { return undo(store); }, RandomMemory::kStart + ++day * 86400 * kSecond);
+      ASSERT_THAT(problems(file_), IsEmpty());
+    }
+  }
+  EXPECT_GT(left_edits, 20U);
+}
+
+TEST_F(Forgetting, TakesWhereOthersWereSaidToComeFrom) {
+  // That object_3 came from where object_2 was observed was believed until the next row.
+  const Vector3d at = *Store::open_read(file_).observations_of(2).front().observation.position;
+  {
+    Store store = Store::open_write(file_, {.now = SyntheticDay::kKnownSecond});
+    SceneTransaction rows(store, store.begin_run("hindsight", "{}"));
+    const EventRow event{.scene = 4,
+                         .kind = EventKind::moved,
+                         .object = 3,
+                         .from_position = at,
+                         .clock = {.valid_from = day_time("09:30")}};
+    EventRow later = event;
+    later.clock.supersedes = rows.add_event(event);
+    later.from_position.reset();
+    rows.add_event(later);
+    rows.commit();
+  }
+  const ForgetResult result = forget(file_, {.object = 2});
+  EXPECT_THAT(problems(file_), IsEmpty());
+  SQLite::Database database(file_.string());
+  SQLite::Statement from(database, "SELECT count(*) FROM event WHERE from_x = ? AND from_y = ?");
+  from.bind(1, at.x());
+  from.bind(2, at.y());
+  ASSERT_TRUE(from.executeStep());
+  EXPECT_EQ(from.getColumn(0).getInt(), 0);
 }
 
 }  // namespace

@@ -10,9 +10,12 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/math/random.h"
+#include "mapping/base/text/text.h"
 #include "memory/ingest/detections.h"
 #include "memory/questions/location.h"
 #include "memory/questions/presence.h"
+#include "memory/questions/question.h"
+#include "memory/questions/replies/reply.h"
 #include "tests/memory/recorder/memory_dump.h"
 
 namespace loci::memory {
@@ -141,7 +144,13 @@ TEST_F(Ingest, BadLinesAreNamedAndSkipped) {
       {"{\"time\": \"2026-05-01T08:00:01Z\", \"detections\": [{\"text\": [\"\xff\xfe\"], \"position\": [1, "
        "2, 3]}]}",
        "invalid UTF-8"},
-      {R"({"time": "2026-05-01T08:00:01Z", "detections": [{"position": [NaN, 2, 3]}]})", "not valid JSON"},
+      {R"({"time": "2026-05-01T08:00:01Z", "detections": [{"position": [NaN, 2, 3]}]})",
+       "detections[0].position: must be a finite number, is NaN"},
+      {R"({"time": "2026-05-01T08:00:01Z", "detections": [{"position": [1, 2, 3], "class": NaN}]})",
+       "class: must be text, is NaN"},
+      {R"({"time": "2026-05-01T08:00:01Z", "detections": [], "note": NaN)", "not valid JSON at byte"},
+      {R"({"time": "2026-05-01T08:00:01Z"})", "has no 'detections'; [] says that nothing was detected"},
+      {R"({"time": "2026-05-01T08:00:01Z", "detection": []})", "write 'detections' instead of 'detection'"},
       {R"({"time": "2026-05-01T08:00:01Z", "detections": [{"position": [1e999, 2, 3]}]})", "too large"},
       {R"({"time": "2026-05-01T08:00:01Z", "detections": [{"position": [null, 2, 3]}]})", "must be a number"},
       {R"({"time": "2026-05-01T08:00:01Z", "detections": [{"class": "mug"}]})", "has no position"},
@@ -149,16 +158,19 @@ TEST_F(Ingest, BadLinesAreNamedAndSkipped) {
       {R"({"time": "2200-05-01T08:00:01Z", "detections": []})", "is not a time"},
       {R"({"detections": []})", "has no time"},
       {R"({"time": "2026-04-01T08:00:01Z", "detections": []})", "lies before"},
-      {"[1, 2", "not valid JSON"},
+      {"[1, 2", "not valid JSON: it is cut off at byte 6"},
       {"7", "not a JSON object"},
       {"{\"time\": \"2026-05-01T08:00:01Z\", \"x\": " + std::string(1000, '['), "nested too deeply"},
       {R"({"time": "2026-05-01T08:00:01Z", "detections": [{"position": [1, 2, 3], "color": [0, 2, 0]}]})",
-       "saturation"}};
+       "saturation"},
+      {R"({"time": "2026-05-01T08:00:01Z", "detections": [{"position": [1, 2, 3], "color": [255, 0, 0]}]})",
+       "convert RGB to HSV"}};
   std::string text = moment("08:00:00", kMug);
   for (const auto& [line, reason] : bad) text += line + "\n";
-  const auto file = write(text + moment("09:00:00", kMug));
+  for (int minute = 10; minute < 40; ++minute) text += moment(fmt::format("09:{}:00", minute), kMug);
+  const auto file = write(text);
   const IngestResult result = take(file);
-  EXPECT_EQ(result.scenes, 2U);
+  EXPECT_EQ(result.scenes, 31U);
   EXPECT_EQ(result.bad, bad.size());
   ASSERT_EQ(warnings.texts().size(), bad.size());
   for (size_t i = 0; i < bad.size(); ++i) {
@@ -172,6 +184,58 @@ TEST_F(Ingest, BadLinesAreNamedAndSkipped) {
     EXPECT_EQ(error.location().line, 2);
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "strict.loci"));
+}
+
+TEST_F(Ingest, FilesOfOtherFormatsAreRefused) {
+  const std::string row =
+      R"({"object":"object_1","time":"2026-05-01T07:10:00Z","scene":1,"place":"counter_1","x":1.2,"y":2.7})";
+  const std::string scenes =
+      "[" + trimmed(moment("08:00:00", kMug)) + "," + trimmed(moment("09:00:00", kMug)) + "]";
+  const std::vector<std::tuple<std::string, std::string, std::string>> others = {
+      {row + "\n" + row + "\n", "rows.jsonl",
+       "2 of 2 lines are bad, nothing is added; it looks like a table"},
+      {moment("08:00:00", kMug) + row + "\n" + row + "\n", "mixed.jsonl", "2 of 3 lines are bad"},
+      {"0 0.5 0.5 0.1 0.1\n1 0.2 0.2 0.1 0.1 0.9\n", "yolo.txt", "looks like YOLO"},
+      {"time,x,y\n2026,1,2\n", "table.csv", "one JSON object per line is expected"},
+      {scenes, "scenes.json", "write one scene per line"},
+      {scenes, "scenes.jsonl", "write one scene per line"},
+      {"[\n" + scenes + "\n", "cut.json", "cut.json:3: is not valid JSON: it is cut off at byte"},
+      {R"({"images": [], "annotations": [{"image_id": 1}], "categories": []})", "coco.txt",
+       "call it *.json"}};
+  for (const auto& [text, name, reason] : others) try {
+      take(write(text, name));
+      ADD_FAILURE() << name << " was taken";
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(reason));
+      EXPECT_FALSE(std::filesystem::exists(folder / "memory.loci"));
+    }
+}
+
+TEST_F(Ingest, WhatNoOtherSceneConfirmsIsReported) {
+  const auto file = write(moment("08:00:00", kMug + "," + kBox) + moment("08:00:01", kMug, kLooked) +
+                          moment("08:00:02", kMug, kLooked));
+  const IngestResult result = take(file);
+  EXPECT_EQ(memory().objects().size(), 1U);
+  EXPECT_EQ(result.unconfirmed, 1);
+  EXPECT_THAT(result.summary(), HasSubstr("4 detections added, 1 of them not confirmed by other scenes"));
+
+  const IngestResult single =
+      take(write(moment("08:00:00", kMug) + moment("08:00:01", "", kLooked)), {}, "single.loci");
+  EXPECT_EQ(single.unconfirmed, 1);
+  const Store store = Store::open_read(folder / "single.loci");
+  const Query query{.question = "objects"};
+  const Answer answer = ask(store, query, {});
+  EXPECT_EQ(full_text(find_question("objects")->reply(store, query, answer), answer, TimeWriter(store)),
+            "No objects are known: 1 observation is not confirmed by another scene.\n");
+}
+
+TEST_F(Ingest, MessagesCallTheFileAsTheCallerDoes) {
+  IngestOptions options;
+  options.called = "detections";
+  take(write(moment("08:00:00", kMug) + moment("08:10:00", R"({"position": [1, 2]})") +
+             moment("08:20:00", kMug)),
+       options);
+  EXPECT_THAT(warnings.texts(), ElementsAre(testing::StartsWith("detections:2: detections[0].position")));
 }
 
 TEST_F(Ingest, TwoScenesAtOneTimeAreBothKeptAndRepeatedLinesOnce) {

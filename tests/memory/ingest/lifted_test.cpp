@@ -215,8 +215,11 @@ TEST_F(Lifted, WithoutRecordingARegionIsABadLine) {
 }
 
 TEST_F(Lifted, HostileLinesAreBadLines) {
+  // A file of which most lines are bad is refused.
+  std::string again;
+  for (int i = 0; i < 6; ++i) again += line(0, bbox());
   const IngestResult result =
-      take("d.jsonl", line(0, bbox()) + line(1, R"({"bbox": [1, 2, -3, 4]})") +
+      take("d.jsonl", line(0, bbox()) + again + line(1, R"({"bbox": [1, 2, -3, 4]})") +
                           line(1, R"({"bbox": [1, 2, 1e999, 4]})") + line(1, R"({"mask": "../secret.png"})") +
                           line(1, R"({"mask": {"size": [120, 160], "counts": [4294967295, 4294967295]}})") +
                           line(1, R"({"mask": {"size": [2000000000, 2000000000], "counts": []}})") +

@@ -31,6 +31,39 @@ TEST_F(CoOccurrenceQuestions, NearKnowsWhereObjectsWere) {
   EXPECT_THROW(ask(*store_, NearQuestion{"red", -1, {}}), Error);
 }
 
+TEST_F(CoOccurrenceQuestions, NextToIsWithoutRoomInBetween) {
+  const auto found = [&](Relation relation, const std::string& only = "") {
+    std::vector<Id> objects;
+    for (const NearObject& near :
+         ask(*store_, NearQuestion{.subject = "red", .only = only, .relation = relation}).objects)
+      objects.push_back(near.object.object.id);
+    return objects;
+  };
+  EXPECT_THAT(found(Relation::next_to), testing::ElementsAre(3)) << "in any case the nearest";
+  EXPECT_THAT(found(Relation::next_to, "yellow"), testing::IsEmpty());
+  store_.reset();
+  {
+    Store store = Store::open_write(file_, {});
+    const BeliefRow red = *store.belief(1);
+    SceneTransaction scene(store, store.begin_run("test", "{}"));
+    const Id id = scene.add_scene({.time = testing_support::day_time("11:00")});
+    scene.add_belief({.object = 2,
+                      .scene = id,
+                      .status = ObjectStatus::seen,
+                      .probability = 0.95,
+                      .place = red.place,
+                      .position = *red.position + Vector3d(-0.12, 0, 0),
+                      .last_scene = id,
+                      .color = "blue",
+                      .size = Vector3d::Constant(0.1)});
+    scene.commit();
+  }
+  store_.emplace(Store::open_read(file_));
+  EXPECT_THAT(found(Relation::near), testing::ElementsAre(2, 3));
+  EXPECT_THAT(found(Relation::next_to), testing::ElementsAre(2));
+  EXPECT_THAT(found(Relation::next_to, "green"), testing::IsEmpty());
+}
+
 TEST_F(CoOccurrenceQuestions, BesideAndBehindAreAsTheCameraSawThem) {
   // Its image has x to the right and y up.
   const auto found = [&](const char* subject, Relation relation) {

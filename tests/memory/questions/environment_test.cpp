@@ -87,6 +87,19 @@ TEST_F(Room, ConsistsOfTheMapsPartsWithoutTheirPieces) {
   EXPECT_EQ(to_json(answer)["parts"][1]["joint"]["open"], false);
 }
 
+TEST_F(Room, SaysWhichPartsANameIsTakenFor) {
+  const Snapshot snapshot(*store_, {});
+  EXPECT_EQ(kind_meant(snapshot, "fridge drawer"), "drawer");
+  EXPECT_EQ(kind_meant(snapshot, "big fridge drawers"), "drawer");
+  for (const char* name :
+       {"drawer 1", "drawers", "the drawer", "top drawer", "widest drawer", "fridge", "sink"})
+    EXPECT_EQ(kind_meant(snapshot, name), "") << name;
+  const Query query{"opens", {{"part", "fridge drawer"}}};
+  const Question& opens = *find_question("opens");
+  EXPECT_THAT(opens.reply(*store_, query, opens.ask(*store_, query)).notes,
+              ElementsAre("no part is called 'fridge drawer'; any drawer is meant"));
+}
+
 TEST_F(Room, PlacesThatWereLookedAtAreEmptyOrInUse) {
   const auto of_state = [&](const char* state) {
     return names(ask(*store_, RoomQuestion{.state = state}).parts);

@@ -115,6 +115,37 @@ TEST_F(Facts, ANameThatAPlaceOrAnObjectHasIsRefused) {
   set_fact(store, "table_1", "alias", "table_1");
 }
 
+TEST_F(Facts, ValuesAreTrimmedAndSaySomething) {
+  Store store = open(0);
+  for (const char* key : {"alias", "owner", "class", "colour"})
+    for (const char* value : {"", "   ", "\t", "a\x1b[31m", "a\x7f", "a\xc2\x9b", "two\nlines"})
+      EXPECT_THROW(set_fact(store, "object_1", key, value), Error) << key << value;
+  EXPECT_EQ(set_fact(store, "object_1", "owner", "  Ada Lovelace ").facts.at(0).value, "Ada Lovelace");
+  EXPECT_EQ(set_fact(store, "object_1", "owner", "Zo\xc3\xab").facts.at(0).value, "Zo\xc3\xab");
+}
+
+TEST_F(Facts, WhatPeopleSayOfAColourGoesBeforeWhatWasSeen) {
+  {
+    Store store = open(0);
+    set_fact(store, "object_1", "color", "dark blue");
+    set_fact(store, "object_1", "size", "large");
+    set_fact(store, "object_1", "material", "steel");
+  }
+  const Store store = Store::open_read(file_);
+  const auto reply = [&](const char* sentence) {
+    return ask(store, NaturalLanguageQuestion{{sentence}, {}}).at(0).reply.value_or(Reply{});
+  };
+  const Reply colour = reply("What colour is object_1?");
+  EXPECT_THAT(colour.text, testing::HasSubstr("is dark blue"));
+  EXPECT_THAT(colour.evidence, testing::Contains("seen: red"));
+  EXPECT_EQ(reply("Is object_1 blue?").verdict, Verdict::yes);
+  EXPECT_EQ(reply("Is object_1 red?").verdict, Verdict::no);
+  EXPECT_THAT(reply("How big is object_1?").text, testing::HasSubstr("is large"));
+  EXPECT_THAT(reply("What material is object_1?").text, testing::HasSubstr("is made of steel"));
+  EXPECT_THAT(who("blue"), ElementsAre(1, 2));
+  EXPECT_THROW(who("red"), Error);
+}
+
 TEST_F(Facts, SynonymsKindsPropertiesAndPluralsFindTheSame) {
   {
     Store store = open(0);

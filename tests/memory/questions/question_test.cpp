@@ -42,6 +42,23 @@ TEST(Queries, AreTypedAsTheyAreWritten) {
     EXPECT_THROW(parse_query(text), Error) << text;
 }
 
+TEST_F(Declarations, SayWhatANameIsTakenFor) {
+  const auto reply = [&](const Query& query) {
+    const Question& question = *find_question(query.question);
+    const Answer answer = question.ask(*store_, query);
+    return std::pair(question.reply(*store_, query, answer), answer);
+  };
+  const std::string note = "no place is called 'breakfast table'; table_1 is meant";
+  const auto [on, answer] = reply({"on", {{"place", "breakfast table"}}});
+  EXPECT_THAT(on.notes, testing::ElementsAre(note));
+  EXPECT_THAT(to_text(on), HasSubstr("\n  (" + note + ")\n"));
+  EXPECT_THAT(full_text(on, answer, TimeWriter(*store_)), HasSubstr("\n  (" + note + ")\n"));
+  EXPECT_EQ(full_json(on, answer)["reply"]["notes"][0], note);
+  for (const char* name : {"table_1", "table 1", "the table", "on the table", "tables"})
+    EXPECT_THAT(reply({"on", {{"place", name}}}).first.notes, testing::IsEmpty()) << name;
+  EXPECT_THAT(reply({"where", {{"object", "red"}, {"at", "09:30"}}}).first.notes, testing::IsEmpty());
+}
+
 TEST_F(Declarations, AllAnswerWithTextAndJson) {
   for (const Question& question : questions()) {
     Query query{.question = question.name};

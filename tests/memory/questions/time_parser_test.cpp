@@ -154,6 +154,32 @@ TEST(PeopleTime, FollowsClocksThatAreSetForwardOrBack) {
   EXPECT_EQ(TimeWriter(berlin, true, 0, false).text(parse_time("2026-07-15T08:00:00Z")), "2026-07-15 10:00");
 }
 
+TEST(PeopleTime, ATimeThatClocksShowTwiceHasItsOffset) {
+  const TimeZone berlin = TimeZone::named("Europe/Berlin");
+  const TimeWriter writer(berlin, false, 0, false);
+  EXPECT_EQ(writer.text(parse_time("2026-10-25T00:30:00Z")), "02:30+02:00");
+  EXPECT_EQ(writer.text(parse_time("2026-10-25T01:30:00Z")), "02:30+01:00");
+  EXPECT_EQ(writer.text(parse_time("2026-10-25T02:30:00Z")), "03:30");
+  const char* after_back = "2026-10-25T12:00:00Z";
+  EXPECT_EQ(span_of(after_back, berlin, "02:30+02:00"),
+            "2026-10-25T00:30:00Z 2026-10-25T00:30:59.999999999Z");
+  EXPECT_EQ(span_of(after_back, berlin, "02:30+01:00"),
+            "2026-10-25T01:30:00Z 2026-10-25T01:30:59.999999999Z");
+  const TimeReader reader(parse_time(after_back), berlin);
+  EXPECT_FALSE(reader.try_read("02:30+05:00"));
+  EXPECT_TRUE(reader.is_repeated("02:45", false));
+  EXPECT_TRUE(reader.is_repeated("half past two", true));
+  for (const char* text : {"02:30+02:00", "03:00", "today", "11 hours ago", "2026-10-25T00:30:00Z"})
+    EXPECT_FALSE(reader.is_repeated(text, false)) << text;
+}
+
+TEST(PeopleTime, TheDateIsSaidOfAnotherDay) {
+  const TimeWriter writer(TimeZone(), false, 0, false);
+  const TimeNs time = parse_time("2026-05-01T07:10:00Z");
+  EXPECT_EQ(writer.text(time, parse_time("2026-05-01T23:00:00Z")), "07:10");
+  EXPECT_EQ(writer.text(time, parse_time("2020-01-01T07:10:00Z")), "2026-05-01 07:10");
+}
+
 TEST(PeopleTime, TheDayBeginsAtMidnightOfTheMemorysZone) {
   // Five past midnight in Berlin is yesterday in UTC, and a quarter to six in Kathmandu today already.
   EXPECT_EQ(span_of("2026-05-01T22:05:00Z", TimeZone::fixed(120), "today"),

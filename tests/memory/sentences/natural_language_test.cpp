@@ -636,5 +636,75 @@ TEST_F(NaturalLanguage, WhatTheLastLookMissedIsNotElsewhere) {
   EXPECT_THAT(answer.reply->text, HasSubstr("on table_1, but was not seen at the last look"));
 }
 
+TEST_F(NaturalLanguage, SoundsAndPlansSayNothing) {
+  const auto command = [&](const char* sentence) {
+    const NaturalLanguageAnswer answer = say(sentence);
+    return answer.query ? answer.query->text() : "";
+  };
+  EXPECT_EQ(command("Before I start the dishwasher - where is the tea cup?"), "where 'tea cup'");
+  EXPECT_EQ(command("before I wash the plates, how many things are on the counter?"), "on counter");
+  EXPECT_FALSE(say("Before I put the tea cup on the counter, where was the plate?").reply)
+      << "it was put there";
+  EXPECT_TRUE(say("and uh how long was the tea cup away from the table").reply->duration);
+  EXPECT_EQ(command("um where's the, uh, tea cup"), "where 'tea cup'");
+}
+
+TEST_F(NaturalLanguage, ATranscriptSeparatesNoSentences) {
+  EXPECT_EQ(say("so i'm standing in front of the counter what's on it").query->text(), "on counter");
+  EXPECT_EQ(say("i laid everything out at eight what's missing from the table now").query->text(),
+            "contents-history table --from eight --state gone");
+  EXPECT_EQ(say("I laid the table at eight. What is missing?").query->text(),
+            "objects --from eight --state gone");
+}
+
+TEST_F(NaturalLanguage, HowSureIsAskedOfANo) {
+  const auto last = [&](const std::vector<std::string>& sentences) {
+    return ask(*store_, NaturalLanguageQuestion{sentences, {}}).back();
+  };
+  const NaturalLanguageAnswer answer = last({"Is the tea cup on the table?", "How certain is that?"});
+  ASSERT_TRUE(answer.reply->probability);
+  EXPECT_GT(*answer.reply->probability, 0.9) << "that it is elsewhere";
+  const NaturalLanguageAnswer there = say("How probable is it that the tea cup is still on the table?");
+  ASSERT_TRUE(there.reply->probability);
+  EXPECT_LT(*there.reply->probability, 0.1);
+}
+
+TEST_F(NaturalLanguage, HowLongAgoThatWas) {
+  const auto answers = ask(
+      *store_,
+      NaturalLanguageQuestion{{"When did you last see the blue thing?", "And how long ago was that?"}, {}});
+  ASSERT_TRUE(answers[1].reply);
+  EXPECT_TRUE(answers[1].reply->duration) << text(answers[1]);
+}
+
+TEST_F(NaturalLanguage, WhyIsNoMatterOfLooks) {
+  const NaturalLanguageAnswer answer = say("Why would anybody move the tea cup?");
+  EXPECT_THAT(answer.reply->text, testing::StartsWith("Not known why"));
+  EXPECT_TRUE(answer.reply->not_known);
+}
+
+TEST_F(NaturalLanguage, AClauseSaysMoreOfAGivenTime) {
+  const NaturalLanguageAnswer answer = say("Was there anything in the drawer at 10:30, when it stood open?");
+  EXPECT_EQ(answer.query->text(), "in drawer --at 10:30");
+  EXPECT_EQ(answer.reply->verdict, Verdict::yes);
+}
+
+TEST_F(NaturalLanguage, FurnitureByItsNameHasASize) {
+  EXPECT_EQ(say("How high is counter_1?").query->text(), "room counter_1");
+}
+
+TEST_F(NaturalLanguage, TheBiggestOfAPeriodIsOneThatWasThere) {
+  const NaturalLanguageAnswer answer = say("What was the biggest object on the table today?");
+  ASSERT_TRUE(answer.reply) << text(answer);
+  EXPECT_EQ(answer.reply->objects.size(), 1U);
+  EXPECT_EQ(answer.query->question, "contents-history");
+}
+
+TEST_F(NaturalLanguage, TheLastLookIsWhatWasSeenLast) {
+  const NaturalLanguageAnswer answer = say("What did you see last?");
+  ASSERT_TRUE(answer.reply) << text(answer);
+  EXPECT_THAT(answer.reply->objects, testing::Contains(4));
+}
+
 }  // namespace
 }  // namespace loci::memory

@@ -35,6 +35,27 @@ TEST(Rephrasing, AChoiceAfterACompleteQuestionIsPartOfIt) {
             "is the pot nearer to the red cup or to the blue cup ?");
 }
 
+TEST(Rephrasing, AChoiceWithoutACommaIsOne) {
+  EXPECT_EQ(as_meant("which bottle got moved the red one or the black one", is_name),
+            "which red bottle or black bottle got moved");
+  EXPECT_EQ(as_meant("Which cup was taken, the red or the blue one?", is_name),
+            "which red cup or blue cup was taken ?");
+  EXPECT_EQ(as_meant("Which was taken from the table earlier, the pot or the plate?", is_name),
+            "which was taken from the table first , the pot or the plate ?");
+  EXPECT_EQ(as_meant("Which came to the table later, the pot or the plate?", is_name),
+            "which came to the table last , the pot or the plate ?");
+  EXPECT_EQ(as_meant("which counter was it on before", is_name), "where was it before");
+}
+
+TEST(Rephrasing, AListOfEverythingAsksWhat) {
+  EXPECT_EQ(as_meant("List everything that left the table before noon.", is_name),
+            "what left the table before noon .");
+  EXPECT_EQ(as_meant("Give me a list of everything put on the table between 8 and 10.", is_name),
+            "what was put on the table between 8 and 10 .");
+  EXPECT_EQ(as_meant("name everything moved since ten", is_name), "what was moved since ten");
+  EXPECT_EQ(as_meant("show me all the things that came to the table", is_name), "what came to the table");
+}
+
 TEST(Rephrasing, ListsAreJoined) {
   EXPECT_EQ(as_meant("Are the tea, the milk and the pot on the table?", is_name),
             "are the tea and the milk and the pot on the table ?");
@@ -139,11 +160,16 @@ TEST(Rephrasing, AChoiceIsOfWhatWasNamed) {
 }
 
 TEST(Rephrasing, AQuestionWordAfterAndAsksMore) {
-  const auto elided = elided_question("Was the pot moved, and when?");
+  const auto elided = two_questions("Was the pot moved, and when?");
   ASSERT_TRUE(elided);
   EXPECT_EQ(elided->question, "was the pot moved?");
   EXPECT_EQ(elided->more, "when?");
-  EXPECT_FALSE(elided_question("What is on the table and where is the pot?"));
+  EXPECT_TRUE(elided->elided);
+  const auto two = two_questions("What is on the table and where is the pot?");
+  ASSERT_TRUE(two);
+  EXPECT_EQ(two->question, "what is on the table?");
+  EXPECT_EQ(two->more, "where is the pot?");
+  EXPECT_FALSE(two->elided);
 }
 
 class RephrasedQuestions : public testing_support::DayFixture {

@@ -9,6 +9,7 @@
 #include "memory/edits/edit_actions.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/reply.h"
+#include "memory/sentences/natural_language.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {
@@ -83,6 +84,23 @@ TEST_F(ToolServerTest, AMistakeOfTheModelIsAResultItCanLearnFrom) {
   }
 }
 
+TEST_F(ToolServerTest, ASentenceIsAskedAtATimeAndAfterOthers) {
+  const auto data = [&](const Json& arguments) { return call("ask", arguments)["structuredContent"]; };
+  const auto sentences = [&](const NaturalLanguageQuestion& question) {
+    return to_json(ask(*store_, question).back());
+  };
+  EXPECT_EQ(data({{"question", "Where is object_1?"}, {"at", "09:00"}}),
+            sentences({{"Where is object_1?"}, read_as_of(*store_, "09:00", "")}));
+  EXPECT_EQ(data({{"question", "And object_2?"}, {"before", {"Where is object_1?"}}}),
+            sentences({{"Where is object_1?", "And object_2?"}}));
+  for (const Json& wrong :
+       {Json{{"bogus", 1}}, Json{{"before", "Where is object_1?"}}, Json{{"at", "tea"}}}) {
+    Json arguments = {{"question", "Where is object_1?"}};
+    arguments.update(wrong);
+    EXPECT_EQ(call("ask", arguments)["isError"], true) << wrong;
+  }
+}
+
 TEST_F(ToolServerTest, AMisspeltArgumentIsNamed) {
   const auto said = [&](const std::string& tool, const Json& arguments) {
     return call(tool, arguments)["content"][0]["text"].get<std::string>();
@@ -125,6 +143,7 @@ TEST_F(ToolServerTest, MalformedMessagesGetErrors) {
   EXPECT_EQ(code("[]"), -32600);
   EXPECT_EQ(code(R"({"jsonrpc": "1.0", "id": 1, "method": "ping"})"), -32600);
   EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": {}, "method": "ping"})"), -32600);
+  EXPECT_EQ(parse_json(raw(R"({"jsonrpc": "2.0", "id": 7})"), "reply")["id"], 7);
   EXPECT_EQ(code(R"({"jsonrpc": "2.0", "id": 1, "method": 5})"), -32600);
   EXPECT_EQ(code(R"({"jsonrpc": "2.0", "method": 5})"), -32600);
   EXPECT_EQ(code(R"({"jsonrpc": "2.0"})"), -32600);

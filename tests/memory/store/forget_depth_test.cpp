@@ -2,12 +2,17 @@
 
 #include <gmock/gmock.h>
 
+#include <opencv2/imgproc.hpp>
+
 #include "mapping/base/files.h"
 #include "mapping/image/image_io.h"
+#include "memory/store/erasure/erased_images.h"
 #include "memory/store/erasure/forgotten_tokens.h"
+#include "memory/store/feature_structures.h"
 #include "memory/store/scene_images.h"
 #include "memory/store/scene_transaction.h"
 #include "memory/store/store.h"
+#include "perception/types/scene_cas.h"
 #include "tests/memory/store/temporary_folder.h"
 
 namespace loci::memory {
@@ -177,6 +182,103 @@ TEST_F(ForgetImages, AnImageThatShowsTheObjectIsFound) {
     scene.commit();
   }
   EXPECT_THAT(left(tokens), testing::ElementsAre(testing::HasSubstr("the image of scene 4, of 1970-01-01")));
+}
+
+/// A box at 2 m that the depth image shows in part, at its right border, then another before it, then again
+/// the box. The colour camera has a wider field of view.
+class ForgetAtBorder : public testing_support::TemporaryFolder {
+ protected:
+  static constexpr int kWidth = 640, kHeight = 480;
+  static constexpr double kDepthFocal = 585, kColorFocal = 480;
+  static inline const Vector3d kBox{0.3, 0.3, 0.3};
+
+  /// The columns of the colour image that show something of x, at 2 m.
+  static int column(double x) { return static_cast<int>(kColorFocal * x / 2 + 319.5); }
+
+  /// A scene that shows the box from `left` m on, white on black; `distance_m` of all that is measured.
+  Id add_scene(SceneTransaction& scene, TimeNs time, double left, float distance_m) {
+    cv::Mat image(kHeight, kWidth, CV_8UC3, cv::Scalar::all(0));
+    const int first = column(left), last = column(left + kBox.x());
+    image(cv::Rect(first, 200, last - first, 80)).setTo(cv::Scalar::all(255));
+    const auto bytes = mapping::encode_image(image, ".png");
+    const Id id = scene.add_scene(
+        {.time = time,
+         .camera = SceneCamera{kWidth, kHeight, kDepthFocal, kDepthFocal, 319.5, 239.5, 0.5, 5.0},
+         .map_from_camera = Isometry3d::Identity(),
+         .depth = scene.add_blob(encode_depth_thumbnail(std::vector<float>(80 * 60, distance_m)),
+                                 kDepthThumbnailMedia),
+         .depth_width = 80,
+         .depth_height = 60,
+         .image = scene.add_blob({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, "image/png")});
+    perception::cas::Cas cas(perception::types::type_system());
+    const auto camera = perception::types::CameraInfo::create(cas);
+    camera.name.set("color");
+    camera.width.set(kWidth);
+    camera.height.set(kHeight);
+    camera.fx.set(kColorFocal);
+    camera.fy.set(kColorFocal);
+    camera.cx.set(319.5);
+    camera.cy.set(239.5);
+    FeatureStructureWriter(scene, id).add(camera);
+    return id;
+  }
+
+  void observe(SceneTransaction& scene, Id id, Id object, const Vector3d& at, const Vector3d& size,
+               const std::array<int, 4>& roi) {
+    const Id seen =
+        scene.add_observation({.scene = id, .number = 0, .position = at, .size = size, .roi = roi});
+    scene.add_association({.scene = id,
+                           .observation = seen,
+                           .object = object,
+                           .explanation = Explanation::stay,
+                           .probability = 1,
+                           .chosen = true});
+    scene.add_belief({.object = object, .scene = id, .status = ObjectStatus::seen, .last_scene = id});
+  }
+
+  size_t white_pixels(Id scene) {
+    const Store store = Store::open_read(file_);
+    const std::optional<cv::Mat> image = stored_image(store, store.scene(scene));
+    cv::Mat white;
+    cv::inRange(*image, cv::Scalar::all(128), cv::Scalar::all(255), white);
+    return static_cast<size_t>(cv::countNonZero(white));
+  }
+};
+
+TEST_F(ForgetAtBorder, WhatOnlyTheColourImageShowsIsCutToo) {
+  // The depth image ends at x = 1.09 m.
+  Store store = Store::open_write(file_);
+  const Id run = store.begin_run("test", "{}");
+  Id object = 0;
+  for (const auto& [time, left] : {std::pair{1000, 0.0}, {2000, 1.0}}) {
+    SceneTransaction scene(store, run);
+    if (object == 0) object = scene.add_object({});
+    const Id id = add_scene(scene, time, left, 2.0F);
+    const double right = std::min(left + kBox.x(), 1.09);
+    const int first = static_cast<int>(kDepthFocal * left / 2 + 319.5),
+              last = static_cast<int>(kDepthFocal * right / 2 + 319.5);
+    observe(scene, id, object, {(left + right) / 2, 0, 2}, {right - left, 0.3, 0.3},
+            {first, 200, last - first, 80});
+    scene.commit();
+  }
+  store.forget({.object = object}, run);
+  EXPECT_EQ(white_pixels(1), 0U);
+  EXPECT_EQ(white_pixels(2), 0U) << "the part of it beyond the depth image";
+}
+
+TEST_F(ForgetAtBorder, WhereItIsBelievedToStandBehindAnotherItIsCut) {
+  Store store = Store::open_write(file_);
+  const Id run = store.begin_run("test", "{}");
+  Id object = 0;
+  for (const auto& [time, distance_m] : {std::pair{1000, 2.0F}, {2000, 1.0F}, {3000, 2.0F}}) {
+    SceneTransaction scene(store, run);
+    if (object == 0) object = scene.add_object({});
+    const Id id = add_scene(scene, time, 0, distance_m);
+    if (distance_m == 2.0F) observe(scene, id, object, {0.15, 0, 2}, kBox, {320, 200, 87, 80});
+    scene.commit();
+  }
+  store.forget({.object = object}, run);
+  for (const Id scene : {1, 2, 3}) EXPECT_EQ(white_pixels(scene), 0U) << scene;
 }
 
 }  // namespace

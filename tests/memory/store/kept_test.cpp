@@ -147,7 +147,7 @@ TEST_F(Kept, GoesByTheRulesOfRetention) {
 
 TEST_F(Kept, PointsGoWithTheMaskThatSaysWhereTheyAre) {
   make();
-  retain(file_, {.crops_s = 150});
+  Store::open_write(file_).retain({.crops_s = 150});
   const Store store = Store::open_read(file_);
   EXPECT_FALSE(store.observation(1).cloud.has_value());
   EXPECT_TRUE(store.observation(2).cloud.has_value());

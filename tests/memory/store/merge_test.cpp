@@ -172,8 +172,23 @@ TEST_F(MergeTest, OldImagesGoAndNumbersStay) {
   EXPECT_EQ(store.observations_of(1).size(), 3U);
   EXPECT_EQ(store.runs().back().program, "loci-memory retain") << "it is logged";
   EXPECT_THAT(store.runs().back().configuration, HasSubstr("\"scenes_without_images\":2"));
-  EXPECT_THAT([&] { retain(file, {.images_s = 9, .crops_s = 1}); },
-              ThrowsMessage<Error>(HasSubstr("crops would go before")));
+  for (const RetentionRules& rules : {RetentionRules{.images_s = 9, .crops_s = 1}, {.crops_s = 1}})
+    EXPECT_THAT([&] { retain(file, rules); }, ThrowsMessage<Error>(HasSubstr("crops would go before")));
+}
+
+TEST_F(MergeTest, WhatIsNotSoundGetsNoName) {
+  const fs::path a = robot("ada", {1, 0, 0.8}, {1000, 3000}, "rec a");
+  const fs::path b = robot("ben", {1, 0, 0.8}, {2000, 4000}, "rec b");
+  {
+    SQLite::Database database(b.string(), SQLite::OPEN_READWRITE);
+    database.exec(
+        "INSERT INTO association (scene, observation, object, explanation, probability, chosen, valid_from, "
+        "known_from, run, source) SELECT scene, observation, object, explanation, probability, chosen, "
+        "valid_from, known_from, run, source FROM association WHERE id = 1");
+  }
+  const fs::path out = folder_ / "both.loci";
+  EXPECT_THAT([&] { merge(a, b, out, same_frame_, quiet_); }, ThrowsMessage<Error>(HasSubstr("problems")));
+  EXPECT_FALSE(fs::exists(out));
 }
 
 }  // namespace

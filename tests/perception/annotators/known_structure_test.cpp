@@ -162,6 +162,86 @@ TEST(ArticulatedFronts, DrawersAndDoorsAreFoundWhereTheyStand) {
   }
 }
 
+TEST(ArticulatedFronts, AShiftByWhichADepthCameraDistortsIsNoOpening) {
+  const mapping::World world = kitchen();
+  const ArticulatedFronts fronts(world, {});
+  const Image near =
+      image_of(scene_of(world, {{"drawer_joint", 0.09}}), looking({-0.3, -0.4, 1.2}, {0, 0.8, 0.5}));
+  const Image far =
+      image_of(scene_of(world, {{"drawer_joint", 0.09}}), looking({-0.3, -2.4, 1.2}, {0, 0.8, 0.5}));
+  const auto drawer = [&](const Image& image, double y) {
+    return state_of(fronts.estimate(image.points, kCamera, looking({-0.3, y, 1.2}, {0, 0.8, 0.5}), {}),
+                    "drawer_joint");
+  };
+  EXPECT_TRUE(drawer(near, -0.4).moved);
+  EXPECT_FALSE(drawer(far, -2.4).moved);
+  EXPECT_FALSE(drawer(far, -2.4).determined) << "it is not seen to be shut either";
+}
+
+FrontState seen_at(double position) {
+  FrontState state;
+  state.joint = "drawer_joint";
+  state.position = position;
+  state.determined = true;
+  state.moved = position > 0;
+  return state;
+}
+
+TEST(FrontTracks, InAVideoAFrontHasToBeSeenOpenForAWhile) {
+  FrontTracks tracks;
+  const auto settled = [&](double position, double second, bool in_video) {
+    FrontState state = seen_at(position);
+    tracks.settle(state, static_cast<TimeNs>(second * kSecond), in_video);
+    return state;
+  };
+  EXPECT_TRUE(settled(0, 0, true).determined);
+  EXPECT_FALSE(settled(0.2, 0.2, true).determined) << "one frame";
+  EXPECT_TRUE(settled(0, 0.4, true).determined);
+  EXPECT_FALSE(settled(0.2, 1.3, true).determined) << "what was seen before is void";
+  EXPECT_FALSE(settled(0.3, 1.8, true).determined) << "it moves";
+  EXPECT_FALSE(settled(0.31, 2.5, true).determined);
+  const FrontState open = settled(0.3, 2.9, true);
+  EXPECT_TRUE(open.determined);
+  EXPECT_TRUE(open.moved);
+  EXPECT_NEAR(open.position, 0.3, 1e-9);
+  EXPECT_NEAR(settled(0.31, 3.1, true).position, 0.3, 1e-9) << "noise is no motion";
+}
+
+TEST(FrontTracks, FramesThatLieApartCountAtOnce) {
+  FrontTracks tracks;
+  FrontState state = seen_at(0.2);
+  tracks.settle(state, 0, false);
+  EXPECT_TRUE(state.determined);
+  EXPECT_TRUE(state.moved);
+  state = seen_at(0);
+  tracks.settle(state, 600 * kSecond, false);
+  EXPECT_TRUE(state.determined);
+  EXPECT_FALSE(state.moved);
+}
+
+TEST(KnownStructure, ADrawerHoldsWhatIsNoHigherThanItsFrontAndNothingWhileItIsShut) {
+  const std::string bottom = box("drawer_1_bottom", "0.5 0.4 0.01") +
+                             "<joint name=\"bottom_joint\" type=\"fixed\"><parent link=\"drawer\"/>"
+                             "<child link=\"drawer_1_bottom\"/><origin xyz=\"0 0.2 -0.125\"/></joint>";
+  mapping::World world = kitchen();
+  const mapping::World part = world_of("<link name=\"drawer\"/>" + bottom);
+  world.links.push_back(*part.find_link("drawer_1_bottom"));
+  world.joints.push_back(*part.find_joint("bottom_joint"));
+  Warnings warnings;
+  const auto map = KnownMap::make(world, {}, {}, warnings);
+  const auto surfaces = map->support_surfaces({"*drawer*bottom"});
+  ASSERT_EQ(surfaces.size(), 1U);
+  const Isometry3d camera = looking({-0.4, -0.5, 1.5}, {-0.4, 0.8, 0.5});
+  for (const double open : {0.0, 0.3}) {
+    const JointState joints{{"drawer_joint", open}};
+    const Image image = image_of(scene_of(world, joints), camera);
+    const KnownStructure known =
+        find_known_structure(image.points, {}, kCamera, camera, *map, surfaces, joints, {}, 1);
+    ASSERT_EQ(known.regions.size(), 1U);
+    EXPECT_NEAR(known.regions[0].height_m, open > 0 ? 0.27 : 0, 1e-6);
+  }
+}
+
 TEST(ArticulatedFronts, WhatHidesAFrontLeavesItsJointAndIsReported) {
   const mapping::World world = kitchen();
   const ArticulatedFronts fronts(world, {});

@@ -82,6 +82,28 @@ TEST_F(Detections, DamagedCocoIsRefused) {
   EXPECT_THROW(coco(std::string(100'000, '[')), Error);
 }
 
+TEST_F(Detections, DamagedCocoNamesLineByteOrKey) {
+  const auto why = [&](const std::string& text) -> std::string {
+    try {
+      coco(text);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const std::string head =
+      R"({"images": [{"id": 1, "file_name": "a.png"}], "categories": [], "annotations": [)";
+  EXPECT_THAT(why(head + R"({"image_id": 1, "category_id": 1, "bbox": [1, NaN, 2, 3]}]})"),
+              testing::HasSubstr("coco.json: annotations[0].bbox: must be a finite number, is NaN"));
+  EXPECT_THAT(why("{\n\"images\": [\n"),
+              testing::HasSubstr("coco.json:3: is not valid JSON: it is cut off at byte"));
+  EXPECT_THAT(why("{\n  \"images\": x,\n  \"annotations\": []}"),
+              testing::HasSubstr("coco.json:2: is not valid JSON at byte 13"));
+  EXPECT_EQ(why(head + R"({"image_id": 1, "category_id": 1, "bbox": [1, 1, 2, 3], "area": NaN}]})"), "");
+  EXPECT_THAT(why(R"([{"time": "2026-05-01T08:00:00Z", "detections": []}])"),
+              testing::HasSubstr("write one scene per line"));
+}
+
 TEST_F(Detections, YoloFolder) {
   write_file_atomically(folder_ / "yolo" / "classes.txt", "bowl\nmug\n");
   const DetectionSet set = yolo("1 0.5 0.25 0.1 0.2 0.9\n0 0.1 0.1 0.3 0.1 0.3 0.3 0.1 0.3\n\n");
@@ -142,7 +164,7 @@ TEST_F(Detections, JsonLinesAreMatchedByTime) {
       R"({"bbox": [10, 20, 30, 40], "class": {"mug": 0.3, "cup": 0.6}, "score": 0.8, "key_points": {"rim": [12, 22]}},)"
       R"({"mask": [[10, 20, 30, 20, 30, 40]]}]})"
       "\n"
-      R"({"time": "2026-05-01T08:30:00.033Z"})");
+      R"({"time": "2026-05-01T08:30:00.033Z", "detections": []})");
   const TimeNs time = two.images()[0].time.value();
   const ImageDetections* image = two.find("000000", 0, time + 5'000'000);
   ASSERT_NE(image, nullptr);

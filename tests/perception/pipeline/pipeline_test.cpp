@@ -56,6 +56,21 @@ class Describer : public Annotator {
   }
 };
 
+/// Counts how often it was finished; it fails then.
+class Finisher : public Annotator {
+ public:
+  explicit Finisher(int& finished) : finished_(finished) {}
+  AnnotatorDescriptor descriptor() const override { return {"Finisher", "Counts.", {"Cluster"}, {}}; }
+  void process(cas::Cas&, Context&) override {}
+  void finish(Context&) override {
+    ++finished_;
+    throw Error("the disk is full");
+  }
+
+ private:
+  int& finished_;
+};
+
 AnnotatorRegistry registry() {
   AnnotatorRegistry made;
   made.add_reader<CountingReader>();
@@ -113,6 +128,25 @@ TEST(Pipeline, ReportsAnErrorWithAnnotatorAndFrame) {
     EXPECT_STREQ(error.what(), "Describer failed at frame 12: the lamp is out");
   }
   EXPECT_EQ(done, 2);
+}
+
+TEST(Pipeline, FinishesEverybodyAlsoAfterAFailure) {
+  int finished = 0;
+  AnnotatorRegistry made = registry();
+  made.add("Finisher", [&] { return std::make_unique<Finisher>(finished); });
+  Pipeline pipeline = Pipeline::parse("flow: [Finder, Finisher, Describer]\n", "p.yaml", made);
+  Resources resources;
+  Warnings warnings;
+  Context context{resources, warnings, 1, {}};
+  NoProgress progress;
+  try {
+    pipeline.run(context, types::type_system(), progress);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "Describer failed at frame 12: the lamp is out");
+  }
+  EXPECT_EQ(finished, 1);
+  EXPECT_EQ(warnings.texts(), std::vector<std::string>{"Finisher cannot finish: the disk is full"});
 }
 
 TEST(Pipeline, LogsTheTimeOfEachAnnotatorInTheScene) {

@@ -14,6 +14,7 @@
 #include "perception/annotators/segmentation/clustering/color_splitting.h"
 #include "perception/annotators/segmentation/clustering/row_splitting.h"
 #include "perception/annotators/segmentation/clustering/standing_points.h"
+#include "perception/annotators/structure/surface_samples.h"
 #include "perception/conversions/opencv.h"
 
 namespace loci::perception {
@@ -43,9 +44,8 @@ using Eigen::Vector2f;
 using Eigen::Vector3f;
 
 /// How far from a surface of the map something may seem to be although it is that surface: the map's error,
-/// and the distortion of depth cameras in standard deviations of the depth.
+/// beside kDistortion.
 constexpr double kFlush = 0.02;
-constexpr double kDistortion = 7;
 constexpr double kMinFlush = 0.7;   ///< of a piece of the surroundings
 constexpr double kBeforeMap = 0.3;  ///< metres: what stands before a wall is not farther from it
 

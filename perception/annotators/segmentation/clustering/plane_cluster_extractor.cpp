@@ -168,6 +168,40 @@ void describe_support(const SupportPlane& plane, const Isometry3d& pose, double 
   support.map_from_support.set(types::to(cas, place_frame(normal, outline)));
 }
 
+/// Height of the box over a drawer's bottom (m), 0 while it is shut; unset for other supports.
+std::optional<double> drawer_height(const types::Scene& scene, const types::PlanarSupport& support) {
+  if (!support.support_class.get().starts_with("drawer")) return std::nullopt;
+  for (const types::RegionOfInterest& region : scene.regions)
+    if (region.name.get() == support.name.get())
+      return types::from<Vector3d>(region.bbox.get().size.get()).z();
+  return std::nullopt;
+}
+
+/// How high the lowest of an object's points are over a plane, but for stray ones, metres.
+double lowest_height(const ObjectCluster& object, const SupportPlane& plane, const cv::Mat& points) {
+  constexpr double kStray = 0.02;
+  std::vector<double> heights;
+  for (const int pixel : object.pixels)
+    heights.push_back(plane.in_plane(to_vector(points.ptr<cv::Vec3f>()[pixel])).z());
+  const auto low = heights.begin() + static_cast<std::ptrdiff_t>(kStray * double(heights.size()));
+  std::ranges::nth_element(heights, low);
+  return *low;
+}
+
+/// What stands over a drawer but not in it: a place that has no name, level with the object's lowest points.
+types::PlanarSupport unknown_support(const types::PlanarSupport& below, double height) {
+  cas::Cas& cas = below.cas();
+  const auto support = types::PlanarSupport::create(cas);
+  const Vector3d normal = types::from<Vector3d>(below.normal.get());
+  support.normal.set(types::to(cas, normal));
+  support.offset.set(below.offset.get() + height);
+  support.height.set(below.height.get() + height / normal.z());
+  support.map_from_support.set(
+      types::to(cas, Isometry3d(Eigen::Translation3d(height * normal) *
+                                types::from<Isometry3d>(below.map_from_support.get()))));
+  return support;
+}
+
 types::Cluster make_cluster(const ObjectCluster& found, const types::SceneCas& scene, const cv::Mat& points,
                             const Isometry3d& pose) {
   cas::Cas& cas = scene.cas();
@@ -304,7 +338,11 @@ void PlaneClusterExtractor::process(cas::Cas& cas, Context& context) {
   std::vector<types::Cluster> clusters;
   for (const ObjectCluster& each : found) {
     clusters.push_back(make_cluster(each, facade, points, pose));
-    clusters.back().support.set(supports[static_cast<size_t>(each.support)]);
+    const auto number = static_cast<size_t>(each.support);
+    const std::optional<double> inside = drawer_height(scene, supports[number]);
+    const double lowest = inside ? lowest_height(each, planes[number], points) : 0;
+    const bool outside = inside && (*inside <= 0 || lowest > *inside);
+    clusters.back().support.set(outside ? unknown_support(supports[number], lowest) : supports[number]);
     facade.add_cluster(clusters.back());
   }
   for (size_t i = 0; i < found.size(); ++i)

@@ -1,0 +1,90 @@
+#include "memory/questions/notes.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "mapping/base/text/text.h"
+#include "memory/questions/environment_parts.h"
+#include "memory/questions/names/names.h"
+#include "memory/questions/names/related_words.h"
+
+namespace loci::memory {
+namespace {
+
+/// Which half of the day a time is taken for, and which of two times of one name.
+void note_times(const Snapshot& snapshot, const Query& query, std::vector<std::string>& notes) {
+  const TimeReader times(snapshot.store());
+  const TimeWriter writer(snapshot.store());
+  std::string noted;
+  for (const char* name : {"at", "from", "to", "unseen-since"}) {
+    const std::string text = query.argument(name);
+    const std::optional<TimeSpan> span = text.empty() ? std::nullopt : times.try_read(text);
+    if (!span) continue;
+    const bool end = name == std::string("at") || name == std::string("to");
+    const bool is_both = text == query.argument("from") && text == query.argument("to");
+    const std::string taken = is_both ? "both are" : writer.text(end ? span->last : span->first) + " is";
+    if (times.is_repeated(text, end) && !(is_both && text == noted))
+      notes.push_back(fmt::format("clocks showed '{}' twice; {} taken", text, taken));
+    else if (text != noted && times.may_be_other_half(text))
+      notes.push_back(fmt::format("'{}' is taken as {}", text, writer.text(span->first)));
+    noted = text;
+  }
+}
+
+/// Without words before it that do not say which it is: "on the table" is a table.
+std::string without_article(const std::string& name) {
+  const size_t space = name.find(' ');
+  const std::string first = name.substr(0, space);
+  const bool says_nothing = first == "on" || first == "in" || with_article(name) == name;
+  return space != std::string::npos && says_nothing ? without_article(name.substr(space + 1)) : name;
+}
+
+void note_place(const Snapshot& snapshot, const std::string& given, std::vector<std::string>& notes) {
+  const std::string name = without_article(given);
+  const bool several = name.find(" or ") != std::string::npos || name.find(" and ") != std::string::npos;
+  if (several || !snapshot.places_called(name).empty() ||
+      !snapshot.places_called(singular_of_furniture(lower_case(name))).empty())
+    return;
+  const std::vector<PlaceRow> places = snapshot.places_meant(name);
+  if (!places.empty())
+    notes.push_back(
+        fmt::format("no place is called '{}'; {} is meant", name,
+                    places.size() == 1 ? places[0].name : "any " + name.substr(name.rfind(' ') + 1)));
+}
+
+void note_object(const Snapshot& snapshot, const std::string& name, std::vector<std::string>& notes) {
+  if (const std::optional<std::string> head = snapshot.head_of(name))
+    notes.push_back(fmt::format("nothing is called '{}'; '{}' is meant", name, *head));
+  for (const std::string& word : words_of(lower_case(name)))
+    if (const std::vector<std::string> names = snapshot.names_related_to(word); !names.empty())
+      notes.push_back(fmt::format("'{}' is taken as {}", word, fmt::join(names, ", ")));
+}
+
+}  // namespace
+
+std::vector<std::string> notes_on(const Snapshot& snapshot, const Query& query) {
+  using enum ParameterType;
+  std::vector<std::string> notes;
+  note_times(snapshot, query, notes);
+  const Question* const question = find_question(query.question);
+  if (question == nullptr) return notes;  // `why` and the like, which no sentence means
+  const std::vector<Parameter>& parameters = question->parameters;
+  const auto each = [&](const auto& is_of_type, const auto& note) {
+    for (const Parameter& parameter : parameters)
+      if (const std::string name = query.argument(parameter.name);
+          is_of_type(parameter.type) && !name.empty())
+        note(name);
+  };
+  each([](ParameterType type) { return type == place; },
+       [&](const std::string& name) { note_place(snapshot, name, notes); });
+  each([](ParameterType type) { return type == part; },
+       [&](const std::string& name) {
+         if (const std::string kind = kind_meant(snapshot, name); !kind.empty())
+           notes.push_back(fmt::format("no part is called '{}'; any {} is meant", name, kind));
+       });
+  each([](ParameterType type) { return type == object || type == spot; },
+       [&](const std::string& name) { note_object(snapshot, name, notes); });
+  return notes;
+}
+
+}  // namespace loci::memory
