@@ -6,6 +6,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/math/math.h"
+#include "mapping/sensor/laser.h"
 #include "mapping/simulation/kitchen_furniture.h"
 
 namespace loci::mapping {
@@ -18,7 +19,8 @@ Room rectangular(double x, double y) {
 
 void dining_table(Furnisher& furnish, const Vector2d& centre) {
   const double yaw = furnish.uniform(-0.3, 0.3);
-  const Vector2d size(furnish.uniform(1.0, 1.5), furnish.uniform(0.7, 0.9));
+  const double depth = furnish.uniform(0.7, 0.9);
+  const Vector2d size(furnish.uniform(1.0, 1.5), depth);
   furnish.table(centre, yaw, size, furnish.uniform(0.7, 0.77));
   const Vector2d along(std::cos(yaw), std::sin(yaw)), across(-along.y(), along.x());
   furnish.chair(centre + along * (size.x() / 2 + 0.2), yaw + kPi);
@@ -76,18 +78,12 @@ void u_shape(Furnisher& furnish) {
   furnish.tall_run(room, 3, y - 1.28, {furnish.pantry(Grip::knob)});
 }
 
-/// A free row of drawers before which the robot can stand; `across` is where its fronts look.
+/// A row of drawers that stands free, and its slab.
 void island_row(Furnisher& furnish, const std::string& kind, const Isometry3d& room_from_row, double length,
                 double overhang) {
   const Row row = furnish.base_row();
   furnish.row(room_from_row, furnish.drawer_units(2 + (length > 1.3), length), length, row);
   furnish.slab(kind, room_from_row, length, row.depth, overhang);
-}
-
-Isometry3d row_at(double x, double y, double yaw) {
-  Isometry3d pose(Eigen::Translation3d(x, y, 0));
-  pose.rotate(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()));
-  return pose;
 }
 
 void island(Furnisher& furnish) {
@@ -102,7 +98,7 @@ void island(Furnisher& furnish) {
   furnish.upper_run(room, 2, 0.2, x - wide - 0.9);
   const double length = furnish.uniform(1.2, 1.8), front = y - furnish.depth() - furnish.uniform(1.15, 1.35);
   // Its drawers look at the counter.
-  island_row(furnish, "island", row_at(x / 2 + length / 2, front, kPi / 2), length, 0.25);
+  island_row(furnish, "island", map_from_base({x / 2 + length / 2, front, kPi / 2}), length, 0.25);
   for (const double along : {-0.35, 0.35}) furnish.stool({x / 2 + along, front - furnish.depth() - 0.55});
 }
 
@@ -117,7 +113,8 @@ void peninsula(Furnisher& furnish) {
   // From the right wall into the room; its drawers look at the far counter.
   const double length = furnish.uniform(1.3, 1.7);
   island_row(furnish, "counter",
-             row_at(x - furnish.depth() - 0.1, y - 2.2 - furnish.uniform(0.03, 0.06), kPi / 2), length, 0.2);
+             map_from_base({x - furnish.depth() - 0.1, y - 2.2 - furnish.uniform(0.03, 0.06), kPi / 2}),
+             length, 0.2);
   furnish.stool({x - 0.6, y - 3.2});
   dining_table(furnish, {1.6, 1.2});
 }
@@ -187,7 +184,7 @@ void workshop(Furnisher& furnish) {
   const double length = furnish.uniform(1.6, 2.2);
   furnish.row(room.row(3, 0.6 + length, sideboard.depth), furnish.base_units(length, {}), length, sideboard);
   const double bench = furnish.uniform(1.4, 1.9);
-  island_row(furnish, "island", row_at(x / 2 + 0.4 + bench / 2, y / 2 - 0.1, kPi / 2), bench, 0.1);
+  island_row(furnish, "island", map_from_base({x / 2 + 0.4 + bench / 2, y / 2 - 0.1, kPi / 2}), bench, 0.1);
   furnish.wall_shelf(room, 1, 1.0, 2.4, furnish.uniform(1.2, 1.4));
 }
 
@@ -204,9 +201,10 @@ DrawnKitchen draw_kitchen(std::string_view layout, uint64_t seed) {
     throw Error(fmt::format("no layout '{}' is known", layout), {},
                 fmt::format("take {}", fmt::join(kKitchenLayouts, ", ")));
   Random random = Random(seed).fork(static_cast<uint64_t>(found - kKitchenLayouts.begin()));
-  Isometry3d map_from_room = kitchen::row_at(random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5),
-                                             random.uniform(-kPi / 4, kPi / 4));
-  kitchen::Builder builder(fmt::format("{}_{}", layout, seed), map_from_room);
+  // Draws are apart: the arguments of a call have no order.
+  const double yaw = random.uniform(-kPi / 4, kPi / 4), y = random.uniform(-1.5, 1.5),
+               x = random.uniform(-1.5, 1.5);
+  kitchen::Builder builder(fmt::format("{}_{}", layout, seed), map_from_base({x, y, yaw}));
   Furnisher furnisher(builder, random.fork(1));
   kDraw[static_cast<size_t>(found - kKitchenLayouts.begin())](furnisher);
   return builder.take();

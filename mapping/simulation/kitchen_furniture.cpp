@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "mapping/base/math/math.h"
+#include "mapping/sensor/laser.h"
 #include "mapping/simulation/household_shapes.h"
 
 namespace loci::mapping::kitchen {
@@ -19,10 +20,8 @@ constexpr double kCornerFiller = 0.07;
 /// Between the back of furniture and its wall.
 constexpr double kWallGap = 0.004;
 
-Isometry3d pose(const Vector2d& position, double yaw, double z = 0) {
-  Isometry3d result(Eigen::Translation3d(position.x(), position.y(), z));
-  result.rotate(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()));
-  return result;
+Isometry3d pose(const Vector2d& position, double yaw) {
+  return map_from_base({position.x(), position.y(), yaw});
 }
 
 double turn_of(const Vector2d& before, const Vector2d& after) {
@@ -384,13 +383,13 @@ void Furnisher::base_run(const Room& room, size_t first_wall, size_t walls, doub
 
 void Furnisher::upper_run(const Room& room, size_t wall, double begin, double end) {
   const double depth = uniform(0.32, 0.38), bottom = worktop_height_ + uniform(0.5, 0.6);
-  row(room.row(wall, end, depth), upper_units(end - begin), end - begin,
-      {.depth = depth,
-       .bottom = bottom,
-       .top = bottom + uniform(0.55, 0.75),
-       .plinth = 0,
-       .has_top_board = true,
-       .grip_height = GripHeight::low});
+  const Row hanging{.depth = depth,
+                    .bottom = bottom,
+                    .top = bottom + uniform(0.55, 0.75),
+                    .plinth = 0,
+                    .has_top_board = true,
+                    .grip_height = GripHeight::low};
+  row(room.row(wall, end, depth), upper_units(end - begin), end - begin, hanging);
 }
 
 void Furnisher::wall_shelf(const Room& room, size_t wall, double begin, double end, double height) {
@@ -452,19 +451,28 @@ void Furnisher::radiator(const Room& room, size_t wall, double middle) {
 
 void Furnisher::clutter(const Isometry3d& room_from_row, double length, double depth, double height) {
   for (double y = uniform(0.2, 0.5); y < length - 0.2; y += uniform(0.4, 1.0)) {
-    const Isometry3d place = room_from_row * Eigen::Translation3d(-uniform(0.2, depth - 0.15), y, height) *
-                             Eigen::AngleAxisd(uniform(-0.5, 0.5), Vector3d::UnitZ());
+    const double yaw = uniform(-0.5, 0.5), behind = uniform(0.2, depth - 0.15);
+    const Isometry3d place =
+        room_from_row * Eigen::Translation3d(-behind, y, height) * Eigen::AngleAxisd(yaw, Vector3d::UnitZ());
     const std::string link = builder_.link("clutter", "room", place);
     const Rgba color = household::any_color(random_);
+    const auto upright = [&](double radius, double tall) {
+      builder_.rod(link, Vector3d::Zero(), {0, 0, tall}, radius, color);
+    };
     switch (random_.index(3)) {
-      case 0:
-        builder_.rod(link, {0, 0, 0}, {0, 0, uniform(0.15, 0.25)}, uniform(0.05, 0.09), color);
+      case 0: {
+        const double radius = uniform(0.05, 0.09);
+        upright(radius, uniform(0.15, 0.25));
         break;
-      case 1:
-        builder_.rod(link, {0, 0, 0}, {0, 0, uniform(0.2, 0.32)}, uniform(0.03, 0.045), color);
+      }
+      case 1: {
+        const double radius = uniform(0.03, 0.045);
+        upright(radius, uniform(0.2, 0.32));
         break;
+      }
       default: {
-        const Vector3d half(uniform(0.03, 0.1), uniform(0.06, 0.14), 0);
+        const double half_y = uniform(0.06, 0.14), half_x = uniform(0.03, 0.1);
+        const Vector3d half(half_x, half_y, 0);
         builder_.box(link, -half, half + Vector3d(0, 0, uniform(0.1, 0.3)), color);
       }
     }

@@ -64,8 +64,6 @@ class Furnisher {
   Furnisher(Builder& builder, const Random& random);
 
   double uniform(double low, double high) { return random_.uniform(low, high); }
-  double worktop_height() const { return worktop_height_; }
-  double worktop_thickness() const { return worktop_thickness_; }
   double depth() const { return depth_; }  ///< of base cabinets
   Row base_row() const;
 
