@@ -113,13 +113,14 @@ std::vector<mapping::MarkerLayer> layers_of_map(const ConvertArguments& argument
   if (!arguments.map.empty()) return memory::map_layers(mapping::read_urdf(arguments.map), search, warnings);
   if (store == nullptr) return {};
   const std::optional<mapping::World> map = memory::named_map(*store);
-  if (map) try {
-      return memory::map_layers(*map, search, warnings);
-    } catch (const Error& error) {  // A memory holds no meshes.
-      warnings.add(Error("the map of the memory is not shown: " + error.message(), {file, 0, {}},
-                         "give the map with --map")
-                       .what());
-    }
+  if (!map) return {};
+  try {
+    return memory::map_layers(*map, search, warnings);
+  } catch (const Error& error) {  // A memory holds no meshes.
+    const Error without("the map of the memory is not shown: " + error.message(), {file, 0, {}},
+                        "give the map with --map");
+    warnings.add(without.what());
+  }
   return {};
 }
 

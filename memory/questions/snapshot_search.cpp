@@ -445,7 +445,7 @@ std::vector<Snapshot::Candidate> Snapshot::of_class(const std::string& word,
     }
   std::vector<Candidate> found;
   for (const std::string& meaning : meanings) {
-    // Where people call some objects mugs, one that they call a jar is no cup, whatever it looked like.
+    // Where people call some objects mugs, one that they call a jar is not a cup, whatever it looked like.
     const bool stated = classes.contains(meaning) || !related_names(meaning, classes).empty();
     const auto take = [&](std::vector<Id> objects, const std::string& class_name) {
       if (among == Among::present) objects = intersection(objects, present_candidates());

@@ -124,7 +124,7 @@ class Where {
   Where& added(const char* column, const AsOf& as_of);
   /// Corrections add rows of visibility: the newest of an object in a scene holds.
   Where& newest_visibility(const AsOf& as_of);
-  /// The condition that annotation `n` is no label, or the one that holds of its observation.
+  /// The condition that annotation `n` is not a label, or the one that holds of its observation.
   std::string label_holds(const AsOf& as_of);
   Where& between(const char* column, std::optional<TimeNs> from, std::optional<TimeNs> to);
   Where& and_also(const std::string& condition);

@@ -175,11 +175,11 @@ void compare_walls(const MapStructure& map, const MapStructure& truth, const Com
   for (size_t j = 0; j < truth.walls.size(); ++j) {
     if (found[j] || !truth.walls[j].main || !asked_for(truth.walls[j].region, options)) continue;
     // One wall of the map may go on behind a passage, as the next one of the truth.
-    const auto whole = std::ranges::find_if(map.walls, [&](const WallPatch& wall) {
-      return compared(wall, truth.walls[j], options) && covers(wall, truth.walls[j]);
-    });
-    if (whole != map.walls.end()) {
-      result.elements.push_back(*compared(*whole, truth.walls[j], options));
+    std::optional<ComparedElement> piece;
+    for (const WallPatch& wall : map.walls)
+      if (!piece && covers(wall, truth.walls[j])) piece = compared(wall, truth.walls[j], options);
+    if (piece) {
+      result.elements.push_back(*piece);
       continue;
     }
     ComparedElement element;

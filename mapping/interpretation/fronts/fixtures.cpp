@@ -291,41 +291,57 @@ class FixtureFinder {
     return add(points, shape, bar);
   }
 
-  /// Of what looks like one bar: where rays pass through its line over such a length that there are two, as
-  /// on neighbouring fronts; in metres from the middle. What hides a part of a bar stops the rays.
-  std::optional<double> gap_of(const std::vector<FixturePoint>& points, const FixtureShape& shape) const {
-    std::vector<double> depths;
-    for (const size_t i : shape.inliers) depths.push_back(points[i].depth);
-    const double protrusion = median(depths);
+  /// Calls `visit` for each ray that ends on a fixture, or passes where it is, `protrusion` before the face
+  /// and within `half_width` of its middle line: with the place along it from its middle, and whether it
+  /// ended.
+  template <class Visit>
+  void for_rays_at(const FixtureShape& shape, double protrusion, double half_width, Visit&& visit) const {
     const Vector2d across(-shape.axis.y(), shape.axis.x());
-    const auto steps = static_cast<size_t>(shape.length / kFixtures.gap_step_m) + 1;
-    std::vector<int> through(steps), on(steps);
     for (const FaceRay& ray : rays_.rays) {
       if (!ray.returned) continue;
       const double depth = static_cast<double>(ray.depth) - ground_.at(ray.plane_u(), ray.plane_v());
       const bool before = depth > kFixtures.min_hit_depth * protrusion;
       if (before && depth > kFaces.fixture_reach_m) continue;
       const Vector2d d = ray.at_depth(before ? depth : protrusion) - shape.centre;
-      const double along = shape.axis.dot(d) + shape.length / 2;
-      if (along < 0 || along >= shape.length ||
-          std::abs(across.dot(d)) > kFixtures.core * std::max(shape.width, kFixtures.gap_step_m))
-        continue;
-      ++(before ? on : through)[static_cast<size_t>(along / kFixtures.gap_step_m)];
+      if (std::abs(across.dot(d)) < half_width) visit(shape.axis.dot(d), before);
     }
-    double best = 0, middle = 0;
-    for (size_t first = 0; first < steps; ++first)
-      for (size_t last = first, passed = 0, met = 0; last < steps; ++last) {
-        passed += static_cast<size_t>(through[last]);
-        met += static_cast<size_t>(on[last]);
-        if (through[last] <= on[last]) break;
-        const double length = static_cast<double>(last - first + 1) * kFixtures.gap_step_m;
-        if (passed < kFixtures.min_gap_rays || met * kFixtures.min_gap_rays > passed || length <= best)
-          continue;
-        best = length;
-        middle = static_cast<double>(first + last + 1) / 2 * kFixtures.gap_step_m - shape.length / 2;
-      }
+  }
+
+  /// Of what looks like one bar: where rays pass through its line over such a length that there are two, as
+  /// on neighbouring fronts; in metres from the middle. What hides a part of a bar stops the rays.
+  std::optional<double> gap_of(const std::vector<FixturePoint>& points, const FixtureShape& shape) const {
+    std::vector<double> depths;
+    for (const size_t i : shape.inliers) depths.push_back(points[i].depth);
+    std::vector<size_t> through(static_cast<size_t>(shape.length / kFixtures.gap_step_m) + 1);
+    std::vector<size_t> on(through.size());
+    for_rays_at(shape, median(depths), kFixtures.core * std::max(shape.width, kFixtures.gap_step_m),
+                [&](double along, bool ended) {
+                  const double step = std::floor((along + shape.length / 2) / kFixtures.gap_step_m);
+                  if (step >= 0 && step < static_cast<double>(on.size()))
+                    ++(ended ? on : through)[static_cast<size_t>(step)];
+                });
+    const auto [first, count] = widest_gap(through, on);
+    const double middle =
+        (static_cast<double>(first) + static_cast<double>(count) / 2) * kFixtures.gap_step_m -
+        shape.length / 2;
+    const bool wide = static_cast<double>(count) * kFixtures.gap_step_m >= kFixtures.min_gap_m;
     const bool inside = std::abs(middle) < shape.length / 2 - kFixtures.min_bar_m;
-    return best >= kFixtures.min_gap_m && inside ? std::optional(middle) : std::nullopt;
+    return wide && inside ? std::optional(middle) : std::nullopt;
+  }
+
+  /// The longest run of steps through each of which more rays pass than end, and through all of them nearly
+  /// all: its first and their number.
+  static std::pair<size_t, size_t> widest_gap(const std::vector<size_t>& through,
+                                              const std::vector<size_t>& on) {
+    std::pair<size_t, size_t> widest{0, 0};
+    for (size_t first = 0; first < on.size(); ++first)
+      for (size_t last = first, passed = 0, met = 0; last < on.size() && through[last] > on[last]; ++last) {
+        passed += through[last];
+        met += on[last];
+        const bool clear = passed >= kFixtures.min_gap_rays && met * kFixtures.min_gap_rays <= passed;
+        if (clear && last - first + 1 > widest.second) widest = {first, last - first + 1};
+      }
+    return widest;
   }
 
   std::string try_halves(const std::array<std::vector<FixturePoint>, 2>& halves, const FaceRect& box,
@@ -476,20 +492,10 @@ class FixtureFinder {
   /// Whether more rays pass a fixture's position, `protrusion` before the face, than end there: then its
   /// points are mixed returns of beams that met two surfaces.
   bool is_seen_through(const FixtureShape& shape, double protrusion) const {
-    const Vector2d across(-shape.axis.y(), shape.axis.x());
-    size_t through = 0;
-    size_t on = 0;
-    for (const FaceRay& ray : rays_.rays) {
-      if (!ray.returned) continue;
-      const double depth = static_cast<double>(ray.depth) - ground_.at(ray.plane_u(), ray.plane_v());
-      const bool before = depth > kFixtures.min_hit_depth * protrusion;
-      if (before && depth > kFaces.fixture_reach_m) continue;
-      const double at = before ? depth : protrusion;
-      const Vector2d d = ray.at_depth(at) - shape.centre;
-      if (std::abs(shape.axis.dot(d)) < kFixtures.core * shape.length &&
-          std::abs(across.dot(d)) < kFixtures.core * shape.width)
-        ++(before ? on : through);
-    }
+    size_t through = 0, on = 0;
+    for_rays_at(shape, protrusion, kFixtures.core * shape.width, [&](double along, bool ended) {
+      if (std::abs(along) < kFixtures.core * shape.length) ++(ended ? on : through);
+    });
     return through >= on;
   }
 

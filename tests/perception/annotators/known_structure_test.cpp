@@ -204,7 +204,7 @@ TEST(FrontTracks, InAVideoAFrontHasToBeSeenOpenForAWhile) {
   EXPECT_TRUE(open.determined);
   EXPECT_TRUE(open.moved);
   EXPECT_NEAR(open.position, 0.3, 1e-9);
-  EXPECT_NEAR(settled(0.31, 3.1, true).position, 0.3, 1e-9) << "noise is no motion";
+  EXPECT_NEAR(settled(0.31, 3.1, true).position, 0.3, 1e-9) << "noise is not a motion";
 }
 
 TEST(FrontTracks, FramesThatLieApartCountAtOnce) {
