@@ -7,7 +7,6 @@
 #include "mapping/registration/parameters.h"
 
 namespace loci::mapping::registration {
-namespace {}  // namespace
 
 FreeSpace::FreeSpace(const Scan& scan, const Isometry3d& level_from_scan) {
   if (scan.origins.empty()) return;
@@ -17,16 +16,14 @@ FreeSpace::FreeSpace(const Scan& scan, const Isometry3d& level_from_scan) {
     images_.back().origin = (level_from_scan * scan.origins[i].cast<double>()).cast<float>();
     for (CubeFace& face : images_.back().nearest) face.fill(0.F);
   }
-  const Eigen::Matrix3f turn = level_from_scan.linear().cast<float>();
+  const Eigen::Isometry3f level = level_from_scan.cast<float>();
   const auto for_rays = [&](const auto& visit) {
     for (const ScanPoint& point : scan.points) {
       if (point.origin_index % step != 0 || point.origin_index >= scan.origins.size()) continue;
-      const Eigen::Vector3f ray = turn * (point.position - scan.origins[point.origin_index]);
+      Image& image = images_[point.origin_index / step];
+      const Eigen::Vector3f ray = level * point.position - image.origin;
       const float range = ray.norm();
-      if (!(range > 0.F)) continue;
-      const auto [face, pixel] = pixel_of(ray);
-      visit(images_[point.origin_index / step].nearest[static_cast<size_t>(face)][static_cast<size_t>(pixel)],
-            range);
+      if (range > 0.F) visit(image.towards(ray), range);
     }
   };
   for_rays([](float& nearest, float range) { nearest = nearest > 0.F ? std::min(nearest, range) : range; });
@@ -36,7 +33,25 @@ FreeSpace::FreeSpace(const Scan& scan, const Isometry3d& level_from_scan) {
     hidden += range > 1.5F * nearest ? 1 : 0;
   });
   hidden_part_ = rays > 0 ? static_cast<double>(hidden) / static_cast<double>(rays) : 0;
+  if (images_.size() > 1) stop_at_points_of_others(scan, level);
   erode();
+}
+
+float& FreeSpace::Image::towards(const Eigen::Vector3f& direction) {
+  const auto [face, pixel] = pixel_of(direction);
+  return nearest[static_cast<size_t>(face)][static_cast<size_t>(pixel)];
+}
+
+/// A fused point is one origin's only, though others saw it: they did not look through it.
+void FreeSpace::stop_at_points_of_others(const Scan& scan, const Eigen::Isometry3f& level) {
+  for (const ScanPoint& point : scan.points) {
+    if (!point.returned) continue;
+    const Eigen::Vector3f position = level * point.position;
+    for (Image& image : images_) {
+      const Eigen::Vector3f ray = position - image.origin;
+      if (float& nearest = image.towards(ray); nearest > 0.F) nearest = std::min(nearest, ray.norm());
+    }
+  }
 }
 
 std::pair<int, int> FreeSpace::pixel_of(const Eigen::Vector3f& direction) {

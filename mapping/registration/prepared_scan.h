@@ -37,9 +37,12 @@ class FreeSpace {
   struct Image {
     Eigen::Vector3f origin;
     std::array<CubeFace, 6> nearest;  ///< range; 0: no ray went there
+
+    float& towards(const Eigen::Vector3f& direction);
   };
 
   static std::pair<int, int> pixel_of(const Eigen::Vector3f& direction);
+  void stop_at_points_of_others(const Scan& scan, const Eigen::Isometry3f& level);
   void erode();
 
   std::vector<Image> images_;

@@ -293,5 +293,21 @@ TEST(FreeSpace, RaysAlongASurfaceDoNotPassIt) {
   EXPECT_FALSE(space.passed(point, along, 0.05F));
 }
 
+TEST(FreeSpace, FusedPointsStopTheRaysOfAllOrigins) {
+  Scan scan;
+  scan.origins = {Eigen::Vector3f::Zero(), Eigen::Vector3f(0, 0.02F, 0)};
+  const auto add = [&](const Eigen::Vector3f& position, uint16_t origin) {
+    scan.points.emplace_back();
+    scan.points.back().position = position;
+    scan.points.back().origin_index = origin;
+  };
+  for (float y = -0.4F; y < 0.4F; y += 0.01F)
+    for (float z = -0.4F; z < 0.4F; z += 0.01F) add({3, y, z}, 1);
+  for (float z = -0.4F; z < 0.4F; z += 0.01F) add({2, 0, z}, 0);  // A pole, which fusion gave to one of them.
+  const registration::FreeSpace space(scan, Isometry3d::Identity());
+  EXPECT_FALSE(space.passed({2, 0, 0}, 0.05F));
+  EXPECT_TRUE(space.passed({2, 0.2F, 0}, 0.05F));
+}
+
 }  // namespace
 }  // namespace loci::mapping
