@@ -22,13 +22,13 @@ constexpr struct {
   double tolerance_share = 0.02;            ///< of the depth, besides
   size_t min_compared = 2000;               ///< pixels that say anything
   double min_share = 0.55;                  ///< of poses that fit
-  double no_doubt = 0.85;                   ///< of poses for which no other cause is tried …
-  double min_overlap = 0.5;     ///< … where views meet: in the wrong unit only those of a camera at rest
-  double min_gain = 1.25;       ///< times as much agrees with a cause that is named
-  double min_share_then = 0.5;  ///< of what is compared then
-  int64_t max_shift = 90;       ///< frames that poses are late or early: 3 s of a video
-  double level = 0.94;          ///< z of the poses is up within 20 degrees
-  double level_without_poses = 0.7;  ///< what is up in the first image within 45: the camera may turn
+  double no_doubt = 0.85;                   ///< of poses for which no other cause is tried
+  double far = 30;                          ///< depths that cameras are apart: between metres and millimetres
+  double min_gain = 1.25;                   ///< times as much agrees with a cause that is named
+  double min_share_then = 0.5;              ///< of what is compared then
+  int64_t max_shift = 90;                   ///< frames that poses are late or early: 3 s of a video
+  double level = 0.94;                      ///< z of the poses is up within 20 degrees
+  double level_without_poses = 0.7;         ///< what is up in the first image within 45: the camera may turn
 } kCheck;
 
 using Pose = std::function<std::optional<Isometry3d>(size_t)>;
@@ -70,6 +70,21 @@ class Views {
         if (from && to) compare(depth(first), depth(second), to->inverse() * *from, counts[g]);
       }
     return counts;
+  }
+
+  /// Whether the cameras are farther apart than a room is large, by what they see of it.
+  bool far_apart(const Pose& pose) {
+    Eigen::AlignedBox3d positions;
+    std::vector<double> depths;
+    const size_t size = recording_.size(), step = std::max<size_t>(1, size / kCheck.places);
+    for (size_t i = 0; i < size; i += step) {
+      if (const auto at = pose(i)) positions.extend(at->translation());
+      const cv::Mat& image = depth(i);
+      const auto middle = static_cast<double>(image.at<float>(image.rows / 2, image.cols / 2));
+      if (middle > 0) depths.push_back(middle);
+    }
+    return !positions.isEmpty() && !depths.empty() &&
+           positions.diagonal().norm() > kCheck.far * median(depths);
   }
 
   /// Of the first frame with others all over the recording.
@@ -127,33 +142,34 @@ Isometry3d with_w_first(const Isometry3d& pose) {
   return result;
 }
 
-std::vector<Cause> causes_for(const Pose& given) {
-  const auto changed = [given](const std::function<Isometry3d(Isometry3d)>& change) {
-    return [=](size_t i) {
-      const auto pose = given(i);
-      return pose ? std::optional(change(*pose)) : std::nullopt;
-    };
+Pose changed(const Pose& given, const std::function<Isometry3d(Isometry3d)>& change) {
+  return [=](size_t i) {
+    const auto pose = given(i);
+    return pose ? std::optional(change(*pose)) : std::nullopt;
   };
-  std::vector<Cause> causes;
-  causes.push_back({"from the world to the camera", "invert them: a pose takes the camera to the world",
-                    changed([](const Isometry3d& pose) { return pose.inverse(); })});
-  causes.push_back({"with qw before qx qy qz", "write quaternions as qx qy qz qw", changed(with_w_first)});
-  causes.push_back({"of a camera with y up and z backwards", "turn y and z of the camera over",
-                    changed([](Isometry3d pose) {
-                      pose.linear() = pose.linear() * Vector3d(1, -1, -1).asDiagonal();
-                      return pose;
-                    })});
-  for (const auto& [factor, text, hint] :
-       {std::tuple(1e-3, "in millimetres", "write positions in metres"),
-        std::tuple(0.2, "right and depth five times as far: in millimetres, not in 1/5000 m",
-                   "write a cameras.yaml with 'depth: {unit_m: 0.001}'"),
-        std::tuple(5.0, "right and depth a fifth of this: in 1/5000 m, not in millimetres",
-                   "write a cameras.yaml with 'depth: {unit_m: 0.0002}'")})
-    causes.push_back({text, hint, changed([factor = factor](Isometry3d pose) {
-                        pose.translation() *= factor;
-                        return pose;
-                      })});
-  return causes;
+}
+
+Pose scaled(const Pose& given, double factor) {
+  return changed(given, [factor](Isometry3d pose) {
+    pose.translation() *= factor;
+    return pose;
+  });
+}
+
+std::vector<Cause> causes_for(const Pose& given) {
+  return {{"from the world to the camera", "invert them: a pose takes the camera to the world",
+           changed(given, [](const Isometry3d& pose) { return pose.inverse(); })},
+          {"with qw before qx qy qz", "write quaternions as qx qy qz qw", changed(given, with_w_first)},
+          {"of a camera with y up and z backwards", "turn y and z of the camera over",
+           changed(given,
+                   [](Isometry3d pose) {
+                     pose.linear() = pose.linear() * Vector3d(1, -1, -1).asDiagonal();
+                     return pose;
+                   })},
+          {"right and depth five times as far: in millimetres, not in 1/5000 m",
+           "write a cameras.yaml with 'depth: {unit_m: 0.001}'", scaled(given, 0.2)},
+          {"right and depth a fifth of this: in 1/5000 m, not in millimetres",
+           "write a cameras.yaml with 'depth: {unit_m: 0.0002}'", scaled(given, 5)}};
 }
 
 /// Poses of a clock that runs `shift` frames, of so many seconds, late.
@@ -165,11 +181,13 @@ Cause late_by(int64_t shift, double frame_s, const Pose& given) {
           [given, shift](size_t i) { return given(static_cast<size_t>(static_cast<int64_t>(i) + shift)); }};
 }
 
-/// Times as much agrees in the pairs that tell most.
+/// Times as much agrees in the pairs that tell most, of those that meet as the poses are given: where they do
+/// not, what would agree otherwise contradicts nothing.
 double gain(const CountsByGap& then, const CountsByGap& now) {
   double gain = 0;
   for (size_t g = 0; g < then.size(); ++g)
-    if (then[g].compared >= kCheck.min_compared && then[g].share() > kCheck.min_share_then)
+    if (now[g].compared >= kCheck.min_compared && then[g].compared >= kCheck.min_compared &&
+        then[g].share() > kCheck.min_share_then)
       gain = std::max(gain, static_cast<double>(then[g].agreeing) /
                                 static_cast<double>(std::max<size_t>(1, now[g].agreeing)));
   return gain;
@@ -187,9 +205,7 @@ bool never_move(const Recording& recording) {
 }
 
 bool raises_doubt(const CountsByGap& counts) {
-  const Counts all = sum(counts);
-  const bool meet = static_cast<double>(all.compared) > kCheck.min_overlap * static_cast<double>(all.sampled);
-  return !meet || std::any_of(counts.begin(), counts.end(), [](const Counts& of_gap) {
+  return std::any_of(counts.begin(), counts.end(), [](const Counts& of_gap) {
     return of_gap.compared >= kCheck.min_compared && of_gap.share() <= kCheck.no_doubt;
   });
 }
@@ -239,6 +255,16 @@ PoseAgreement check_poses(const Recording& recording) {
             .cause = "of a camera that moves",
             .hint = "without poses it is tracked",
             .never_move = true};
+  }
+  if (views.far_apart(given)) {
+    // Only what a camera at rest sees meets itself then.
+    const Counts then = sum(views.counts(scaled(given, 1e-3)));
+    if (then.compared < kCheck.min_compared || then.share() <= kCheck.min_share_then) return result;
+    result.cause = "in millimetres";
+    result.hint = "write positions in metres";
+    result.gain =
+        static_cast<double>(then.agreeing) / static_cast<double>(std::max<size_t>(1, sum(now).agreeing));
+    return result;
   }
   if (!raises_doubt(now)) return result;
   std::vector<Cause> causes = causes_for(given);

@@ -62,6 +62,32 @@ TEST_F(PoseCheck, LatePosesOfAVideoAreNamedWithTheirDelay) {
   EXPECT_THAT(late_by(60).text(), HasSubstr("if they are late by about 60 frames"));
 }
 
+/// A long, flat wall, seen in turn from four places that are 4 m apart.
+class LongWall : public Recording {
+ public:
+  LongWall() { info_.frames = info_.frames_with_pose = size(); }
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return 48; }
+  RgbdFrame frame(size_t i) const override {
+    RgbdFrame frame;
+    frame.camera = info_.camera;
+    frame.depth = cv::Mat(480, 640, CV_32F, cv::Scalar(2));
+    frame.map_from_camera = Isometry3d(Eigen::Translation3d(4.0 * static_cast<double>(i % 4), 0, 0));
+    return frame;
+  }
+  TimeNs time_of(size_t i) const override { return static_cast<TimeNs>(i) * kSecond; }
+  int64_t index_of(size_t i) const override { return static_cast<int64_t>(i); }
+
+ private:
+  RecordingInfo info_;
+};
+
+TEST(PoseCheckOfViews, ThatDoNotMeetRaisesNoDoubt) {
+  // Of one place, as poses in millimetres would be, all would agree.
+  const PoseAgreement agreement = check_poses(LongWall());
+  EXPECT_TRUE(agreement.fits()) << agreement.text();
+}
+
 TEST_F(PoseCheck, AnotherDirectionThatIsUpIsNamedWithItsOption) {
   const Isometry3d y_down(Eigen::AngleAxisd(-kPi / 2, Vector3d::UnitX()));
   const auto turned = in_frame(open_recording(folder_), y_down, "map");
