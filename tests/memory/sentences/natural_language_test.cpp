@@ -64,6 +64,12 @@ TEST_F(NaturalLanguage, AMoveIsCountedAlikeByAllQuestions) {
               HasSubstr("tea cup, 2 times"));
 }
 
+TEST_F(NaturalLanguage, AnOwnerThatIsLeftOutIsSaid) {
+  EXPECT_THAT(say("Is Bob's tea cup on the counter?").notes,
+              testing::Contains(HasSubstr("'bob's' is left out")));
+  EXPECT_THAT(say("What's on the counter?").notes, testing::IsEmpty());
+}
+
 TEST_F(NaturalLanguage, NightsAreTimes) {
   EXPECT_EQ(say("What changed overnight?").query->text(), "changes --between 'last night' 'last night'");
   EXPECT_EQ(say("What changed during the night to Sunday?").query->text(),
