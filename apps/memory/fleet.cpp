@@ -63,8 +63,9 @@ Command push_command() {
         table.option("--robot NAME", &arguments->options.name.robot, "Name of the robot", {.required = true});
         table.option("--home NAME", &arguments->options.name.home,
                      "Name of the home, which several robots may share");
-        table.flag("--replace", arguments->options.replace,
-                   "Replace another memory that the robot has in the database");
+        table.flag(
+            "--replace", arguments->options.replace,
+            "Replace all that the robot has in the database: another memory, or rows that somebody changed");
         table.flag("--follow", arguments->follow, "Go on pushing while the memory is written, until Ctrl-C");
         table.option("--every SECONDS", &arguments->every_s, "Time between two pushes",
                      {.unit = "s", .min = 0.05, .needs = {"--follow"}});

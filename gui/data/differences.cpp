@@ -51,7 +51,7 @@ double distance_of(const Belief& belief_then, const BelievedObject& then, const 
 }
 
 std::optional<Difference> difference_of(const Belief& belief_then, const BelievedObject* then,
-                                        const Belief& belief_now, const BelievedObject* now,
+                                        const Belief& belief_now, const BelievedObject* now, PlaceNames names,
                                         double min_move) {
   Difference difference{.object = now != nullptr ? now->object : then->object,
                         .name = now != nullptr ? belief_now.name_of(*now) : belief_then.name_of(*then),
@@ -67,7 +67,9 @@ std::optional<Difference> difference_of(const Belief& belief_then, const Believe
     return difference;
   }
   difference.distance = distance_of(belief_then, *then, belief_now, *now);
-  if (difference.distance < min_move && difference.then == difference.now) return std::nullopt;
+  const bool same_place = difference.then == difference.now ||
+                          (names == PlaceNames::of_two_memories && then->position && now->position);
+  if (difference.distance < min_move && same_place) return std::nullopt;
   return difference;
 }
 
@@ -97,14 +99,15 @@ void add_joints(const Belief& then, const Belief& now, std::vector<Difference>& 
 
 }  // namespace
 
-std::vector<Difference> differences(const Belief& then, const Belief& now, double min_move) {
+std::vector<Difference> differences(const Belief& then, const Belief& now, PlaceNames names,
+                                    double min_move) {
   std::vector<Difference> all;
   for (const BelievedObject& object : now.objects)
-    if (auto difference = difference_of(then, then.find(object.object), now, &object, min_move))
+    if (auto difference = difference_of(then, then.find(object.object), now, &object, names, min_move))
       all.push_back(std::move(*difference));
   for (const BelievedObject& object : then.objects)
     if (now.find(object.object) == nullptr)
-      if (auto difference = difference_of(then, &object, now, nullptr, min_move))
+      if (auto difference = difference_of(then, &object, now, nullptr, names, min_move))
         all.push_back(std::move(*difference));
   add_joints(then, now, all);
   std::stable_sort(all.begin(), all.end(), [](const Difference& a, const Difference& b) {

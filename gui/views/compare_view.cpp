@@ -196,11 +196,15 @@ void CompareView::show_differences(const Belief& then) {
   const TimeZone& zone = browser_.data()->info().zone;
   const TimeNs here = browser_.selection().time();
   const bool same_day = time_text(other_, zone).left(10) == time_text(here, zone).left(10);
-  const auto head = [&](TimeNs time) {  // on two lines: the columns are narrow
+  const auto head = [&](TimeNs time, const OpenMemory& memory) {  // on two lines: the columns are narrow
     const QString text = time_text(time, zone);
+    if (another_)  // the times may be the same
+      return QFileInfo(QString::fromStdString(memory.info().path)).fileName() + "\n" + text.mid(5);
     return same_day ? "At " + text.mid(11, 8) : text.mid(5, 5) + "\n" + text.mid(11, 8);
   };
-  model_->set(differences(then, browser_.belief()), head(other_), head(here));
+  const PlaceNames names = another_ ? PlaceNames::of_two_memories : PlaceNames::of_one_memory;
+  const QString head_then = head(other_, another_ ? *another_ : *browser_.data());
+  model_->set(differences(then, browser_.belief(), names), head_then, head(here, *browser_.data()));
   if (other_ == browser_.selection().time() && !known_at_ && !another_)
     state_->setText("This is the selected time: select another one below.");
   else if (shown().empty())

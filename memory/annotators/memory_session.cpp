@@ -88,8 +88,8 @@ MemorySession::MemorySession(const MemorySessionOptions& options, const mapping:
   row.kind = info.format;
   row.time_assumed = info.time_assumed;
   row.frames = static_cast<int64_t>(recording.size());
-  recording_ = store_.add_recording(row);
   if (!options.map.empty()) map_ = add_map(store_, options.map);
+  recording_ = store_.add_recording(row);
   run_ = store_.begin_run(options.program, options.configuration.dump());
   planes_ = load_planes(store_);
   furniture_ = load_furniture(store_, map_);

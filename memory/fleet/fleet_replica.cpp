@@ -189,7 +189,7 @@ fs::path FleetReplica::take_news(FleetDatabase& database, const Json& state, con
           if (!pull(database, source, updated, progress))
             throw database.error(
                 fmt::format("the rows of robot '{}' are not those that it pushed", source.name.robot),
-                "push them again; loci-memory verify checks the robot's file");
+                "loci-memory push --replace puts them right; loci-memory verify checks the robot's file");
         }
         write_file_atomically(folder_ / kState, Json{{"database", source.database},
                                                      {"home", source.name.home},

@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <numeric>
+#include <set>
 
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
@@ -197,7 +198,9 @@ void MemoryPush::claim(const TableReader& file) {
         fmt::format("robot '{}' of home '{}' has another memory there, made {}; this one was made {}",
                     options_.name.robot, options_.name.home, *there, created),
         "name another robot, or replace its memory with --replace");
-  if (there && *there == created && complete) return;
+  const bool same = there && *there == created;
+  if (same) require_tombstones(file);
+  if (same && complete && !options_.replace) return;
   begin();
   SqlParameters parameters = name_parameters();
   parameters.emplace_back(created);
@@ -207,6 +210,39 @@ void MemoryPush::claim(const TableReader& file) {
       "VALUES ($1, $2, $3, 0, false, now(), $4) "
       "ON CONFLICT (home, robot) DO UPDATE SET memory = excluded.memory",
       parameters);
+  if (there && options_.replace) clear();
+  options_.replace = false;  // once, not by each push that follows
+}
+
+void MemoryPush::require_tombstones(const TableReader& file) {
+  const TableLayout& table =
+      *std::ranges::find(table_layouts(), std::string("forgotten"), &TableLayout::name);
+  std::set<TableKey> known;
+  file.read(table, {}, [&](const TableRow& row) {
+    known.insert(key_of(table, row));
+    return true;
+  });
+  size_t missing = 0;
+  database_.sql().query(
+      fmt::format("SELECT {} FROM {} WHERE home = $1 AND robot = $2", key_list(table), table_name(table)),
+      name_parameters(), [&](ResultRow row) { missing += known.contains(key_of(table, row)) ? 0 : 1; });
+  if (missing > 0)
+    throw Error(
+        fmt::format("an older copy of the memory of robot '{}': the database lacks what was forgotten in "
+                    "{}, which this file still has",
+                    options_.name.robot, counted(missing, "request", "requests")),
+        {memory_.string(), 0, {}},
+        "push the file in which it was forgotten, or loci-memory merge both first");
+}
+
+void MemoryPush::clear() {
+  for (const TableLayout& table : table_layouts())
+    if (const int64_t removed = database_.sql().run(
+            fmt::format("DELETE FROM {} WHERE home = $1 AND robot = $2", table_name(table)),
+            name_parameters());
+        removed > 0)
+      result_.removed[table.name] += removed;
+  database_.sql().run("DELETE FROM loci.cursor WHERE home = $1 AND robot = $2", name_parameters());
 }
 
 void MemoryPush::read_cursors() {

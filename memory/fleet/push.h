@@ -8,7 +8,7 @@ namespace loci::memory {
 
 struct PushOptions {
   RobotName name = {};
-  bool replace = false;  ///< the memory in the database may be another one: its rows go
+  bool replace = false;  ///< the rows in the database go, whatever they are, even those of another memory
   std::string program = "loci-memory push";
   int64_t max_rows = 20000;  ///< of one transaction: little enough that a killed push loses a second of work
 };
@@ -46,6 +46,10 @@ class MemoryPush {
   struct Window;
 
   void claim(const TableReader& file);
+  /// Error when the database honours tombstones that the file does not have: a push would undo them.
+  void require_tombstones(const TableReader& file);
+  /// Removes the rows of this memory.
+  void clear();
   void read_cursors();
   /// Begins a transaction unless one is open.
   void begin();

@@ -1,6 +1,7 @@
 #include "memory/fleet/unify.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "mapping/base/temporary_folder.h"
 #include "mapping/base/text/json.h"
@@ -75,7 +76,15 @@ UnifyResult unify(const FleetUrl& url, const RobotName& unified, const fs::path&
     PartialProgress part(progress, 0.5 * begin, 0.5 * begin + 0.5 / double(result.robots.size()));
     const fs::path replica = FleetReplica(robot, cache).update(part);
     const fs::path joined = folder.path() / fmt::format("merged_{}.loci", i);
-    if (i > 0) merge(merged, replica, joined, {}, part);
+    try {
+      if (i > 0) merge(merged, replica, joined, {}, part);
+    } catch (const FramesDiffer&) {
+      const std::vector<std::string> before(result.robots.begin(), result.robots.begin() + ptrdiff_t(i));
+      throw database.error(
+          fmt::format("robot '{}' of home '{}' has neither a map nor a recording in common with '{}'",
+                      robot.robot.value(), unified.home, fmt::join(before, "', '")),
+          "robots of one home use one map; others belong to another --home");
+    }
     merged = i > 0 ? joined : replica;
   }
   const fs::path reasoned = folder.path() / "unified.loci";

@@ -87,7 +87,8 @@ void annotate(const Detection& detection, ObservationRecord& observation) {
   for (const auto& [name, probability] : detection.classes)
     add("loci.annotation.ClassificationAnnotation", name, probability);
   for (const std::string& text : detection.texts) add("loci.annotation.TextAnnotation", text, std::nullopt);
-  if (detection.score) add("loci.hypothesis.ObjectHypothesis", "score", detection.score);
+  // Without a value: by that people name objects.
+  if (detection.score) add("loci.hypothesis.ObjectHypothesis", "", detection.score);
   for (const perception::KeyPoint3D& point : detection.lifted_points)
     add("loci.hypothesis.KeyPoint",
         fmt::format("{} {:.3f} {:.3f} {:.3f}", point.name, point.position.x(), point.position.y(),
@@ -142,6 +143,7 @@ void read_frame(const DetectedScene& scene, SceneRecord& record) {
   record.view.map_depth = scene.map_depth;
   record.view.labels = cv::Mat(scene.frame->depth.size(), CV_32S, cv::Scalar(-1));
   record.row.joints = scene.frame->joints;
+  record.cameras = scene.frame->camera;
   if (!scene.frame->color.empty()) record.image = {encoded_image(scene.frame->color, ".jpg"), "image/jpeg"};
 }
 

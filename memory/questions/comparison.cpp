@@ -177,7 +177,9 @@ std::string value_text(const std::string& by, const Compared& one, const TimeWri
                 : fmt::format("between {} and {}", times.text(one.time->first), times.text(one.time->last));
   }
   if (!one.value) return "not known";
-  if (by == "longer") return "at least " + duration_text(static_cast<TimeNs>(*one.value) * kSecond);
+  const auto seconds = [](double value) { return static_cast<TimeNs>(value) * kSecond; };
+  if (by == "longer")
+    return uncapitalised(replies::bounds_text(seconds(*one.value), seconds(*one.max_value)));
   if (is_of_size(by) && !is_of_height(by)) return fmt::format("{:.2g} l", kLitres * *one.value);
   if (by == "more-objects") return fmt::format("{:.0f}", *one.value);
   if (by == "more") return fmt::format("{:.0f} {}", *one.value, *one.value == 1 ? "object" : "objects");

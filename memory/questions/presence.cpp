@@ -482,6 +482,10 @@ std::string place_named(const std::string& asked) {
 
 }  // namespace
 
+double seen_fraction(const Snapshot& snapshot, const PlaceRow& place, TimeNs from, TimeNs to) {
+  return Coverage(snapshot, {place}, from, to).fraction();
+}
+
 WasAnswer ask(const Store& store, const WasQuestion& question) {
   check_period(question.from, question.to);
   const Snapshot snapshot(store, question.as_of);

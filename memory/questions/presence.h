@@ -9,6 +9,7 @@ namespace loci::memory {
 
 // Whether an object was at a place in a period: was.
 
+class Snapshot;
 struct Question;
 struct Reply;
 struct ReplyContext;
@@ -48,6 +49,8 @@ struct WasAnswer {
   std::vector<WasObject> objects = {};
 };
 WasAnswer ask(const Store& store, const WasQuestion& question);
+/// Fraction of a place that the scenes of a period saw, taken together.
+double seen_fraction(const Snapshot& snapshot, const PlaceRow& place, TimeNs from, TimeNs to);
 std::string to_text(const WasAnswer& answer, const TimeWriter& times);
 void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const WasAnswer& answer);

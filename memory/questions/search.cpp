@@ -69,7 +69,7 @@ class SearchPlanner {
     std::map<Id, double> counts;
     for (const ObjectObservation& sighting : snapshot_.store().observations_of(object, snapshot_.as_of()))
       if (sighting.observation.place) ++counts[*sighting.observation.place];
-    double elsewhere = 0;
+    double elsewhere = 0, sightings = 0;
     for (const PlaceRow& place : snapshot_.places()) {
       const PlaceViews views = views_of(snapshot_, place, seen);
       SearchPlace one = search_place(place, views);
@@ -77,15 +77,18 @@ class SearchPlanner {
       const double count = counts.contains(place.id) ? counts[place.id] : 0;
       // The belief about the current place includes the views since; elsewhere they are accounted for here.
       one.probability = current ? there : (count + kPriorSightings) * views.missed_since;
-      if (!current) elsewhere += one.probability;
+      if (!current) elsewhere += one.probability, sightings += count + kPriorSightings;
       one.reason = current && there > 0 ? "it is believed to be there"
                    : count > 0
                        ? fmt::format("it was seen there in {}", counted(static_cast<size_t>(count), "scene"))
                        : "it was never seen there";
       search.places.push_back(std::move(one));
     }
+    // If it is not at its current place, it may have left the home: the more so, the less is unseen of it.
+    const double home = belief.elsewhere.value_or(1);
+    const double rest = sightings > 0 ? home * elsewhere / sightings + 1 - home : 0;
     for (SearchPlace& one : search.places) {
-      if (belief.place != one.place.id && elsewhere > 0) one.probability *= (1 - there) / elsewhere;
+      if (belief.place != one.place.id && rest > 0) one.probability *= (1 - there) * home / sightings / rest;
       one.chance_per_minute = one.probability * one.visibility / one.seconds * 60;
     }
     std::ranges::stable_sort(search.places, std::ranges::greater(), &SearchPlace::chance_per_minute);

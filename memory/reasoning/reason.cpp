@@ -67,6 +67,7 @@ SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoni
                        .clone();  // only read
   record.log = from.log(row.id);
   record.image = blob_of(from, row.image);
+  if (row.camera) record.cameras = cameras_of(from, row);
   std::map<Id, size_t> number_of;
   for (ObservationRecord& copy : record.observations) {
     const size_t number = number_of.size();

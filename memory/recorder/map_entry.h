@@ -10,7 +10,8 @@ namespace loci::memory {
 // without one in that of the scene before; the room of a moment is that of the latest scene. So a map may
 // also come between recordings, without a look.
 
-/// Adds a map (URDF, with the sidecar beside it) unless the memory has it. Error when it cannot be read.
+/// Adds a map (URDF, with the sidecar beside it) unless the memory has it. Error when it cannot be read, and
+/// when its walls are not those of the map before: a memory is of one home.
 Id add_map(Store& store, const std::filesystem::path& urdf);
 
 /// The room as it is from a time on.

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/sensor/camera.h"
 #include "memory/belief/scene.h"
 #include "memory/store/rows/rows.h"
 #include "perception/cas/cas.h"
@@ -44,7 +45,8 @@ struct SceneRecord {
   /// Furniture that is not where the scene's map has it, with its motion from there.
   std::vector<belief::PlacePose> moved_places = {};
   BlobRecord image;
-  std::vector<PlaceRow> places;  ///< in view or in the map
+  std::optional<mapping::RgbdCamera> cameras;  ///< of the image, where `structures` do not have them
+  std::vector<PlaceRow> places;                ///< in view or in the map
   std::vector<ObservationRecord> observations;
   std::vector<AnnotationRecord> annotations;                  ///< about the scene as a whole
   std::vector<perception::cas::FeatureStructure> structures;  ///< of the scene

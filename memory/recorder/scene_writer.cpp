@@ -174,6 +174,7 @@ class Recorder::SceneWriter {
       add_annotations(observation.annotations, observation.structures, id, structures);
     }
     add_annotations(record_.annotations, record_.structures, std::nullopt, structures);
+    if (record_.cameras) add_color_camera(structures, *record_.cameras);
   }
 
   void add_annotations(const std::vector<AnnotationRecord>& annotations,

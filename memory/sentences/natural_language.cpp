@@ -305,8 +305,22 @@ class Conversation {
       }
     }
     if (!answer.query) return answer;
+    note_owners_left_out(sentence, answer);
     keep(*answer.query, answer.reply.value_or(Reply{}));
     return answer;
+  }
+
+  /// "Bob's cup": whose it is restricts what is asked for.
+  static void note_owners_left_out(const std::string& sentence, NaturalLanguageAnswer& answer) {
+    const std::string read = lower_case(answer.query->text());
+    for (const std::string& word : words_of(lower_case(sentence))) {
+      if (!word.ends_with("'s")) continue;
+      const std::string owner = word.substr(0, word.size() - 2);
+      const bool is_owner = class_of(lemma_of(owner)) == WordClass::name && !lexicon().contains(owner) &&
+                            !lexicon().contains(word) && !weekday_of(owner);
+      if (is_owner && read.find(owner) == std::string::npos)
+        answer.notes.push_back(fmt::format("'{}' is left out: nothing is known to be of {}", word, owner));
+    }
   }
 
   /// What the rules make of a whole sentence.

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "mapping/image/image_io.h"
-#include "memory/store/feature_structures.h"
 #include "perception/types/geometry.h"
 #include "perception/types/scene_cas.h"
 
@@ -97,6 +96,21 @@ mapping::RgbdCamera cameras_of(const Store& store, const SceneRow& row) {
       cameras.depth_from_color = perception::types::from<Isometry3d>(pose);
   }
   return cameras;
+}
+
+void add_color_camera(FeatureStructureWriter& structures, const mapping::RgbdCamera& cameras) {
+  if (cameras.color == cameras.depth && cameras.depth_from_color.isApprox(Isometry3d::Identity())) return;
+  perception::cas::Cas cas(perception::types::type_system());
+  const auto info = perception::types::CameraInfo::create(cas);
+  info.name.set("color");
+  info.width.set(cameras.color.width);
+  info.height.set(cameras.color.height);
+  info.fx.set(cameras.color.fx);
+  info.fy.set(cameras.color.fy);
+  info.cx.set(cameras.color.cx);
+  info.cy.set(cameras.color.cy);
+  info.depth_from_camera.set(perception::types::to(cas, cameras.depth_from_color));
+  structures.add(info);
 }
 
 std::string encode_depth_thumbnail(const std::vector<float>& depth) {

@@ -8,6 +8,7 @@
 
 #include "mapping/sensor/camera.h"
 #include "mapping/sensor/pixel_kind.h"
+#include "memory/store/feature_structures.h"
 #include "memory/store/store.h"
 
 namespace loci::memory {
@@ -50,8 +51,10 @@ class DepthThumbnail {
 };
 
 /// The cameras of a scene that has one: the depth camera is in its row, the colour camera in a feature
-/// structure where a pipeline wrote it; otherwise the image is taken to be registered to the depth.
+/// structure; without that the image is taken to be registered to the depth.
 mapping::RgbdCamera cameras_of(const Store& store, const SceneRow& row);
+/// Writes the colour camera of a scene, unless its image is registered to the depth.
+void add_color_camera(FeatureStructureWriter& structures, const mapping::RgbdCamera& cameras);
 
 /// The bytes of a thumbnail blob from z-depths in metres (0 or NaN = none): uint16, little endian, mm.
 std::string encode_depth_thumbnail(const std::vector<float>& depth);

@@ -7,7 +7,6 @@
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <span>
 
 #include "mapping/base/config.h"
@@ -94,6 +93,9 @@ std::string id_of(const json& value, const std::string& where) {
   return value.dump();
 }
 
+/// Often numbers are counted from another start than the names.
+constexpr const char* kFirstNumber = "is the first class 0 or 1?";
+
 struct Category {
   std::string name;
   std::vector<std::string> key_points;
@@ -173,6 +175,9 @@ Detection2D read_annotation(const json& entry, const std::map<std::string, Categ
   Detection2D detection;
   const std::string id = id_of(member(entry, "category_id", where), where + ".category_id");
   const auto known = categories.find(id);
+  if (known == categories.end() && !categories.empty())
+    refuse_at({{}, 0, where + ".category_id"}, fmt::format("{} is none of the file's categories", id),
+              kFirstNumber);
   const Category category = known != categories.end() ? known->second : Category{"class_" + id, {}};
   if (entry.contains("score") && !entry["score"].is_null()) {
     const json& score = entry["score"];
@@ -200,20 +205,6 @@ Detection2D read_annotation(const json& entry, const std::map<std::string, Categ
   return detection;
 }
 
-/// A class without a name is called by its number; often numbers are counted from another start than the
-/// names.
-void warn_of_unnamed(const std::vector<ImageDetections>& images, const std::set<std::string>& names,
-                     const fs::path& path, Warnings& warnings) {
-  std::set<std::string> unnamed;
-  for (const ImageDetections& image : images)
-    for (const Detection2D& detection : image.detections)
-      for (const auto& [name, probability] : detection.classes)
-        if (!names.contains(name)) unnamed.insert(name);
-  if (!unnamed.empty())
-    warnings.add(fmt::format("no name is given for {}: is the first class 0 or 1?", fmt::join(unnamed, ", ")),
-                 {path.string(), 0, {}});
-}
-
 /// Error for what is a scene, or a list of scenes, as JSON Lines have one in each line.
 void refuse_scenes(const json& file) {
   const json& first = file.is_array() && !file.empty() ? file.front() : file;
@@ -233,8 +224,10 @@ std::vector<ImageDetections> read_coco(const fs::path& path, Warnings& warnings)
   if (!results) {
     images = read_images(file, sizes);
     categories = read_categories(file);
-  } else {
-    warnings.add("is a list of results without names of classes: they are called class_1, class_2, …",
+  }
+  if (categories.empty()) {
+    warnings.add(fmt::format("{} without names of classes: they are called class_1, class_2, …",
+                             results ? "is a list of results" : "is"),
                  {path.string(), 0, {}});
   }
   std::map<std::string, size_t> mask_pixels;
@@ -256,9 +249,6 @@ std::vector<ImageDetections> read_coco(const fs::path& path, Warnings& warnings)
   }
   std::vector<ImageDetections> all;
   for (auto& [id, image] : images) all.push_back(std::move(image));
-  std::set<std::string> names;
-  for (const auto& [id, category] : categories) names.insert(category.name);
-  if (!results) warn_of_unnamed(all, names, path, warnings);
   return all;
 }
 
@@ -364,6 +354,10 @@ Detection2D read_line(const std::string& line, const YoloNames& names) {
     if (*detection.score < 0 || *detection.score > 1) throw Error("has a score outside 0 to 1");
   }
   const auto index = static_cast<size_t>(number);
+  if (!names.classes.empty() && index >= names.classes.size())
+    throw Error(fmt::format("has class {}, and there are names of the classes 0 to {}", index,
+                            names.classes.size() - 1),
+                {}, kFirstNumber);
   detection.classes = {{index < names.classes.size() ? names.classes[index] : fmt::format("class_{}", index),
                         detection.score.value_or(1.0)}};
   const auto positions = std::span<const double>(values).subspan(1);
@@ -412,8 +406,6 @@ std::vector<ImageDetections> read_yolo(const fs::path& folder, Warnings& warning
         refuse_at({file.string(), number, {}}, "has too many detections");
     }
   }
-  if (!names.classes.empty())
-    warn_of_unnamed(images, {names.classes.begin(), names.classes.end()}, folder, warnings);
   return images;
 }
 

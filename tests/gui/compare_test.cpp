@@ -41,6 +41,15 @@ TEST(Differences, TellApartWhatMovedFromTheNoiseOfALook) {
   EXPECT_EQ(all[1].now, "shelf");
 }
 
+TEST(Differences, APlaceOfAnotherNameInAnotherMemoryMovesNothing) {
+  const Belief there = belief_of(0, {at(1, kTable, 0), at(2, kTable, 0)});
+  const Belief here = belief_of(0, {at(1, kShelf, 0.01), at(2, kShelf, 0.3)});
+  EXPECT_EQ(differences(there, here).size(), 2U);
+  const auto all = differences(there, here, PlaceNames::of_two_memories);
+  ASSERT_EQ(all.size(), 1U);
+  EXPECT_EQ(all[0].object, 2);
+}
+
 TEST(Differences, AreTurnedAroundWhenTheTimesAre) {
   const Belief then =
       belief_of(0, {at(1, kTable, 0), at(2, kTable, 0, memory::ObjectStatus::gone)}, {{"drawer", 0.0}});

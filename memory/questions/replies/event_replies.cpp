@@ -24,6 +24,11 @@ using namespace replies;
 
 namespace {
 
+/// Whether an object that was gone is where it was before.
+bool is_back(const Change& change) {
+  return change.place && change.from_place && change.place->id == change.from_place->id;
+}
+
 /// "the milk moved from table_1 to counter_1".
 std::string happened(const Change& change, const Names& names) {
   if (change.kind == EventKind::joint_changed)
@@ -45,7 +50,7 @@ std::string happened(const Change& change, const Names& names) {
     case EventKind::appeared:
       return fmt::format("{} appeared{}", name, at(change.place));
     case EventKind::reappeared:
-      return fmt::format("{} came back{}", name, at(change.place));
+      return fmt::format("{} {}{}", name, is_back(change) ? "came back" : "turned up", at(change.place));
     case EventKind::hidden:
       return fmt::format("{} was hidden{}", name, at(change.place ? change.place : change.from_place));
     default:

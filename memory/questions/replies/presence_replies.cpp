@@ -303,6 +303,28 @@ void at_one_time(const WasAnswer& answer, const Names& names, const std::string&
   for (size_t i = 0; i < std::min(each.size(), kMaxEvidenceLines); ++i) reply.evidence.push_back(each[i]);
 }
 
+/// When one of them was seen there, from sighting to sighting as long as no look in between excludes it.
+std::vector<TimeSpan> spans_there(const WasAnswer& answer) {
+  std::vector<TimeSpan> stays;
+  for (const WasObject& one : answer.objects)
+    for (size_t i = 0; i < one.seen_there.size(); ++i) {
+      const TimeNs time = one.seen_there[i].time;
+      const bool goes_on = i > 0 && std::ranges::none_of(one.absent, [&](TimeNs absent) {
+                             return absent > one.seen_there[i - 1].time && absent < time;
+                           });
+      if (!goes_on) stays.push_back(at_once(time));
+      stays.back().last = time;
+    }
+  std::ranges::sort(stays, {}, &TimeSpan::first);
+  std::vector<TimeSpan> spans;  // those of several objects may overlap
+  for (const TimeSpan& stay : stays)
+    if (spans.empty() || stay.first > spans.back().last)
+      spans.push_back(stay);
+    else
+      spans.back().last = std::max(spans.back().last, stay.last);
+  return spans;
+}
+
 /// When one of them was seen there.
 void when_seen(const WasAnswer& answer, const std::string& name, const std::string& where,
                const ReplyContext& context, Reply& reply) {
@@ -317,8 +339,10 @@ void when_seen(const WasAnswer& answer, const std::string& name, const std::stri
   const auto [first, last] = std::ranges::minmax(there, {}, &SceneRef::time);
   if (context.query.asks == Asks::summary) {
     reply.time = TimeSpan{first.time, last.time};
-    reply.text =
-        fmt::format("{}: {} was seen {} then.", context.times.span_text(first.time, last.time), name, where);
+    std::vector<std::string> spans;
+    for (const TimeSpan& span : spans_there(answer))
+      spans.push_back(context.times.span_text(span.first, span.last));
+    reply.text = fmt::format("{}: {} was seen {} then.", list_in_words(spans), name, where);
     return;
   }
   const bool asks_last = context.query.asks == Asks::last_time;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "memory/questions/presence.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
@@ -25,7 +26,7 @@ constexpr size_t kMaxSimilar = 5;
 /// Scenes of a place that follow each other closely: no single view sees all of it.
 struct PlaceVisit {
   TimeNs from = 0, to = 0;
-  double fraction = 0;        ///< most of the place that a scene of it saw
+  double fraction = 0;        ///< of the place that its scenes saw together, where no single one saw enough
   std::set<Id> objects = {};  ///< seen at the place
 };
 
@@ -57,7 +58,8 @@ CoOccurrence co_occurrence_of(const Snapshot& snapshot, const ScenesOfObjects& a
   return both;
 }
 
-std::vector<PlaceVisit> visits_of(const Snapshot& snapshot, const ScenesOfObjects& all, Id place) {
+std::vector<PlaceVisit> visits_of(const Snapshot& snapshot, const ScenesOfObjects& all, const PlaceRow& row) {
+  const Id place = row.id;
   std::map<Id, std::set<Id>> there;
   for (const auto& [object, scenes] : all)
     for (const auto& [scene, at] : scenes)
@@ -77,6 +79,9 @@ std::vector<PlaceVisit> visits_of(const Snapshot& snapshot, const ScenesOfObject
     visit.fraction = std::max(visit.fraction, fraction);
     if (seen != there.end()) visit.objects.insert(seen->second.begin(), seen->second.end());
   }
+  for (PlaceVisit& visit : visits)
+    if (visit.fraction > 0 && visit.fraction < kMinSeenFraction && visit.to > visit.from)
+      visit.fraction = std::max(visit.fraction, seen_fraction(snapshot, row, visit.from, visit.to));
   return visits;
 }
 
@@ -100,7 +105,7 @@ MissingPlace missing_at(const Snapshot& snapshot, const ScenesOfObjects& all, co
   for (const BeliefRow& belief : snapshot.beliefs())
     if (is_believed_at(belief, row.id)) present.insert(belief.object);
   const std::vector<PlaceVisit> visits =
-      comparable(visits_of(snapshot, all, row.id), present, occasion, snapshot.store().time_zone());
+      comparable(visits_of(snapshot, all, row), present, occasion, snapshot.store().time_zone());
   result.visits = visits.size();
   for (const BeliefRow& belief : snapshot.beliefs()) {
     ExpectedObject expected{.now = snapshot.object_belief(belief)};

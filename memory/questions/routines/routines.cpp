@@ -211,6 +211,12 @@ std::vector<PlaceStay> stays_at_places(const Snapshot& snapshot, Id object) {
   return stays;
 }
 
+/// Of an even number the mean of the two in the middle: stays are few.
+double median_of_few(std::vector<double> values) {
+  std::ranges::sort(values);
+  return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
+}
+
 /// Counts the stays of objects and the steps between them.
 class TransitionCounts {
  public:
@@ -229,7 +235,7 @@ class TransitionCounts {
     for (const auto& [place, count] : stays_) {
       answer.places.push_back({*snapshot.place_ref(place), count, {}});
       if (const auto found = hours_.find(place); found != hours_.end())
-        answer.places.back().hours = median(found->second);
+        answer.places.back().hours = median_of_few(found->second);
     }
     for (const auto& [from, targets] : steps_)
       for (const auto& [to, count] : targets)

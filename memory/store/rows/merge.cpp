@@ -132,7 +132,7 @@ class Merger {
     const bool empty =
         number("SELECT min((SELECT count(*) FROM main.scene), (SELECT count(*) FROM other.scene))") == 0;
     if (empty || common_maps > 0 || recordings > 0) return;
-    throw Error(
+    throw FramesDiffer(
         fmt::format(
             "{} and {} are not known to be in one map frame: {}", first_.filename().string(),
             second_.filename().string(),

@@ -13,6 +13,11 @@ struct FrameChange {
   bool is_none() const { return translation.isZero(0) && yaw == 0; }
 };
 
+/// Two memories whose map frames are not known to be one.
+struct FramesDiffer : Error {
+  using Error::Error;
+};
+
 struct MergeResult {
   int64_t scenes = 0, observations = 0, objects = 0, facts = 0;  ///< added from the second memory
   int64_t known_scenes = 0;  ///< of the second memory, which the first one had already

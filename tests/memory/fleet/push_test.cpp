@@ -189,6 +189,35 @@ TEST_F(Push, RefusesAnotherMemoryOfARobot) {
   EXPECT_THAT(differences(other), IsEmpty());
 }
 
+TEST_F(Push, RefusesAnOlderCopyThatHasWhatWasForgotten) {
+  push();
+  const std::filesystem::path older = folder_ / "older.loci";
+  std::filesystem::copy_file(file_, older);
+  forget(file_, {.object = random_->cubes[0].object});
+  push();
+  EXPECT_THAT(error_of([&] { push(older); }), HasSubstr("an older copy of the memory of robot 'robot'"));
+  NoProgress silent;
+  EXPECT_THAT(
+      error_of([&] {
+        MemoryPush(older, parse_fleet_url(url()), {.name = {"home", "robot"}, .replace = true}).run(silent);
+      }),
+      HasSubstr("merge"));
+  EXPECT_THAT(differences(file_), IsEmpty());
+}
+
+TEST_F(Push, ReplacesRowsThatSomebodyChanged) {
+  push();
+  sql("UPDATE loci.place SET name = 'elsewhere'; DELETE FROM loci.fact; UPDATE loci.scene SET time = time + "
+      "1");
+  EXPECT_THAT(differences(file_), testing::Not(IsEmpty()));
+  EXPECT_EQ(push().transactions, 0) << "their digests are as they were";
+  NoProgress silent;
+  MemoryPush pusher(file_, parse_fleet_url(url()), {.name = {"home", "robot"}, .replace = true});
+  EXPECT_GT(pusher.run(silent).removed.at("scene"), 0);
+  EXPECT_THAT(differences(file_), IsEmpty());
+  EXPECT_EQ(pusher.run(silent).transactions, 0) << "only once";
+}
+
 TEST_F(Push, TakesNamesAndTextsAsValues) {
   const RobotName hostile{"h'; DROP SCHEMA loci CASCADE; --",
                           "r\"\\ $1 %s ø 機 ); COMMIT; DELETE FROM loci.robot; --"};

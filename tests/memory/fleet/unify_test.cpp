@@ -14,7 +14,9 @@ using testing::IsEmpty;
 class Unify : public testing_support::FleetTest {
  protected:
   /// A robot that looks at three objects, which stay where they are, at other times than the other one.
-  std::filesystem::path memory_of(const std::string& robot, int first_minute) {
+  std::filesystem::path memory_of(const std::string& robot, int first_minute,
+                                  const std::filesystem::path& map = std::filesystem::path(LOCI_SOURCE_DIR) /
+                                                                     "apps/samples/kitchen.urdf") {
     std::string lines;
     for (int i = 0; i < 4; ++i)
       lines += fmt::format(
@@ -29,7 +31,7 @@ class Unify : public testing_support::FleetTest {
     NoProgress silent;
     Warnings warnings;
     IngestOptions options;
-    options.map = std::filesystem::path(LOCI_SOURCE_DIR) / "apps/samples/kitchen.urdf";
+    options.map = map;
     ingest(file, memory, options, {}, silent, warnings);
     push(memory, {"home", robot});
     return memory;
@@ -56,6 +58,21 @@ TEST_F(Unify, JoinsObjectsThatSeveralRobotsSaw) {
   EXPECT_EQ(again.objects, 3);
   EXPECT_EQ(number("SELECT count(*) FROM loci.identity"), 6);
   EXPECT_THROW(unified("first"), Error) << "a robot's memory is not replaced";
+}
+
+TEST_F(Unify, NamesTheRobotThatHasAnotherMap) {
+  memory_of("first", 0);
+  const std::filesystem::path map = folder_ / "other.urdf";
+  write_file_atomically(map, "<robot name=\"other\"><link name=\"world\"/></robot>");
+  memory_of("second", 2, map);
+  try {
+    unified();
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("robot 'second' of home 'home' has neither a map nor a recording in "
+                                        "common with 'first'"));
+    EXPECT_THAT(error.hint(), testing::Not(HasSubstr("--transform")));
+  }
 }
 
 TEST_F(Unify, NeedsTheRightsOfItsRobot) {

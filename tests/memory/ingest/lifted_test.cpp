@@ -7,6 +7,8 @@
 
 #include "mapping/base/files.h"
 #include "memory/ingest/ingest.h"
+#include "memory/reasoning/reason.h"
+#include "memory/store/scene_images.h"
 #include "tests/support/box_table.h"
 
 namespace loci::memory {
@@ -66,6 +68,34 @@ class Lifted : public testing::Test {
   NoProgress progress_;
   Warnings warnings_;
 };
+
+TEST_F(Lifted, TheMemoryKnowsTheColorCamera) {
+  take("d.jsonl", line(0, bbox()));
+  const Store plain = Store::open_read(folder_ / "memory.loci");
+  EXPECT_TRUE(plain.feature_structures(plain.scenes().front().id, "loci.cv.CameraInfo").empty())
+      << "registered to the depth";
+  fs::remove(folder_ / "memory.loci");
+  fs::remove_all(folder_ / "recording");
+  mapping::RgbdCamera cameras = test::table_cameras();
+  cameras.color = {240, 120, 150, 150, 120, 60};
+  cameras.depth_from_color.translation().x() = 0.025;
+  mapping::RecordingWriter writer(folder_ / "recording", cameras, "map");
+  mapping::RgbdFrame frame = test::table_frame({test::table_camera(0.15)}, cameras, 0);
+  frame.map_from_camera = test::table_camera(0.15);
+  writer.add(frame);
+  writer.finish();
+  take("d.jsonl", line(0, bbox()));
+  const auto check = [&](const fs::path& memory) {
+    const Store store = Store::open_read(memory);
+    const mapping::RgbdCamera known = cameras_of(store, store.scenes().front());
+    EXPECT_EQ(known.depth, cameras.depth);
+    EXPECT_EQ(known.color, cameras.color);
+    EXPECT_TRUE(known.depth_from_color.isApprox(cameras.depth_from_color));
+  };
+  check(folder_ / "memory.loci");
+  reason(Store::open_read(folder_ / "memory.loci"), folder_ / "reasoned.loci", {}, {}, progress_);
+  check(folder_ / "reasoned.loci");
+}
 
 TEST_F(Lifted, ANewMemoryTakesTheTimeZoneOfTheRecordingBeforeTheMachines) {
   options_.default_time_zone = "Asia/Kathmandu";

@@ -1,5 +1,9 @@
 #include "memory/questions/routines/co_occurrence.h"
 
+#include <fmt/format.h>
+
+#include <array>
+
 #include "memory/questions/near.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/reply.h"
@@ -41,6 +45,10 @@ TEST_F(CoOccurrenceQuestions, NextToIsWithoutRoomInBetween) {
   };
   EXPECT_THAT(found(Relation::next_to), testing::ElementsAre(3)) << "in any case the nearest";
   EXPECT_THAT(found(Relation::next_to, "yellow"), testing::IsEmpty());
+  NearQuestion far{.subject = "red", .radius_m = 0.2, .relation = Relation::next_to};
+  EXPECT_EQ(ask(*store_, far).objects.at(0).object.object.id, 3) << "however far it is";
+  far.only = "green";
+  EXPECT_THAT(ask(*store_, far).objects, testing::IsEmpty());
   store_.reset();
   {
     Store store = Store::open_write(file_, {});
@@ -107,6 +115,62 @@ TEST_F(CoOccurrenceQuestions, CountsScenesWithBoth) {
   const CoOccurrenceAnswer two = ask(*store_, CoOccurrenceQuestion{.subject = "blue", .other = "green"});
   EXPECT_EQ(two.objects[0].others.at(0).together, 0U);
   EXPECT_EQ(two.objects[0].others.at(0).scenes, 2U);
+}
+
+/// A counter of 5 m, of which one view shows 44 %, in the morning with two objects and at noon with one.
+void remember_long_counter(const std::filesystem::path& file) {
+  Store store = Store::open_write(file, {.now = testing_support::SyntheticDay::kKnownFirst});
+  const Id run = store.begin_run("test", "{}");
+  const Id counter = store.add_place({.name = "counter_1",
+                                      .class_name = "counter",
+                                      .height = 0.75,
+                                      .outline = {{0, 0}, {5, 0}, {5, 0.8}, {0, 0.8}}},
+                                     run);
+  SceneTransaction scene(store, run);
+  const std::array<Id, 2> objects = {scene.add_object({}), scene.add_object({})};
+  for (const char* hour : {"08", "12"})
+    for (size_t view = 0; view < 2; ++view) {
+      Isometry3d map_from_camera = Isometry3d::Identity();
+      map_from_camera.linear() << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+      map_from_camera.translation() = Vector3d(view == 0 ? 1.1 : 3.9, 0.4, 2.75);
+      const Id id =
+          scene.add_scene({.time = testing_support::day_time(fmt::format("{}:0{}", hour, view)),
+                           .camera = SceneCamera{640, 480, 585, 585, 319.5, 239.5, 0.5, 5.0},
+                           .map_from_camera = map_from_camera,
+                           .depth = scene.add_blob(encode_depth_thumbnail(std::vector<float>(80 * 60, 2.0F)),
+                                                   kDepthThumbnailMedia),
+                           .depth_width = 80,
+                           .depth_height = 60});
+      scene.add_visibility({.scene = id, .place = counter, .status = ObjectStatus::seen, .fraction = 0.44});
+      const bool gone = view == 1 && std::string_view(hour) == "12";
+      if (!gone) {
+        const Id seen = scene.add_observation({.scene = id, .number = 0, .place = counter});
+        scene.add_association({.scene = id,
+                               .observation = seen,
+                               .object = objects[view],
+                               .explanation = Explanation::stay,
+                               .probability = 1,
+                               .chosen = true});
+      }
+      scene.add_belief({.object = objects[view],
+                        .scene = id,
+                        .status = gone ? ObjectStatus::gone : ObjectStatus::seen,
+                        .probability = gone ? 0.0 : 1.0,
+                        .place = counter,
+                        .last_scene = id});
+    }
+  scene.commit();
+  store.finish_run(run);
+}
+
+TEST_F(CoOccurrenceQuestions, MissingTakesTheViewsOfAVisitTogether) {
+  const std::filesystem::path file = folder_ / "long.loci";
+  remember_long_counter(file);
+  const MissingAnswer answer = ask(Store::open_read(file), MissingQuestion{.place = "counter_1"});
+  ASSERT_EQ(answer.places.size(), 1U);
+  EXPECT_EQ(answer.places[0].visits, 2U);
+  ASSERT_EQ(answer.places[0].missing.size(), 1U);
+  EXPECT_EQ(answer.places[0].missing[0].now.object.id, 2);
 }
 
 TEST_F(CoOccurrenceQuestions, MissingIsWhatMostVisitsShowedWithTheRest) {

@@ -52,6 +52,11 @@ TEST_F(Comparison, StaysAreComparedByTheLooksAroundThem) {
   };
   EXPECT_EQ(longer("blue", "red"), Verdict::not_observed) << "both may have stayed until 9:00";
   EXPECT_EQ(longer("blue", "green"), Verdict::not_observed) << "never seen there";
+  EXPECT_THAT(text(ask(*store_,
+                       ComparisonQuestion{
+                           .subject = "yellow", .with = "red", .by = "longer", .place = "drawer_1_bottom"})),
+              testing::HasSubstr("was there less than a minute"))
+      << "seen there once";
   EXPECT_THROW(compare("blue", "red", "longer"), Error);
 }
 

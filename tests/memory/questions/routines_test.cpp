@@ -19,6 +19,14 @@ TEST_F(LifeCycle, IsTheSequenceOfPlaces) {
   EXPECT_THAT(text(answer), HasSubstr("on table_1: 1 stay, 1.5 h"));
 }
 
+TEST_F(LifeCycle, TheMedianOfTwoStaysLiesBetweenThem) {
+  see_red_at("table_1", "11:00");
+  see_red_at("counter_1", "15:00");
+  EXPECT_THAT(text(ask(*store_, LifeCycleQuestion{.subject = "red"})),
+              HasSubstr("on table_1: 2 stays, 2.8 h"))
+      << "1.5 h and 4 h";
+}
+
 TEST_F(LifeCycle, OfAllObjectsAddsUp) {
   const LifeCycleAnswer answer = ask(*store_, LifeCycleQuestion{.subject = ""});
   EXPECT_EQ(answer.objects.size(), 4U);

@@ -138,6 +138,30 @@ TEST_F(SearchNext, PlacesSeenSinceAreLessProbable) {
   EXPECT_EQ(places.back().probability, 0);
 }
 
+TEST_F(SearchNext, WhatMayHaveLeftTheHomeIsNotSurelyAtOneOfItsPlaces) {
+  store_.reset();
+  {
+    Store store = Store::open_write(file_, {.now = testing_support::SyntheticDay::kKnownSecond + kSecond});
+    const Id run = store.begin_run("test", "{}");
+    SceneTransaction rows(store, run);
+    BeliefRow row = *store.belief(1);
+    row.status = ObjectStatus::gone;
+    row.probability = 0;
+    row.elsewhere = 0.5;
+    row.clock.supersedes = row.id;
+    row.clock.known_to.reset();
+    rows.add_belief(row);
+    rows.commit();
+    store.finish_run(run);
+  }
+  store_.emplace(Store::open_read(file_));
+  const ObjectSearch search = ask(*store_, SearchQuestion{.subject = "object_1"}).objects.at(0);
+  double sum = 0;
+  for (const SearchPlace& place : search.places) sum += place.probability;
+  EXPECT_GT(sum, 0.1);
+  EXPECT_LT(sum, search.now.in_home) << "less than before the places were looked at since";
+}
+
 TEST_F(SearchNext, DistanceCosts) {
   const auto seconds = [&](const Vector2d& start) {
     const auto answer = ask(*store_, SearchQuestion{.subject = "red", .start = start});

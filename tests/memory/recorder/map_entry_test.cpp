@@ -212,6 +212,37 @@ TEST_F(MapEntry, ANewMapThatDiffersByTheErrorOfMapsMovesNothing) {
   EXPECT_NEAR(store_->belief(1)->position->x(), 0.05, 0.02);
 }
 
+TEST_F(MapEntry, RefusesTheMapOfAnotherRoom) {
+  const auto with_walls = [&](double table_x, double width_m) {
+    const std::filesystem::path urdf = room(table_x);
+    const auto wall = [](double normal_x, double normal_y, double offset) {
+      const Vector2d n(normal_x, normal_y), along(-normal_y, normal_x);
+      const Vector2d from = offset * n - 2 * along, to = offset * n + 2 * along;
+      return fmt::format(
+          R"({{"class": "wall", "geometry": {{"normal": [{}, {}, 0], "offset": {}, "outline": [[{}, {}, 0], [{}, {}, 0]]}}}})",
+          normal_x, normal_y, offset, from.x(), from.y(), to.x(), to.y());
+    };
+    std::filesystem::path sidecar = urdf;
+    write_file_atomically(
+        sidecar.replace_extension(".semantic.json"),
+        fmt::format(
+            R"({{"version": 1, "frame": "map", "links": {{"wall_1": {}, "wall_2": {}, "wall_3": {}}}}})",
+            wall(1, 0, -width_m / 2), wall(-1, 0, -width_m / 2), wall(0, 1, -width_m)));
+    return urdf;
+  };
+  enter_map(*store_, with_walls(0.3, 5), kEvening, "test");
+  enter_map(*store_, with_walls(0.6, 5.05), 2 * kEvening, "test");
+  EXPECT_EQ(store_->maps().size(), 3U);
+  try {
+    enter_map(*store_, with_walls(0.9, 8), 3 * kEvening, "test");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("is the map of another room than map 'room_60.urdf'"));
+    EXPECT_THAT(error.what(), HasSubstr("0 of its 3 walls"));
+  }
+  EXPECT_EQ(store_->maps().size(), 3U);
+}
+
 TEST_F(MapEntry, RefusesOtherFilesAndTimesBeforeTheLastScene) {
   const auto refusal = [&](const std::filesystem::path& urdf, TimeNs at) -> std::string {
     try {

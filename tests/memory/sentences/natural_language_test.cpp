@@ -47,6 +47,42 @@ TEST_F(NaturalLanguage, ItIsWhatTheSentenceBeforeWasAboutOrWhatWasSeenLast) {
   EXPECT_THAT(alone.notes, testing::Contains(HasSubstr("nothing was spoken of before")));
 }
 
+TEST_F(NaturalLanguage, StaysBetweenWhichItWasElsewhereAreApart) {
+  see_red_at("table_1", "11:00");
+  const Reply reply = *say("When was the tea cup on the table?").reply;
+  EXPECT_THAT(reply.text, HasSubstr("08:00 and "));
+  EXPECT_THAT(reply.text, HasSubstr("11:00: the tea cup was seen on table then."));
+  EXPECT_THAT(say("When was the blue thing on the table?").reply->text, HasSubstr("09:00: "));
+}
+
+TEST_F(NaturalLanguage, AMoveIsCountedAlikeByAllQuestions) {
+  see_red_at("drawer_1_bottom", "11:00", EventRow{.kind = EventKind::gone, .from_place = 2});
+  see_red_at("drawer_1_bottom", "12:00", EventRow{.kind = EventKind::reappeared, .from_place = 2});
+  EXPECT_EQ(say("How many times was the tea cup moved?").reply->number, 2U);
+  EXPECT_THAT(say("Which object was moved most often?").reply->text, HasSubstr("tea cup, 2 times"));
+  EXPECT_THAT(say("Which was moved more often, the tea cup or the blue one?").reply->text,
+              HasSubstr("tea cup, 2 times"));
+}
+
+TEST_F(NaturalLanguage, AnOwnerThatIsLeftOutIsSaid) {
+  EXPECT_THAT(say("Is Bob's tea cup on the counter?").notes,
+              testing::Contains(HasSubstr("'bob's' is left out")));
+  EXPECT_THAT(say("What's on the counter?").notes, testing::IsEmpty());
+}
+
+TEST_F(NaturalLanguage, NightsAreTimes) {
+  EXPECT_EQ(say("What changed overnight?").query->text(), "changes --between 'last night' 'last night'");
+  EXPECT_EQ(say("What changed during the night to Sunday?").query->text(),
+            "changes --between 'saturday night' 'saturday night'");
+}
+
+TEST_F(NaturalLanguage, OnlyWhatWasAtAPlaceBeforeComesBackToIt) {
+  see_red_at("drawer_1_bottom", "11:00", EventRow{.kind = EventKind::reappeared, .from_place = 2});
+  EXPECT_THAT(say("What happened to the tea cup?").reply->text, HasSubstr("turned up in drawer"));
+  see_red_at("counter_1", "12:00", EventRow{.kind = EventKind::reappeared, .from_place = 2});
+  EXPECT_THAT(say("What happened to the tea cup?").reply->text, HasSubstr("came back on counter"));
+}
+
 TEST_F(NaturalLanguage, WhatIsSaidBeforeAQuestionIsWhatItRefersTo) {
   const auto command = [&](const char* sentence) {
     const NaturalLanguageAnswer answer = say(sentence);

@@ -117,12 +117,26 @@ TEST_F(Detections, YoloFolder) {
   EXPECT_FALSE(image->detections[1].region.mask.empty());
 }
 
-TEST_F(Detections, ClassesWithoutANameArePointedAt) {
+TEST_F(Detections, ClassesThatTheFileDoesNotDefineAreRefused) {
   write_file_atomically(folder_ / "yolo" / "classes.txt", "bowl\nmug\n");
-  yolo("2 0.5 0.25 0.1 0.2 0.9\n0 0.5 0.25 0.1 0.2 0.9\n");
+  const auto why = [&](const auto& read) -> std::string {
+    try {
+      read();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return {};
+  };
+  const std::string lines = why([&] { yolo("0 0.5 0.25 0.1 0.2 0.9\n2 0.5 0.25 0.1 0.2 0.9\n"); });
+  EXPECT_THAT(lines, testing::HasSubstr(".txt:2: has class 2, and there are names of the classes 0 to 1"));
+  EXPECT_THAT(lines, testing::HasSubstr("is the first class 0 or 1?"));
+  const std::string head = R"({"images": [{"id": 1, "file_name": "a.png"}], "categories": [)";
+  const std::string tail = R"(], "annotations": [{"image_id": 1, "category_id": 99, "bbox": [1, 1, 2, 3]}]})";
+  EXPECT_THAT(why([&] { coco(head + R"({"id": 1, "name": "mug"})" + tail); }),
+              testing::HasSubstr("annotations[0].category_id: 99 is none of the file's categories"));
+  EXPECT_EQ(coco(head + tail).images()[0].detections[0].classes[0].first, "class_99");
   ASSERT_EQ(warnings_.texts().size(), 1U);
-  EXPECT_THAT(warnings_.texts()[0],
-              testing::HasSubstr("no name is given for class_2: is the first class 0 or 1?"));
+  EXPECT_THAT(warnings_.texts()[0], testing::HasSubstr("is without names of classes"));
 }
 
 TEST_F(Detections, ClassNamesComeFromDataYaml) {
