@@ -122,6 +122,23 @@ TEST_F(Survey, PullsHaveTheNamesThatFrontsGetWhenTheyAreNumberedAnew) {
   EXPECT_EQ(result.report()["interactions"][0]["pulled_as"], result.interactions[0].pulled_as);
 }
 
+TEST_F(Survey, WhatComesOutTogetherSideBySideIsOneDrawer) {
+  SmallWorld world;
+  world.box("cupboard", {0, 1.26, 0.45}, {1.2, 0.48, 0.8});
+  world.box("top", {0, 1.24, 0.87}, {1.24, 0.54, 0.04});
+  world.two_bar_drawer("upper", 0, 1, 0.65, 1, 0.38);
+  world.drawer("lower", 0, 1, 0.26, 1, 0.38);
+  const SurveyResult result = explore(world, "map", 0, quiet_);
+  EXPECT_EQ(result.fronts_before.size(), 3U);
+  ASSERT_EQ(result.map.fronts.size(), 2U);
+  EXPECT_EQ(result.interactions.size(), 2U);
+  const mapping::Front& front = result.map.fronts.front();
+  EXPECT_NEAR(front.width, 1, 0.04);
+  EXPECT_NEAR(front.centre.x(), 0, 0.02);
+  EXPECT_NEAR(front.fixture->length, 0.8, 0.04);
+  EXPECT_EQ(front.joint->type, mapping::ArticulationType::prismatic);
+}
+
 TEST_F(Survey, IsNotUsableWhenMostScansCouldNotBeRegistered) {
   SurveyResult result;
   result.steps.resize(40);

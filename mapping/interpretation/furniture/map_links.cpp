@@ -15,6 +15,7 @@
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/names.h"
 #include "mapping/interpretation/furniture/parameters.h"
+#include "mapping/interpretation/furniture/sliding.h"
 #include "mapping/interpretation/furniture/wings.h"
 
 namespace loci::mapping {
@@ -350,6 +351,7 @@ void set_prior_joint(Front& front) {
 
 void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, InterpretedMap& map) {
   for (Front& front : fronts) set_prior_joint(front);
+  pair_sliding_panels(fronts);
   pair_wings(fronts);
   map.room_yaw = room.yaw;
   add_named(std::move(fronts), map);
