@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <set>
 
 #include "mapping/base/files.h"
 #include "mapping/base/math/pose.h"
@@ -143,7 +145,7 @@ class Interactor {
   Interaction pull(const mapping::Front& front, size_t base_pose, const mapping::Scan& closed) {
     const Stopwatch watch;
     Interaction result;
-    result.front = front.name;
+    result.front = result.pulled_as = front.name;
     result.base_pose = base_pose;
     const std::string name = "pull_" + front.name;
     if (!log_.pull(front.name)) pull_and_scan(front, name, closed);
@@ -160,7 +162,21 @@ class Interactor {
     return result;
   }
 
+  /// Whether another front came along with what was pulled.
+  bool came_along(const Interaction& pull, const mapping::Front& other, const mapping::Scan& closed) const {
+    const mapping::Scan* open = log_.find("pull_" + pull.pulled_as);
+    if (open == nullptr || !is_drawer(pull.difference.joint)) return false;
+    const mapping::DifferenceResult moved =
+        articulate(set_of(closed), set_of(*open), other, {}, options_.difference);
+    return is_drawer(moved.joint) &&
+           std::abs(moved.moved - pull.difference.moved) < options_.difference.tolerance_m;
+  }
+
  private:
+  static bool is_drawer(const std::optional<mapping::JointEstimate>& joint) {
+    return joint && joint->type == mapping::ArticulationType::prismatic;
+  }
+
   void pull_and_scan(const mapping::Front& front, const std::string& name, const mapping::Scan& closed) {
     LoggedPull pull;
     pull.hand_path = robot_.pull(front.fixture->centre, options_.pull_distance_m).hand_path;
@@ -186,6 +202,48 @@ class Interactor {
   Warnings& warnings_;
   PullLog log_;
 };
+
+/// The place of a point, or the end of a direction, in the plane of a front: to its right and up.
+Vector2d in_plane(const mapping::Front& front, const Vector3d& direction) {
+  return {direction.dot(front.right()), direction.dot(front.up)};
+}
+
+/// Whether two fronts stand side by side with level bars in line: perhaps one drawer, whose bar was seen in
+/// two pieces.
+bool has_bar_in_line(const mapping::Front& front, const mapping::Front& other) {
+  constexpr double kMaxGap = 0.03;     // m, between fronts: more than any seam
+  constexpr double kMaxOffset = 0.02;  // m, across: bar and front are found to a centimetre each
+  const auto is_level = [](const mapping::Front& one) {
+    return one.fixture && one.fixture->kind == mapping::Fixture::Kind::handle &&
+           std::abs(one.fixture->axis.dot(one.right())) > std::sqrt(0.5);
+  };
+  if (!is_level(front) || !is_level(other) || front.normal.dot(other.normal) < std::sqrt(0.5)) return false;
+  const Vector3d off = other.centre - front.centre, bars = other.fixture->centre - front.fixture->centre;
+  const double gap = std::abs(off.dot(front.right())) - (front.width + other.width) / 2;
+  return std::abs(gap) < kMaxGap && std::abs(off.dot(front.normal)) < kMaxOffset &&
+         std::abs(off.dot(front.up)) < kMaxGap && std::abs(bars.dot(front.up)) < kMaxOffset;
+}
+
+/// Extends a front over another one that came along with it, and its bar over what was between their bars.
+void unite(mapping::Front& front, const mapping::Front& other) {
+  Eigen::AlignedBox2d box;
+  for (const auto* one : std::initializer_list<const mapping::Front*>{&front, &other})
+    for (const double side : {-0.5, 0.5})
+      box.extend(in_plane(front, one->centre - front.centre) + side * Vector2d(one->width, one->height));
+  const Vector2d middle = box.center();
+  front.width = box.sizes().x();
+  front.height = box.sizes().y();
+  if (front.fixture) {
+    mapping::Fixture& bar = *front.fixture;
+    const double along = in_plane(front, other.fixture->centre - bar.centre).x();
+    const double low = std::min(-bar.length, 2 * along - other.fixture->length) / 2,
+                 high = std::max(bar.length, 2 * along + other.fixture->length) / 2;
+    bar.centre += (low + high) / 2 * front.right();
+    bar.length = high - low;
+  }
+  front.centre += middle.x() * front.right() + middle.y() * front.up;
+  front.evidence["united_with"] = "what came along when it was pulled";
+}
 
 /// Whether nothing but a fixture that turned out to be none made this a front: no seam parts it from others.
 bool disproved(const mapping::Front& front) {
@@ -235,8 +293,9 @@ std::vector<Interaction> interact(mapping::Robot& robot, const Exploration& expl
                                   const ExplorationOptions& explored, const InteractionOptions& options,
                                   Progress& progress, Warnings& warnings) {
   const mapping::FloorRegion within(explored.planner.within);
-  std::vector<mapping::Front> left =
-      fronts;  // Those that need not be pulled any more lose their fixture here.
+  const std::vector<mapping::Front> before = fronts;
+  std::vector<mapping::Front> left = fronts;  // Those that need not be pulled lose their fixture here.
+  std::set<std::string> united;               // with others: these are not in the map
   for (mapping::Front& front : left)
     if (!within.contains(front.centre.head<2>())) front.fixture.reset();
   const auto count_left = [&] {
@@ -264,14 +323,24 @@ std::vector<Interaction> interact(mapping::Robot& robot, const Exploration& expl
     }
     const mapping::Scan closed = *seen;  // The log grows.
     for (const size_t f : base.fronts) {
+      if (!left[f].fixture) continue;  // It came along with another one.
       progress.check(1 - static_cast<double>(count_left()) / static_cast<double>(wanted),
                      "pulls " + fronts[f].name);
       interactions.push_back(interactor.pull(fronts[f], number, closed));
       learn(interactions.back(), fronts[f]);
       left[f].fixture.reset();
+      for (size_t other = 0; other < fronts.size(); ++other) {
+        if (!left[other].fixture || !has_bar_in_line(before[f], before[other]) ||
+            !interactor.came_along(interactions.back(), before[other], closed))
+          continue;
+        unite(fronts[f], before[other]);
+        left[other].fixture.reset();
+        united.insert(fronts[other].name);
+      }
     }
   }
-  std::erase_if(fronts, disproved);
+  std::erase_if(fronts,
+                [&](const mapping::Front& front) { return disproved(front) || united.contains(front.name); });
   if (count_left() > 0)
     warnings.add(fmt::format("{} of {} handles cannot be seen well from where the robot can stand",
                              count_left(), wanted));

@@ -51,12 +51,13 @@ std::string pulls_table(const SurveyResult& result) {
   std::vector<std::vector<std::string>> rows;
   for (const Interaction& pull : result.interactions) {
     const auto& joint = pull.difference.joint;
-    rows.push_back({pull.front, std::to_string(pull.base_pose), pull.held ? "yes" : "no",
-                    joint ? to_text(joint->type) : "",
+    rows.push_back({pull.front.value_or("none"), pull.pulled_as, std::to_string(pull.base_pose),
+                    pull.held ? "yes" : "no", joint ? to_text(joint->type) : "",
                     joint ? fmt::format("{:.3f}", pull.difference.moved) : "",
                     joint ? fmt::format("{:.2f}", joint->axis_sd_deg) : "", pull.difference.reason});
   }
-  return html_table({"front", "base pose", "held", "joint", "moved (m or rad)", "axis ± °", "remark"}, rows);
+  return html_table(
+      {"front", "pulled as", "base pose", "held", "joint", "moved (m or rad)", "axis ± °", "remark"}, rows);
 }
 
 /// What was known, the votes, and the choice, side by side; "" where nothing was planned.
@@ -122,7 +123,8 @@ Json SurveyResult::report() const {
   Json pulls = Json::array();
   for (const Interaction& pull : interactions) {
     Json json = pull.difference.report();
-    json["front"] = pull.front;
+    json["front"] = pull.front ? Json(*pull.front) : Json();
+    json["pulled_as"] = pull.pulled_as;
     json["base_pose"] = pull.base_pose;
     json["held"] = pull.held;
     pulls.push_back(json);
@@ -162,7 +164,9 @@ SurveyResult survey(mapping::Robot& robot, const mapping::PlanarPose& start,
     result.fronts_before = fronts;
     result.interactions = interact(robot, exploration, fronts, folder, resume, checked.exploration,
                                    checked.interaction, pulling, warnings);
-    replace_fronts(std::move(fronts), result.map);
+    const auto names = replace_fronts(std::move(fronts), result.map);
+    for (Interaction& pull : result.interactions)
+      if (const auto now = names.find(pull.pulled_as); now != names.end()) pull.front = now->second;
   }
   if (!result.map.usable())
     throw Error(result.map.summary(), {folder.string(), 0, ""}, "the scans were kept");
@@ -171,6 +175,7 @@ SurveyResult survey(mapping::Robot& robot, const mapping::PlanarPose& start,
   result.seconds = watch.seconds();
   color_links(result.scans, checked.exploration.threads, result.map);
   result.map.world.name = mapping::map_name(folder);
+  if (checked.map_from_input) result.map.semantics.map_from_input = checked.map_from_input;
   write_urdf(result.map.world, folder / "map.urdf");
   write_semantic_map(result.map.semantics, folder / "map.semantic.json");
   write_file_atomically(folder / "report.html", survey_report(result, folder, warnings));

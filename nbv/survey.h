@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,9 @@ namespace loci::nbv {
 
 struct SurveyOptions {
   bool interact = false;
+  /// From the frame of what is explored, where the floor is not at z = 0, to the robot's map: for the
+  /// sidecar; not declared.
+  std::optional<Isometry3d> map_from_input;
   ExplorationOptions exploration;
   mapping::InterpretationOptions interpretation;
   InteractionOptions interaction;

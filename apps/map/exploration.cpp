@@ -44,6 +44,7 @@ void explore(ExploreArguments& arguments, Session& session) {
                                         ? robot.open_place()
                                         : mapping::planar_poses_from(arguments.start, "--start").front();
   robot.put_at(start);
+  if (arguments.floor.value_or(0) != 0) arguments.options.map_from_input = robot.map_from_world();
   const std::filesystem::path earlier = std::filesystem::path(arguments.out) / "explore.json";
   if (!arguments.resume && std::filesystem::exists(earlier))
     session.warnings().add("the earlier exploration in " + arguments.out +
@@ -81,7 +82,8 @@ Command explore_command() {
                          "Pose of the first scan in the world frame: x,y,yaw_deg",
                          {.default_text = "the most open floor"});
             table.option("--scanner SENSOR", &arguments->scanner, "Sensor", {.choices = {"hokuyo"}});
-            table.option("--floor HEIGHT", &arguments->floor, "Add a floor at this height", {.unit = "m"});
+            table.option("--floor HEIGHT", &arguments->floor,
+                         "Height of the floor; a world without a link floor gets one there", {.unit = "m"});
             table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height",
                          {.unit = "m"});
             table.option("--seed N", &arguments->options.exploration.seed, "Seed of noise and samples");

@@ -119,7 +119,8 @@ Command scan_command() {
                      {.required = true});
         table.output("FOLDER", &arguments->out, "Folder of the scan set", {.replaces = true});
         table.package_path(&arguments->package_paths);
-        table.option("--floor HEIGHT", &arguments->floor, "Add a floor at this height", {.unit = "m"});
+        table.option("--floor HEIGHT", &arguments->floor,
+                     "Height of the floor; a world without a link floor gets one there", {.unit = "m"});
         table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height", {.unit = "m"});
         table.option("--joints JOINT=VALUE...", &arguments->joints, "Positions of joints",
                      {.unit = "m or rad", .open_end = true});

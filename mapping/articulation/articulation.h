@@ -23,8 +23,8 @@ JointEstimate joint_prior(const Front& front);
 /// possible rectangles around a handle.
 double front_log_likelihood(const Front& front);
 
-/// The class of a front by its joint: "drawer", "door" (upright hinge), "flap" (level hinge), "front"
-/// (rigid).
+/// The class of a front by its joint: "drawer", "door" (upright hinge, or sliding along its plane), "flap"
+/// (level hinge), "front" (rigid).
 std::string front_class(const Front& front, const JointEstimate& joint);
 
 /// A recorded motion: positions, and orientations where they were measured.

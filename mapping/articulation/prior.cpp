@@ -197,8 +197,8 @@ double front_log_likelihood(const Front& front) {
 
 std::string front_class(const Front& front, const JointEstimate& joint) {
   switch (joint.type) {
-    case ArticulationType::prismatic:
-      return "drawer";
+    case ArticulationType::prismatic:  // A door may slide along its plane.
+      return std::abs(joint.axis.dot(front.normal)) > std::sqrt(0.5) ? "drawer" : "door";
     case ArticulationType::revolute:
       return std::abs(joint.axis.dot(front.up)) > std::sqrt(0.5) ? "door" : "flap";
     case ArticulationType::rigid:

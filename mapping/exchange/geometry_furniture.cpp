@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kUpright = 0.3;       // |z| of the normal of an upright face
 constexpr double kMinFace = 0.01;      // m²
+constexpr double kMinSide = 0.06;      // m; of a front: the edges of panels are thinner
+constexpr double kAlongAxis = 0.7;     // cosine
 constexpr double kSamePlane = 0.005;   // m
 constexpr double kSameNormal = 0.995;  // cosine
 constexpr double kFreeBefore = 0.4;    // m
@@ -100,6 +102,7 @@ class FurnitureReader {
     std::vector<Face> faces = faces_of(body);
     std::erase_if(faces, [](const Face& face) { return face.area < kMinFace; });
     if (faces.empty()) return std::nullopt;
+    keep_ends(joint, faces);
     const std::optional<Vector3d> outside = fixtures.empty() ? std::nullopt : centre_of(fixtures.front());
     const std::optional<Vector3d> inside = centre_above(joint);
     const auto looks_out = [&](const Face& face) {
@@ -114,6 +117,19 @@ class FurnitureReader {
       return face.normal.dot(largest.normal) < kSameNormal || face.area < 0.6 * largest.area;
     });
     return *std::ranges::max_element(faces, {}, &Face::offset);
+  }
+
+  /// Of what slides, leaves the faces at its ends where there are any: the side of a deep pull-out is larger
+  /// than its front. Those of a panel that slides in its own plane are its edges.
+  void keep_ends(const Joint& joint, std::vector<Face>& faces) const {
+    if (joint.type != JointType::prismatic) return;
+    const Vector3d axis = root_from_link_[world_.link_index(joint.child)].linear() * joint.axis.normalized();
+    const auto is_end = [&](const Face& face) {
+      const Front front = rectangle_of(face);
+      return std::abs(face.normal.dot(axis)) > kAlongAxis && std::min(front.width, front.height) > kMinSide;
+    };
+    if (std::ranges::any_of(faces, is_end))
+      std::erase_if(faces, [&](const Face& face) { return !is_end(face); });
   }
 
   static std::vector<Face> faces_of(const std::vector<const WorldTriangle*>& body) {

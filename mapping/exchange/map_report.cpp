@@ -15,6 +15,7 @@
 #include "mapping/exchange/model_view.h"
 #include "mapping/image/image_io.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
+#include "mapping/interpretation/furniture/sliding.h"
 
 namespace loci::mapping {
 namespace {
@@ -74,6 +75,7 @@ std::string details(const std::string& title, const std::string& body) {
 /// "drawer", "door, hinge on the left", "flap, hinge below".
 std::string way_of(const Front& front) {
   if (!front.joint || front.joint->type == ArticulationType::rigid) return "does not open, as far as known";
+  if (slides_sideways(front)) return "door, slides";
   if (front.joint->type == ArticulationType::prismatic) return "drawer";
   switch (hinge_side(front)) {
     case HingeSide::left:

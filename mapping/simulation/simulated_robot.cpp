@@ -9,6 +9,7 @@
 #include "mapping/base/math/math.h"
 #include "mapping/base/math/pose.h"
 #include "mapping/base/text/json.h"
+#include "mapping/world/inspection.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
 
@@ -61,6 +62,7 @@ std::pair<double, double> range_of(const Joint& joint) {
 struct SimulatedRobot::Impl {
   SimulatedRobotOptions options;
   World world;
+  Isometry3d map_from_world;
   JointState joints;
   RayScene scene;
   Isometry3d map_from_true, map_from_believed;  ///< the robot's base
@@ -72,18 +74,20 @@ struct SimulatedRobot::Impl {
   Impl(const fs::path& urdf, const SimulatedRobotOptions& chosen, const PlanarPose& start, Warnings& warnings)
       : options(chosen),
         world(read_urdf(urdf)),
+        map_from_world(Eigen::Translation3d(0, 0, -chosen.floor.value_or(0))),
         map_from_true(map_from_base(start)),
         map_from_believed(map_from_base(start)),
         scanner_height(chosen.laser.height_m),
         random(chosen.seed) {
-    scene.add(world, {options.package_paths, urdf.parent_path()}, Isometry3d::Identity(), warnings);
+    scene.add(world, {options.package_paths, urdf.parent_path()}, map_from_world, warnings);
     const Eigen::AlignedBox3d box = scene.bounds();
     if (box.isEmpty()) throw Error("the world has nothing that a laser can see", {urdf.string(), 0, {}});
+    require_metres(box, urdf.string());
     for (const bool is_floor : {true, false}) {
       const std::string name = is_floor ? "floor" : "ceiling";
       const std::optional<double> height = is_floor ? options.floor : options.ceiling;
       if (height && world.find_link(name) == nullptr)
-        scene.add(name, level_rectangle(box, *height, is_floor), Isometry3d::Identity());
+        scene.add(name, level_rectangle(box, *height, is_floor), map_from_world);
     }
   }
 
@@ -130,7 +134,7 @@ const Joint* SimulatedRobot::Impl::moving_joint(const std::string& link) const {
 Isometry3d SimulatedRobot::Impl::map_from_link(size_t link, const Joint& joint, double position) const {
   JointState state = joints;
   state[joint.name] = position;
-  return root_from_links(world, state)[link];
+  return map_from_world * root_from_links(world, state)[link];
 }
 
 /// +1 or -1; 0 = it is open as far as it goes.
@@ -334,6 +338,10 @@ Isometry3d SimulatedRobot::true_map_from_scanner() const {
 
 const RayScene& SimulatedRobot::scene() const {
   return impl_->scene;
+}
+
+const Isometry3d& SimulatedRobot::map_from_world() const {
+  return impl_->map_from_world;
 }
 
 const World& SimulatedRobot::world() const {

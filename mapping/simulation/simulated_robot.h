@@ -21,8 +21,8 @@ struct HandModel {
 
 struct SimulatedRobotOptions {
   std::vector<std::filesystem::path> package_paths = {};  ///< where package:// is looked for
-  /// Heights of a floor and a ceiling to add, as large as the world; unset = none. A world that has a link
-  /// of that name keeps its own.
+  /// Heights of the floor, on which the robot stands (at 0 where unset), and of the ceiling in the world's
+  /// frame. A world without a link of that name gets one there, as large as the world; unset = none.
   std::optional<double> floor = 0, ceiling;
   LaserModel laser;
   OdometryModel odometry;
@@ -31,8 +31,8 @@ struct SimulatedRobotOptions {
   int threads = 0;
 };
 
-/// A robot in a simulated kitchen that scans and pulls handles. The map frame is the world's; the first pose
-/// is exact, later ones drift until localize().
+/// A robot in a simulated kitchen that scans and pulls handles. The map frame is the world's with the floor
+/// at z = 0; the first pose is exact, later ones drift until localize().
 class SimulatedRobot : public Robot {
  public:
   SimulatedRobot(const std::filesystem::path& urdf, const SimulatedRobotOptions& options,
@@ -67,6 +67,9 @@ class SimulatedRobot : public Robot {
   void put_at(const PlanarPose& pose);
   /// The middle of the most open floor inside the world: a place to start from.
   PlanarPose open_place() const;
+
+  /// From the frame of the URDF to the map's: down by the height of the floor.
+  const Isometry3d& map_from_world() const;
 
   // Truth, for evaluation only.
   PlanarPose true_pose() const;

@@ -9,6 +9,7 @@
 #include "mapping/base/math/math.h"
 #include "mapping/render/ray_scene.h"
 #include "mapping/simulation/scenario.h"
+#include "mapping/world/inspection.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::mapping {
@@ -97,6 +98,7 @@ std::vector<Vector2d> standing_places(const World& world, const MeshSearch& sear
   RayScene scene;
   scene.add(world, search, Isometry3d::Identity(), warnings);
   const Eigen::AlignedBox3d box = scene.bounds();
+  require_metres(box, world.name);
   std::vector<Vector2d> places;
   for (double y = box.min().y(); !box.isEmpty() && y <= box.max().y(); y += kStep)
     for (double x = box.min().x(); x <= box.max().x(); x += kStep)

@@ -61,6 +61,11 @@ struct ChangeParameters {
   double min_front_open = 0.4;       ///< of a closed front's surface that is not there any more
   double min_front_through = 0.25;   ///< of a closed door's surface that rays pass when it is open
   double swept_margin_m = 0.1;       ///< around what a front may sweep
+  double leaf_m = 0.02;              ///< thickness of an open door
+  double leaf_step_m = 0.02;         ///< between tried places of its far edge: less than a surfel …
+  double min_leaf_m = 0.1;           ///< … from where it is clear of its closed place
+  double leaf_cell_m = 0.05;         ///< of a panel, two surfels: …
+  double min_leaf_share = 0.5;       ///< … so much of it is seen where the joint takes it
   size_t min_scan_points = 30;       ///< of a scan that shows a change
   double known_piece_m = 0.15;       ///< a piece of the sidecar so near is the same one
   double refresh_confidence = 0.02;  ///< a link that is known by so much better is written anew

@@ -12,6 +12,7 @@
 #include "mapping/registration/pair.h"
 #include "mapping/update/epoch.h"
 #include "mapping/update/motion.h"
+#include "mapping/update/open_leaf.h"
 #include "mapping/update/parameters.h"
 #include "mapping/update/pieces.h"
 #include "mapping/update/updated_map.h"
@@ -221,12 +222,14 @@ class EpochComparison {
         continue;
       // What stands before a closed door hides it; an open one lets one look in.
       const bool turns = front.joint && front.joint->type == ArticulationType::revolute;
-      if (turns &&
-          static_cast<double>(through) < kChanges.min_front_through * static_cast<double>(face.size()))
-        continue;
-      const DifferenceResult moved = articulate(before_set_, now_set_, front, {}, DifferenceOptions{});
-      if (!moved.joint) continue;
-      add_joint(front, moved, swept);
+      DifferenceResult moved;
+      if (!turns ||
+          static_cast<double>(through) >= kChanges.min_front_through * static_cast<double>(face.size()))
+        moved = articulate(before_set_, now_set_, front, {}, DifferenceOptions{});
+      if (moved.joint)
+        add_joint(front, moved, swept);
+      else if (const auto leaf = open_leaf(front, now_.surface(), swept))
+        add_leaf(front, *leaf);
     }
   }
 
@@ -261,24 +264,44 @@ class EpochComparison {
   }
 
   void add_joint(const Front& front, const DifferenceResult& moved, const std::vector<uint32_t>& swept) {
+    MapChange change = opened(front, *moved.joint, moved.moved);
+    change.probability = moved.joint->probabilities[1] + moved.joint->probabilities[2];
+    change.reason = fmt::format("{} points of the moved front", moved.points);
+    change.scans = explain(swept);
+    changes_.push_back(std::move(change));
+  }
+
+  /// Where the difference of the scans does not give the motion, the known joint may: a door that hides its
+  /// own inside, or one that was seen in part.
+  void add_leaf(const Front& front, const OpenLeaf& leaf) {
+    MapChange change = opened(front, *front.joint, leaf.position);
+    change.probability = probability_of(static_cast<double>(leaf.on_panel));
+    change.reason = fmt::format("{} surfels where its joint takes it", leaf.on_panel);
+    change.scans = explain(leaf.surfels);
+    changes_.push_back(std::move(change));
+  }
+
+  MapChange opened(const Front& front, const JointEstimate& joint, double position) const {
     MapChange change;
     change.kind = MapChange::Kind::opened;
     change.name = front.name;
     change.class_name = front.class_name;
-    change.probability = moved.joint->probabilities[1] + moved.joint->probabilities[2];
-    change.joint_position = moved.moved;
-    change.prismatic = moved.joint->type == ArticulationType::prismatic;
+    change.joint_position = position;
+    change.prismatic = joint.type == ArticulationType::prismatic;
     change.centre = front.centre;
     change.height = front.centre.z() + front.height / 2;
     if (const auto link = front_link(front.name, semantics_)) change.links = {*link};
+    return change;
+  }
+
+  /// Marks surfels that an open front explains, which do not show the room at rest; the scans that show them.
+  std::vector<std::string> explain(const std::vector<uint32_t>& surfels) {
     std::vector<uint8_t> shown(now_.surface().size(), 0);
-    for (const uint32_t i : swept) {
+    for (const uint32_t i : surfels) {
       owner_[i] = kStatic;
       shown[i] = dropped_now_[i] = 1;
     }
-    change.scans = scans_showing(shown);
-    change.reason = fmt::format("{} points of the moved front", moved.points);
-    changes_.push_back(std::move(change));
+    return scans_showing(shown);
   }
 
   std::vector<std::string> scans_showing(const std::vector<uint8_t>& shown) const {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include "mapping/base/text/json.h"
@@ -85,6 +86,18 @@ WorldInspection inspect(const World& world, const MeshSearch& search, Warnings& 
   result.contacts = closed_contacts(world);
   count_extensions(world, result.extensions);
   return result;
+}
+
+void require_metres(const Eigen::AlignedBox3d& bounds, const std::string& file) {
+  // Of halls, and of a flat in centimetres or a cupboard in millimetres.
+  constexpr double kMaxHeight = 100, kMaxSide = 1000;
+  if (bounds.isEmpty()) return;
+  const Vector3d size = bounds.sizes();
+  if (size.z() < kMaxHeight && std::max(size.x(), size.y()) < kMaxSide) return;
+  throw Error(fmt::format("the world measures {:.0f} x {:.0f} x {:.0f} m: it seems to be in millimetres or "
+                          "centimetres",
+                          size.x(), size.y(), size.z()),
+              {file, 0, {}}, "URDF is in metres: scale it, meshes by the attribute 'scale' of <mesh>");
 }
 
 void inspect_sidecar(const SemanticMap& sidecar, const World& world, WorldInspection& inspection,

@@ -42,6 +42,10 @@ struct WorldInspection {
 /// Counts a world. Meshes are loaded; a missing one is warned about by name.
 WorldInspection inspect(const World& world, const MeshSearch& search, Warnings& warnings);
 
+/// Error for a world, in the file named, that is larger than any building: its unit is another one than the
+/// metre.
+void require_metres(const Eigen::AlignedBox3d& bounds, const std::string& file);
+
 /// Adds what a sidecar says; a link that the world does not have is warned about.
 void inspect_sidecar(const SemanticMap& sidecar, const World& world, WorldInspection& inspection,
                      Warnings& warnings);

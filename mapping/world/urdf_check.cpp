@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "mapping/base/error.h"
+#include "mapping/base/text/text.h"
 
 namespace loci::mapping::urdf_detail {
 namespace {
@@ -307,6 +308,58 @@ class Checker {
 
 }  // namespace
 
+namespace {
+
+/// The encoding that an XML file declares in its first line, in lower case; "utf-8" where it is silent.
+std::string encoding_of(const std::string& text) {
+  const std::string declaration = lower_case(text.substr(0, text.find("?>")));
+  const size_t at = declaration.find("encoding");
+  if (!declaration.starts_with("<?xml") || at == std::string::npos) return "utf-8";
+  const size_t quote = declaration.find_first_of("\"'", at);
+  if (quote == std::string::npos) return "utf-8";
+  return declaration.substr(quote + 1, declaration.find(declaration[quote], quote + 1) - quote - 1);
+}
+
+std::string utf8_from_latin1(const std::string& text) {
+  std::string utf8;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80) {
+      utf8 += c;
+    } else {
+      utf8 += static_cast<char>(0xC0 | (byte >> 6));
+      utf8 += static_cast<char>(0x80 | (byte & 0x3F));
+    }
+  }
+  return utf8;
+}
+
+/// The first element below, or at, another one that xacro expands; nullptr = none.
+const XMLElement* xacro_element(const XMLElement& element) {
+  if (std::string_view(element.Name()).starts_with("xacro:")) return &element;
+  for (const XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement())
+    if (const XMLElement* found = xacro_element(*child)) return found;
+  return nullptr;
+}
+
+}  // namespace
+
+std::string utf8_text(const std::string& text, const std::string& file) {
+  const std::string encoding = encoding_of(text);
+  if (encoding == "iso-8859-1" || encoding == "latin1" || encoding == "latin-1")
+    return utf8_from_latin1(text);
+  if (is_utf8(text)) return text;
+  int line = 1;
+  for (size_t begin = 0; begin < text.size(); ++line) {
+    const size_t end = std::min(text.find('\n', begin), text.size());
+    if (!is_utf8(text.substr(begin, end - begin))) break;
+    begin = end + 1;
+  }
+  throw Error("this is not UTF-8, which an XML file is unless its first line declares another encoding",
+              FileLocation{file, line, {}},
+              "declare it (<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>), or convert the file with iconv");
+}
+
 void parse_xml(tinyxml2::XMLDocument& document, const std::string& text, const std::string& file) {
   if (document.Parse(text.c_str(), text.size()) == tinyxml2::XML_SUCCESS) return;
   if (document.ErrorID() == tinyxml2::XML_ERROR_EMPTY_DOCUMENT)
@@ -323,6 +376,10 @@ const XMLElement& check_urdf(const tinyxml2::XMLDocument& document, const std::s
     throw Error(std::string("this is no URDF: the first element is <") + (robot ? robot->Name() : "") +
                     ">, not <robot>",
                 FileLocation{file, robot ? robot->GetLineNum() : 0, {}});
+  if (const XMLElement* macro = xacro_element(*robot))
+    throw Error(fmt::format("this is a xacro, not a URDF: <{}> is yet to be expanded", macro->Name()),
+                FileLocation{file, macro->GetLineNum(), {}},
+                fmt::format("run 'xacro {} > world.urdf' and give that file", file));
   if (!robot->Attribute("name"))
     throw Error("the robot has no name", FileLocation{file, robot->GetLineNum(), {}});
   Checker(file).run(*robot);

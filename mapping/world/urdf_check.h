@@ -9,6 +9,10 @@ class XMLElement;
 
 namespace loci::mapping::urdf_detail {
 
+/// The text of an XML file in UTF-8: Latin-1 is converted where the file declares it. Error with the line for
+/// other text.
+std::string utf8_text(const std::string& text, const std::string& file);
+
 /// Parses XML; Error with the line when it is none.
 void parse_xml(tinyxml2::XMLDocument& document, const std::string& text, const std::string& file);
 

@@ -269,7 +269,7 @@ Joint joint_from(const urdf::Joint& parsed, const XMLElement& element) {
 
 World parse_urdf(const std::string& text, const std::string& file) {
   tinyxml2::XMLDocument document;
-  urdf_detail::parse_xml(document, text, file);
+  urdf_detail::parse_xml(document, urdf_detail::utf8_text(text, file), file);
   const XMLElement& robot = urdf_detail::check_urdf(document, file);
   const urdf::ModelInterfaceSharedPtr model = parse_with_urdfdom(elements_text(robot), file);
   const Materials materials(robot);

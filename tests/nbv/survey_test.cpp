@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <algorithm>
+#include <set>
 
 #include "mapping/simulation/simulated_robot.h"
 #include "mapping/world/urdf.h"
@@ -96,7 +98,45 @@ TEST_F(Survey, FrontsThatShareAJointAreEachMappedAsTheDrawersThatTheyAre) {
     EXPECT_NEAR(front.height, 0.38, 0.03);
   }
   EXPECT_EQ(result.interactions.size(), 2U);
-  for (const Interaction& pull : result.interactions) EXPECT_TRUE(pull.held) << pull.front;
+  for (const Interaction& pull : result.interactions) EXPECT_TRUE(pull.held) << pull.pulled_as;
+}
+
+TEST_F(Survey, PullsHaveTheNamesThatFrontsGetWhenTheyAreNumberedAnew) {
+  SmallWorld world;
+  world.box("cupboard", {0, 1.26, 0.45}, {1.2, 0.48, 0.8});
+  world.box("top", {0, 1.24, 0.87}, {1.24, 0.54, 0.04});
+  world.flap("upper", 0, 1, 0.65, 0.8, 0.38);  // Taken for a drawer until it is pulled.
+  world.drawer("lower", 0, 1, 0.26, 0.8, 0.38);
+  const SurveyResult result = explore(world, "map", 0, quiet_);
+  ASSERT_EQ(result.interactions.size(), 2U);
+  std::set<std::string> names;
+  for (const Interaction& pull : result.interactions) {
+    ASSERT_TRUE(pull.front) << pull.pulled_as;
+    ASSERT_TRUE(pull.difference.joint) << pull.difference.reason;
+    names.insert(pull.pulled_as + " is " + *pull.front);
+    const auto front = std::ranges::find(result.map.fronts, *pull.front, &mapping::Front::name);
+    ASSERT_NE(front, result.map.fronts.end()) << *pull.front;
+    EXPECT_EQ(front->joint->type, pull.difference.joint->type) << *pull.front;
+  }
+  EXPECT_THAT(names, testing::ElementsAre("drawer_1 is flap_1", "drawer_2 is drawer_1"));
+  EXPECT_EQ(result.report()["interactions"][0]["pulled_as"], result.interactions[0].pulled_as);
+}
+
+TEST_F(Survey, WhatComesOutTogetherSideBySideIsOneDrawer) {
+  SmallWorld world;
+  world.box("cupboard", {0, 1.26, 0.45}, {1.2, 0.48, 0.8});
+  world.box("top", {0, 1.24, 0.87}, {1.24, 0.54, 0.04});
+  world.two_bar_drawer("upper", 0, 1, 0.65, 1, 0.38);
+  world.drawer("lower", 0, 1, 0.26, 1, 0.38);
+  const SurveyResult result = explore(world, "map", 0, quiet_);
+  EXPECT_EQ(result.fronts_before.size(), 3U);
+  ASSERT_EQ(result.map.fronts.size(), 2U);
+  EXPECT_EQ(result.interactions.size(), 2U);
+  const mapping::Front& front = result.map.fronts.front();
+  EXPECT_NEAR(front.width, 1, 0.04);
+  EXPECT_NEAR(front.centre.x(), 0, 0.02);
+  EXPECT_NEAR(front.fixture->length, 0.8, 0.04);
+  EXPECT_EQ(front.joint->type, mapping::ArticulationType::prismatic);
 }
 
 TEST_F(Survey, IsNotUsableWhenMostScansCouldNotBeRegistered) {

@@ -83,12 +83,18 @@ std::string counted(size_t count, std::string_view noun) {
   return fmt::format("{} {}", count, count == 1 ? std::string(noun) : plural_of(noun));
 }
 
-void require_utf8(const std::string& text) {
+bool is_utf8(const std::string& text) {
   try {
     static_cast<void>(Json(text).dump());
   } catch (const Json::type_error&) {
-    throw Error(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace) + " is not UTF-8");
+    return false;
   }
+  return true;
+}
+
+void require_utf8(const std::string& text) {
+  if (!is_utf8(text))
+    throw Error(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace) + " is not UTF-8");
 }
 
 }  // namespace loci

@@ -33,6 +33,8 @@ std::string joined(const std::vector<std::string>& parts, std::string_view separ
 /// "1 scene", "3 scenes".
 std::string counted(size_t count, std::string_view noun);
 
+bool is_utf8(const std::string& text);
+
 /// Error when a text that people gave is not UTF-8: it could not be written as JSON.
 void require_utf8(const std::string& text);
 

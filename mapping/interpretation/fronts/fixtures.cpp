@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -270,7 +271,7 @@ class FixtureFinder {
     measure(points, shape);
     if (shape.width < kFixtures.max_bar_width_m) extend(points, shape);
     // The line through a knob may run askew.
-    const bool bar = shape.length > kFixtures.bar_elongation * shape.width &&
+    const bool bar = !is_round(points) && shape.length > kFixtures.bar_elongation * shape.width &&
                      shape.length > kFixtures.min_bar_m &&
                      (!is_askew(shape) || std::hypot(box.width(), box.height()) > 1.5 * kFixtures.max_knob_m);
     if (const std::optional<double> gap = bar ? gap_of(points, shape) : std::nullopt) {
@@ -381,6 +382,16 @@ class FixtureFinder {
       if (along[i] < low && low - along[i] < kFixtures.extend_step_m) low = along[i];
     shape.centre += (low + high) / 2 * shape.axis;
     shape.length = high - low;
+  }
+
+  /// Whether all of a cluster is about as wide as tall, and no larger than a knob: a line through some of its
+  /// points is a strip of it.
+  static bool is_round(const std::vector<FixturePoint>& points) {
+    FixtureShape whole;
+    whole.inliers.resize(points.size());
+    std::iota(whole.inliers.begin(), whole.inliers.end(), size_t{0});
+    measure(points, whole);
+    return whole.length < kFixtures.max_knob_m && whole.length < kFixtures.bar_elongation * whole.width;
   }
 
   static std::string why_no_bar(const FixtureShape& shape, size_t points) {

@@ -9,6 +9,7 @@
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/parameters.h"
+#include "mapping/interpretation/furniture/sliding.h"
 #include "mapping/world/contacts.h"
 #include "mapping/world/furniture_classes.h"
 #include "mapping/world/kinematics.h"
@@ -24,6 +25,7 @@ bool is_support(const SemanticMap& semantics, const std::string& link) {
 }
 
 bool is_drawer(const Front& front) {
+  if (slides_sideways(front)) return false;
   return front.joint ? front.joint->type == ArticulationType::prismatic : front.class_name == "drawer";
 }
 

@@ -10,6 +10,7 @@
 #include "mapping/interpretation/furniture/front_fit.h"
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/parameters.h"
+#include "mapping/interpretation/furniture/sliding.h"
 #include "mapping/world/kinematics.h"
 
 namespace loci::mapping {
@@ -43,7 +44,9 @@ class FrontWriter {
         map_from_front_(map_from_front(front)) {}
 
   void write() {
-    if (front_.joint ? front_.joint->type == ArticulationType::prismatic : front_.class_name == "drawer")
+    if (slides_sideways(front_))
+      write_sliding();
+    else if (front_.joint ? front_.joint->type == ArticulationType::prismatic : front_.class_name == "drawer")
       write_drawer();
     else if (front_.joint && front_.joint->type == ArticulationType::revolute)
       write_hinged();
@@ -72,6 +75,15 @@ class FrontWriter {
     }
     if (front_.fixture) write_fixture(*front_.fixture, handle_parent);
     return world_.joints[joint];
+  }
+
+  /// A panel that slides along its plane.
+  void write_sliding() {
+    Joint& joint =
+        write_panel(front_.name, parent_, map_from_parent_.inverse() * map_from_front_, at(0, 0, 0));
+    joint.type = JointType::prismatic;
+    joint.axis = map_from_front_.linear().transpose() * front_.joint->axis;
+    limit(joint, front_.width, 60, 0.5);
   }
 
   void write_drawer() {

@@ -15,6 +15,7 @@
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/names.h"
 #include "mapping/interpretation/furniture/parameters.h"
+#include "mapping/interpretation/furniture/sliding.h"
 #include "mapping/interpretation/furniture/wings.h"
 
 namespace loci::mapping {
@@ -321,15 +322,20 @@ void add_links(const RecognisedRoom& room, const InterpretationOptions& options,
 
 namespace {
 
-void add_named(std::vector<Front> fronts, InterpretedMap& map) {
+/// Returns the new names by those that the fronts had before.
+std::map<std::string, std::string> add_named(std::vector<Front> fronts, InterpretedMap& map) {
+  std::map<std::string, std::string> names;
   std::map<std::string, int> used;
   for (const size_t i : front_order(fronts, map.room_yaw)) {
     Front& front = fronts[i];
+    const std::string before = front.name;
     front.name = fmt::format("{}_{}", front.class_name, ++used[front.class_name]);
+    if (!before.empty()) names[before] = front.name;
     map.fronts.push_back(front);
   }
   add_fronts(map.fronts, kRoot, map.world, map.semantics);
   add_cabinets(map.fronts, kRoot, map.world, map.semantics);
+  return names;
 }
 
 }  // namespace
@@ -345,19 +351,20 @@ void set_prior_joint(Front& front) {
 
 void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, InterpretedMap& map) {
   for (Front& front : fronts) set_prior_joint(front);
+  pair_sliding_panels(fronts);
   pair_wings(fronts);
   map.room_yaw = room.yaw;
   add_named(std::move(fronts), map);
 }
 
-void replace_fronts(std::vector<Front> fronts, InterpretedMap& map) {
+std::map<std::string, std::string> replace_fronts(std::vector<Front> fronts, InterpretedMap& map) {
   remove_cabinets(map.world, map.semantics);
   for (const Front& front : map.fronts) remove_front(front.name, map.world, map.semantics);
   map.fronts.clear();
   for (const Link& support : map.whole_supports)  // Other fronts need other room.
     for (Link& link : map.world.links)
       if (link.name == support.name) link = support;
-  add_named(std::move(fronts), map);
+  return add_named(std::move(fronts), map);
 }
 
 }  // namespace loci::mapping

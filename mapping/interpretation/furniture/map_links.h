@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,8 @@ void set_prior_joint(Front& front);
 /// Adds fronts with links, joints and classes by their shape (joint_prior) and names by class and number.
 void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, InterpretedMap& map);
 
-/// Replaces the map's fronts by updated ones (joint, class, rectangle), named again.
-void replace_fronts(std::vector<Front> fronts, InterpretedMap& map);
+/// Replaces the map's fronts by updated ones (joint, class, rectangle), named again. Returns the new name of
+/// each front that came with one.
+std::map<std::string, std::string> replace_fronts(std::vector<Front> fronts, InterpretedMap& map);
 
 }  // namespace loci::mapping

@@ -45,4 +45,13 @@ struct CabinetParameters {
 };
 inline constexpr CabinetParameters kCabinets;
 
+/// Doors that slide past each other.
+struct SlidingParameters {
+  double min_step_m = 0.015;     ///< between their planes: the thinnest panel …
+  double max_step_m = 0.055;     ///< … and two rails beside each other
+  double min_width_ratio = 0.7;  ///< equal panels, of which the rear one is covered in part
+  double probability = 0.7;      ///< an appliance stands out from a row of its height, too
+};
+inline constexpr SlidingParameters kSliding;
+
 }  // namespace loci::mapping

@@ -9,7 +9,8 @@ namespace loci::mapping {
 namespace {
 
 bool is_bare_door(const Front& front) {
-  return !front.fixture && front.class_name == "door" && front.joint && front.joint->evidence == "prior";
+  return !front.fixture && front.class_name == "door" && front.joint && front.joint->evidence == "prior" &&
+         front.joint->type == ArticulationType::revolute;
 }
 
 /// Whether `b` is an equal door to the right of `a`, as seen from before them.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "mapping/base/math/eigenvalues.h"
@@ -203,18 +204,33 @@ double depth_before_wall(const VerticalPlane& plane, const std::vector<WallCandi
   return before;
 }
 
-/// Why a plane of full height is no wall; empty when it is one.
+/// The height up to which a room's walls are seen where there is no ceiling: that of its long walls, where
+/// they agree. Tops that only the view ends at differ from wall to wall.
+std::optional<double> top_of_room(const std::vector<WallCandidate>& walls) {
+  std::vector<double> tops;
+  for (const WallCandidate& wall : walls)
+    if (wall.patch.plane.length() > kWalls.cupboard_side_m) tops.push_back(wall.patch.plane.top);
+  std::ranges::sort(tops, std::greater{});
+  if (tops.size() < kWalls.min_tops || tops.front() - tops[kWalls.min_tops - 1] > kWalls.same_top_m)
+    return std::nullopt;
+  return tops.front();
+}
+
+/// Why a plane of full height is no wall; empty when it is one. `top`: of the room.
 std::string why_no_wall(const VerticalPlane& plane, const std::vector<WallCandidate>& walls,
-                        const Surface& surface, double floor_height, std::optional<double> ceiling,
+                        const Surface& surface, double floor_height, std::optional<double> top,
                         const InterpretationOptions& options) {
-  if (plane.area < options.min_wall_area_m2) return fmt::format("only {:.2f} m2 were seen", plane.area);
-  if (plane.length() < kWalls.min_length_m) return fmt::format("it is only {:.2f} m wide", plane.length());
+  // What reaches the top of the room may be narrow: a pillar, the side of a chimney. Reveals end lower.
+  const bool at_top = top && plane.top > *top - kWalls.at_ceiling_m;
+  if (!at_top && plane.area < options.min_wall_area_m2)
+    return fmt::format("only {:.2f} m2 were seen", plane.area);
+  if (plane.length() < (at_top ? kWalls.min_pillar_m : kWalls.min_length_m))
+    return fmt::format("it is only {:.2f} m wide", plane.length());
   for (const WallCandidate& other : walls)
     if (&other.patch.plane != &plane && is_window_pane(plane, other.patch.plane, floor_height))
       return "it closes an opening of a wall";
   const double before = depth_before_wall(plane, walls);
-  const bool at_ceiling = ceiling && plane.top > *ceiling - kWalls.at_ceiling_m;
-  if (before > 0 && (!at_ceiling || has_fixtures(surface, plane)))
+  if (before > 0 && (!at_top || has_fixtures(surface, plane)))
     return fmt::format("it stands {:.2f} m before one, as furniture does", before);
   return {};
 }
@@ -261,9 +277,10 @@ WallSearch find_walls(const Surface& surface, double floor_height, std::optional
     }
   }
   unite_pieces(walls, surfels, all);
+  const std::optional<double> top = ceiling ? ceiling : top_of_room(walls);
   for (const WallCandidate& wall : walls) {
     const VerticalPlane& plane = wall.patch.plane;
-    const std::string why = why_no_wall(plane, walls, surface, floor_height, ceiling, options);
+    const std::string why = why_no_wall(plane, walls, surface, floor_height, top, options);
     if (!why.empty()) result.notes.push_back(described(plane) + why);
     (why.empty() ? result.walls : result.others).push_back(plane);
   }

@@ -154,6 +154,32 @@ TEST(CompareFurniture, SampleKitchenBySidecarEqualsItselfByGeometry) {
   EXPECT_EQ(result.joints().rate(), 1);
 }
 
+TEST(CompareFurniture, TheFaceOfANarrowPullOutIsItsFrontNotItsSide) {
+  // 15 cm wide, 50 cm deep, 70 cm high, with a bar in the middle.
+  const World world = parse_urdf(R"(<robot name="r"><link name="map"/>
+    <link name="pull_out">
+      <visual><origin xyz="0.01 0 0"/><geometry><box size="0.02 0.15 0.7"/></geometry></visual>
+      <visual><origin xyz="0.27 0.065 0"/><geometry><box size="0.5 0.016 0.7"/></geometry></visual>
+      <visual><origin xyz="0.27 -0.065 0"/><geometry><box size="0.5 0.016 0.7"/></geometry></visual></link>
+    <joint name="pull_out_joint" type="prismatic"><parent link="map"/><child link="pull_out"/>
+      <origin xyz="2 0 0.5"/><axis xyz="-1 0 0"/><limit lower="0" upper="0.4" effort="1" velocity="1"/></joint>
+    <link name="pull_out_handle"><visual><geometry><box size="0.012 0.012 0.2"/></geometry></visual></link>
+    <joint name="handle_joint" type="fixed"><parent link="pull_out"/><child link="pull_out_handle"/>
+      <origin xyz="-0.035 0 0"/></joint>
+    <link name="panel"><visual><geometry><box size="0.02 0.8 0.7"/></geometry></visual></link>
+    <joint name="panel_joint" type="prismatic"><parent link="map"/><child link="panel"/>
+      <origin xyz="2 2 0.5"/><axis xyz="0 1 0"/><limit lower="0" upper="0.7" effort="1" velocity="1"/></joint>
+    </robot>)",
+                                 "pull_out.urdf");
+  Warnings warnings;
+  const MapStructure structure = structure_from_geometry(world, {}, warnings);
+  ASSERT_EQ(structure.fronts.size(), 2U);
+  const Front& front = structure.fronts[0].front;
+  EXPECT_NEAR(front.normal.x(), -1, 1e-6);
+  EXPECT_NEAR(front.width, 0.15, 1e-6);
+  EXPECT_NEAR(structure.fronts[1].front.width, 0.8, 1e-6);  // What slides in its plane.
+}
+
 TEST(CompareFurniture, MeasuredFrontsJudgeTheirFacesOnly) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "measured_fronts.json";
   write_file_atomically(file, R"({"fronts": [{"name": "door", "centre": [2, 0, 0.5], "normal": [-1, 0, 0],

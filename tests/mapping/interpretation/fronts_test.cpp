@@ -112,6 +112,23 @@ TEST(Fronts, TellsAKnobFromAHandle) {
   EXPECT_LT((bar->fixture->centre - furniture.at(0.06, 0.6, 0.03)).norm(), 0.015);
 }
 
+TEST(Fronts, ALargeKnobIsNoShortBar) {
+  Furniture furniture;
+  furniture.add_body(-0.5, 0.5, 0.1, 0.8);
+  furniture.add_panel(-0.497, -0.003, 0.1, 0.8);
+  furniture.add_panel(0.003, 0.497, 0.1, 0.8);
+  furniture.add_knob(-0.06, 0.6, 0.05);
+  furniture.add_knob(0.06, 0.6, 0.05);
+  for (uint64_t seed = 31; seed < 35; ++seed) {
+    const std::vector<Front> fronts = fronts_of_furniture(furniture, seed);
+    EXPECT_EQ(fronts.size(), 2U);
+    for (const Front& front : fronts) {
+      ASSERT_TRUE(front.fixture) << seed;
+      EXPECT_EQ(front.fixture->kind, Fixture::Kind::knob) << seed << ": " << front.fixture->length << " m";
+    }
+  }
+}
+
 TEST(Fronts, FrontWithoutHandleIsReportedWhereASeamPartsItFromAnother) {
   Furniture furniture;
   furniture.add_body(-0.5, 0.5, 0.1, 0.8);

@@ -135,6 +135,20 @@ TEST(RoomStructure, TallCupboardBelowTheCeilingIsNoWall) {
   EXPECT_EQ(walls.size(), 4U) << testing::PrintToString(walls);
 }
 
+TEST(RoomStructure, AnUprightPillarUpToTheCeilingHasAWallOnEachSide) {
+  AnalyticRoom room;
+  room.solids.push_back({{1.5, 1.0, 0}, {1.74, 1.22, 2.5}});
+  const InterpretedMap map = interpreted_room(scan_room(room, kLaserOrigins, 0.002, 24, kUp));
+  size_t sides = 0;
+  for (const auto& [name, link] : map.semantics.links) {
+    if (link.class_name != "wall") continue;
+    Vector2d middle = Vector2d::Zero();
+    for (const Vector2d& corner : outline_of(map, name)) middle += corner / 4;
+    if ((middle - Vector2d(1.62, 1.11)).norm() < 0.2) ++sides;
+  }
+  EXPECT_EQ(sides, 4U);
+}
+
 TEST(RoomStructure, RoundTableHasARoundOutline) {
   AnalyticRoom room;
   room.solids.push_back({{1.4, 0.6, 0.71}, {2.4, 1.6, 0.74}, 0, true});

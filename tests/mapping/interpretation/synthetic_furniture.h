@@ -43,10 +43,10 @@ struct Furniture {
       parts.push_back(
           {{0, -u - 0.004, v + end * length - 0.004}, {0.024, -u + 0.004, v + end * length + 0.004}});
   }
-  /// A square knob of 3 cm.
-  void add_knob(double u, double v) {
+  /// A square knob.
+  void add_knob(double u, double v, double size = 0.03) {
     parts.push_back({{0, -u - 0.006, v - 0.006}, {0.02, -u + 0.006, v + 0.006}});
-    parts.push_back({{0.02, -u - 0.015, v - 0.015}, {0.035, -u + 0.015, v + 0.015}});
+    parts.push_back({{0.02, -u - size / 2, v - size / 2}, {0.035, -u + size / 2, v + size / 2}});
   }
   Vector3d at(double u, double v, double depth = 0) const {
     return map_from_furniture * Vector3d(depth, -u, v);

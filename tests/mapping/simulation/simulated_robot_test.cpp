@@ -1,10 +1,12 @@
 #include "mapping/simulation/simulated_robot.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <numbers>
+#include <regex>
 
 #include "mapping/base/files.h"
 #include "mapping/world/kinematics.h"
@@ -218,10 +220,44 @@ TEST_F(ScannedCabinet, FloorAndCeilingAreAddedOnDemand) {
     }
     return std::pair(low, high);
   };
-  EXPECT_NEAR(extent(-0.3, 2.6).first, -1.55, 0.05);
-  EXPECT_NEAR(extent(-0.3, 2.6).second, 1.35, 0.05);
+  EXPECT_NEAR(extent(-0.3, 2.6).first, -1.25, 0.05);
+  EXPECT_NEAR(extent(-0.3, 2.6).second, 1.65, 0.05);
   EXPECT_GT(extent({}, {}).first, -1.3);
   EXPECT_LT(extent({}, {}).second, 0.8);
+}
+
+TEST_F(ScannedCabinet, AFloorThatIsNotAtZeroIsThatOfTheMap) {
+  const std::string lifted = std::regex_replace(
+      std::string(kCabinet), std::regex("<link name=\"map\"/>"),
+      "<link name=\"world\"/><link name=\"map\"/><joint name=\"lift\" type=\"fixed\"><parent link=\"world\"/>"
+      "<child link=\"map\"/><origin xyz=\"0 0 0.75\"/></joint>");
+  write_file_atomically(folder_ / "lifted.urdf", lifted);
+  SimulatedRobotOptions options = coarse();
+  SimulatedRobot low = robot(options);
+  options.floor = 0.75;
+  SimulatedRobot high(folder_ / "lifted.urdf", options, {0, 0, 0}, warnings_);
+  EXPECT_EQ(high.map_from_world().translation(), Vector3d(0, 0, -0.75));
+  const Scan below = low.scan_at({1, 0, 0}), above = high.scan_at({1, 0, 0});
+  ASSERT_EQ(below.points.size(), above.points.size());
+  EXPECT_TRUE(below.map_from_scan.isApprox(above.map_from_scan));
+  for (size_t i = 0; i < below.points.size(); i += 97)
+    EXPECT_NEAR((below.points[i].position - above.points[i].position).norm(), 0, 1e-4F);
+  const PullResult pulled = high.pull({2.955, 0, 0.7}, 0.2);  // In the map's frame.
+  EXPECT_EQ(pulled.joint, "drawer_joint");
+  EXPECT_NEAR(pulled.hand_path.back().translation().z(), 0.7, 1e-6);
+}
+
+TEST_F(ScannedCabinet, AWorldInMillimetresIsRefused) {
+  write_file_atomically(folder_ / "large.urdf",
+                        R"(<robot name="r"><link name="room"><visual><geometry><box size="4000 3000 2500"/>
+      </geometry></visual></link></robot>)");
+  try {
+    SimulatedRobot(folder_ / "large.urdf", coarse(), {0, 0, 0}, warnings_);
+    FAIL() << "it was accepted";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("4000 x 3000 x 2500 m"));
+    EXPECT_THAT(error.hint(), testing::HasSubstr("scale"));
+  }
 }
 
 TEST_F(ScannedCabinet, JointsCanBeSetWithinTheirLimits) {

@@ -48,6 +48,11 @@ class Kitchen {
   }
   /// Scans from corners of the free floor, with exact poses and a coarse laser.
   ScanSet scans(uint64_t seed, const JointState& joints = {}) const {
+    return scans(
+        seed, joints,
+        {{1.0, 1.5, 0}, {1.0, 1.5, kPi}, {2.2, 1.7, kPi / 2}, {3.1, 1.4, -2.2}, {2.2, 1.6, -kPi / 2}});
+  }
+  ScanSet scans(uint64_t seed, const JointState& joints, const std::vector<PlanarPose>& poses) const {
     const fs::path urdf = fs::temp_directory_path() / fmt::format("loci_update_{}.urdf", ::getpid());
     write_urdf(world_, urdf);
     SimulatedRobotOptions options;
@@ -56,8 +61,6 @@ class Kitchen {
     options.ceiling = 2.5;
     options.seed = seed;
     Warnings warnings;
-    const std::vector<PlanarPose> poses = {
-        {1.0, 1.5, 0}, {1.0, 1.5, kPi}, {2.2, 1.7, kPi / 2}, {3.1, 1.4, -2.2}, {2.2, 1.6, -kPi / 2}};
     SimulatedRobot robot(urdf, options, poses.front(), warnings);
     robot.set_joints(joints);
     ScanSet set;
@@ -234,6 +237,20 @@ TEST(UpdateOfACrate, ItsSidesDoNotContinueWhatStandsStill) {
   const MovedCrate crate(-1.8, 0.1, -40, 3);
   ASSERT_TRUE(crate.found()) << crate.result().text();
   EXPECT_LT(crate.position_error(), 0.02);
+}
+
+TEST_F(UpdateTest, ADoorThatHidesItsOwnInsideIsOpenAndNoNewFurniture) {
+  // Seen from beside its edge, and from where the open leaf stands before the inside.
+  ScanSet now = Kitchen().scans(5, {{"door_2_joint", kPi / 2}},
+                                {{1.2, 1.4, kPi / 2}, {2.2, 1.6, -kPi / 2}, {2.8, 1.4, kPi / 3}});
+  const UpdateResult result = updated(*map_, *before_, now);
+  const MapChange* door = find(result, MapChange::Kind::opened, "door_2");
+  ASSERT_NE(door, nullptr) << result.text();
+  EXPECT_NEAR(door->joint_position, kPi / 2, 0.1);
+  for (const MapChange& change : result.changes) {
+    EXPECT_NE(change.kind, MapChange::Kind::came) << change.text();
+    EXPECT_NE(change.kind, MapChange::Kind::seen_first) << change.text();
+  }
 }
 
 TEST_F(UpdateTest, AChairIsGone) {

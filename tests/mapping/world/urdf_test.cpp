@@ -121,6 +121,29 @@ TEST(Urdf, RefusesBadTextWithReasonAndLine) {
   for (const auto& [text, reason] : table) EXPECT_THAT(message_of(text), HasSubstr(reason)) << text;
 }
 
+TEST(Urdf, TextIsReadInTheEncodingThatItDeclares) {
+  const std::string latin1 =
+      "<robot name=\"K\xFC"
+      "che\"><link name=\"t\xFCr\"/></robot>";
+  const World world = parse_urdf("<?xml version='1.0' encoding='ISO-8859-1'?>\n" + latin1, "file.urdf");
+  EXPECT_EQ(world.name, "Küche");
+  EXPECT_EQ(world.links[0].name, "tür");
+  EXPECT_EQ(parse_urdf(urdf_text(world), "again.urdf").name, "Küche");
+  EXPECT_THAT(message_of("<?xml version='1.0'?>\n" + latin1), HasSubstr("file.urdf:2: this is not UTF-8"));
+}
+
+TEST(Urdf, AXacroIsNamedWithTheCommandThatExpandsIt) {
+  const std::string used = "<robot name=\"r\" xmlns:xacro=\"http://wiki.ros.org/xacro\">\n";
+  try {
+    parse_urdf(used + "<xacro:property name=\"w\" value=\"1\"/>\n<link name=\"a\"/></robot>", "in.xacro");
+    FAIL() << "it was accepted";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("in.xacro:2: this is a xacro"));
+    EXPECT_THAT(error.hint(), HasSubstr("xacro in.xacro > "));
+  }
+  EXPECT_EQ(message_of(used + "<link name=\"a\"/></robot>"), "accepted");  // It was expanded.
+}
+
 TEST(Urdf, ErrorsAreOneLine) {
   EXPECT_EQ(message_of(robot("<link name=\"a\"><visual><geometry/></visual></link>")).find('\n'),
             std::string::npos);
