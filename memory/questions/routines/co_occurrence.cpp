@@ -12,6 +12,7 @@
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/routines/routines.h"
 #include "memory/questions/snapshot.h"
+#include "memory/questions/visits.h"
 
 namespace loci::memory {
 
@@ -19,10 +20,8 @@ using namespace format;
 
 namespace {
 
-constexpr TimeNs kVisitGap = 600 * kSecond;
 constexpr size_t kMaxSimilar = 5;
 
-/// Scenes of a place that follow each other closely: no single view sees all of it.
 struct PlaceVisit {
   TimeNs from = 0, to = 0;
   double fraction = 0;        ///< most of the place that a scene of it saw
@@ -404,7 +403,8 @@ std::vector<Question> co_occurrence_questions() {
                      {"yes: together do|did|was|been|see|usually <object> and<with> [stand|move|find]",
                       Asks::verdict},
                      {"what: see|move|find|stand|together|go|belong with<object> [usually|thing|together]",
-                      Asks::objects, "What is used together with the tea cup?"}}},
+                      Asks::objects, "What is used together with the tea cup?"}},
+       .of_moment = false},
       {.name = "missing",
        .description = "What is missing at a place, by what its earlier visits showed",
        .parameters = {place,
@@ -440,7 +440,8 @@ std::vector<Question> co_occurrence_questions() {
          return ask(given.store(), SceneTypeQuestion{given.number("scene"), given.as_of()});
        },
        .sentences = {{"what: scene|situation|meal|occasion <any> [of|kind]", Asks::summary,
-                      "What kind of scene is this?"}}},
+                      "What kind of scene is this?"}},
+       .of_moment = false},
   };
 }
 
