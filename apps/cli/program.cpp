@@ -236,7 +236,8 @@ const Command& Program::find(const std::string& name) const {
   if (name.starts_with('-')) throw unknown("option", name, {"--help", "--version"});
   // "stow" is meant as "task stow".
   for (const Command& command : commands_)
-    if (takes_first(command, name)) throw unknown("command", name, {command.name + " " + name});
+    if (takes_first(command, name))
+      throw UsageError(fmt::format("unknown command '{}' (did you mean '{} {}'?)", name, command.name, name));
   throw unknown("command", name, names);
 }
 

@@ -17,6 +17,7 @@ struct AskedTime {
   TimeSpan span = {};
   bool is_moment = false;  ///< at which something held
   bool is_said = true;     ///< by the query; else it is that of the last scene
+  bool is_state = false;   ///< of what held at the moment; else whether it was seen then
 };
 
 bool asks_for_moment(const Question& question, const Query& query) {
@@ -34,7 +35,7 @@ std::optional<AskedTime> asked_time(const Store& store, const Query& query, cons
   if (!from && !to && !at) return AskedTime{.span = {last, last}, .is_said = false};
   if (from || to || !asks_for_moment(*question, query))
     return AskedTime{.span = {from.value_or(kAlways), to.value_or(at.value_or(last))}};
-  return AskedTime{.span = {*at, *at}, .is_moment = true};
+  return AskedTime{.span = {*at, *at}, .is_moment = true, .is_state = !question->period};
 }
 
 /// Whether all scenes of a period were forgotten.
@@ -84,7 +85,7 @@ std::optional<ForgottenTime> forgotten_time(const Store& store, const Query& que
   if (!part) return std::nullopt;
   ForgottenTime time{.period = *part};
   time.all = asked->is_said && (asked->is_moment || leaves_no_scene(store, forgotten, asked->span, as_of));
-  if (asked->is_moment) time.before = last_scene_before(store, forgotten, asked->span.first);
+  if (asked->is_state) time.before = last_scene_before(store, forgotten, asked->span.first);
   return time;
 }
 

@@ -32,12 +32,16 @@ void note_times(const Snapshot& snapshot, const Query& query, std::vector<std::s
   }
 }
 
-/// A part of the time asked about; where it is all, the reply says so.
+/// A part of the time asked about, or what is told instead; where it is all, the reply says so.
 void note_forgotten(const Snapshot& snapshot, const Query& query, std::vector<std::string>& notes) {
   const Store& store = snapshot.store();
   const AsOf as_of = read_as_of(store, query.argument("at"), query.argument("known-at"), snapshot.as_of());
   const std::optional<ForgottenTime> forgotten = forgotten_time(store, query, as_of);
-  if (forgotten && !forgotten->all) notes.push_back(forgotten_text(forgotten->period, TimeWriter(store)));
+  if (!forgotten) return;
+  const TimeWriter times(store);
+  if (!forgotten->all) notes.push_back(forgotten_text(forgotten->period, times));
+  if (forgotten->all && forgotten->before)
+    notes.push_back(fmt::format("what follows was known before, at {}", times.text(*forgotten->before)));
 }
 
 /// Without words before it that do not say which it is: "on the table" is a table.

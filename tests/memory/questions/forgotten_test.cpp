@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include "memory/questions/forgotten.h"
-#include "memory/questions/location.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/reply.h"
 #include "tests/memory/questions/generated_day.h"
@@ -33,13 +32,11 @@ class ForgottenPeriod : public testing_support::GeneratedDay, public testing::Wi
     store.forget({.from = times_[kFirst], .to = times_[kLast]}, store.begin_run("test", "{}"));
   }
 
-  /// Where each known object is believed to be at a time.
-  std::string places(const Store& store, TimeNs time) const {
+  /// Where objects are believed to be at a time.
+  static std::string places(const Store& store, TimeNs time) {
     std::string text;
-    for (const Id object : known_)
-      for (const ObjectBelief& one : ask(store, WhereQuestion{object_name(object), {.at = time}}).objects)
-        text +=
-            fmt::format("{} {} {:.3f}\n", one.object.name, one.place ? one.place->name : "", one.probability);
+    for (const BeliefRow& row : store.beliefs({.at = time}))
+      text += fmt::format("{} {} {:.3f}\n", object_name(row.object), row.place.value_or(0), row.probability);
     return text;
   }
 
