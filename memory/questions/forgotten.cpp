@@ -23,7 +23,7 @@ struct AskedTime {
 bool asks_for_moment(const Question& question, const Query& query) {
   const bool of_past =
       query.asks == Asks::last_time || query.asks == Asks::first_time || query.asks == Asks::ago;
-  return question.of_moment && (question.period || !of_past);
+  return question.of_moment && (question.time == SentenceTime::period || !of_past);
 }
 
 std::optional<AskedTime> asked_time(const Store& store, const Query& query, const AsOf& as_of) {
@@ -35,7 +35,7 @@ std::optional<AskedTime> asked_time(const Store& store, const Query& query, cons
   if (!from && !to && !at) return AskedTime{.span = {last, last}, .is_said = false};
   if (from || to || !asks_for_moment(*question, query))
     return AskedTime{.span = {from.value_or(kAlways), to.value_or(at.value_or(last))}};
-  return AskedTime{.span = {*at, *at}, .is_moment = true, .is_state = !question->period};
+  return AskedTime{.span = {*at, *at}, .is_moment = true, .is_state = question->time != SentenceTime::period};
 }
 
 /// Whether all scenes of a period were forgotten.

@@ -348,8 +348,7 @@ Answer Question::ask(const Store& store, const Query& query, const AsOf& as_of) 
   check_arguments(name, all_parameters(), query);
   Arguments arguments(store, query, as_of);
   if (period) check_period(arguments.from(), arguments.to());
-  const std::optional<ForgottenTime> forgotten =
-      period ? std::nullopt : forgotten_time(store, query, arguments.as_of());
+  const std::optional<ForgottenTime> forgotten = forgotten_time(store, query, arguments.as_of());
   if (!forgotten || !forgotten->all) return run(arguments);
   if (forgotten->before) arguments.set_at(*forgotten->before);
   try {

@@ -127,7 +127,7 @@ TEST_P(ForgottenPeriod, AnswersAreThoseOfTheTimeBefore) {
   const Store store = Store::open_read(file_);
   for (Query query : queries()) {
     const Question& question = *find_question(query.question);
-    if (!question.of_moment || question.period) continue;
+    if (!question.of_moment || question.time == SentenceTime::period) continue;
     query.arguments["at"] = format_time(times_[kFirst - 1]);
     const std::string before = ask(store, query).to_json().dump();
     query.arguments["at"] = format_time(times_[kFirst + 2]);
