@@ -32,7 +32,8 @@ void note_times(const Snapshot& snapshot, const Query& query, std::vector<std::s
   }
 }
 
-/// A part of the time asked about, or what is told instead; where it is all, the reply says so.
+/// A part of the time asked about that was forgotten. Where all of it was, the reply says so; the note is the
+/// time of what is answered instead.
 void note_forgotten(const Snapshot& snapshot, const Query& query, std::vector<std::string>& notes) {
   const Store& store = snapshot.store();
   const AsOf as_of = read_as_of(store, query.argument("at"), query.argument("known-at"), snapshot.as_of());

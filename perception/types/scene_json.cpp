@@ -23,7 +23,7 @@ bool is_readable(const cas::FeatureStructure& array) {
   return array && !array.is_deleted() && array.type().component_kind() != cas::Kind::kStructure;
 }
 
-/// What is no finite number is null, as where it stands alone.
+/// Numbers that are not finite are null, as where they stand alone.
 Json values_json(const cas::FeatureStructure& array) {
   Json values = cas::elements_to_json(array);
   if (cas::is_floating(array.type().component_kind()))

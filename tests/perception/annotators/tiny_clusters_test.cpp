@@ -112,7 +112,7 @@ TYPED_TEST(TinyClusters, NoAnnotatorStumblesOverThem) {
   }
 }
 
-/// A table from above on which a thin box lies; `taken`: its points are no longer in the cloud.
+/// A table from above on which a thin box lies; `taken`: its points were taken out of the cloud.
 template <bool taken>
 class ThinBox : public TinyReader {
  public:
@@ -169,7 +169,7 @@ size_t clusters_of() {
 
 TEST(FlatObjectExtractor, FindsNothingWhereThePointsAreTakenOut) {
   EXPECT_EQ(clusters_of<ThinBox<false>>(), 1U);
-  EXPECT_EQ(clusters_of<ThinBox<true>>(), 0U) << "a person is no object";
+  EXPECT_EQ(clusters_of<ThinBox<true>>(), 0U) << "people belong to no object";
 }
 
 }  // namespace
