@@ -371,14 +371,6 @@ struct SurfacePart {
   }
 };
 
-/// The depth of what the cloud has a point of: those of people belong to no object.
-cv::Mat depth_of_points(const types::SceneCas& scene) {
-  cv::Mat depth = types::view_image(scene, types::SceneCas::kDepth).clone(), z;
-  cv::extractChannel(cloud_points(scene), z, 2);
-  depth.setTo(std::numeric_limits<float>::quiet_NaN(), z != z);
-  return depth;
-}
-
 constexpr int kClusterMargin = 5;  ///< pixels beside a cluster show a bit of both
 
 void add_cluster(const FlatObject& object, const types::PlanarSupport& support, const types::SceneCas& scene,
@@ -541,7 +533,7 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
   }
   const Isometry3d pose = map_from_camera(scene.scene());
   const mapping::RgbdCamera camera = types::cameras(scene);
-  const cv::Mat depth = depth_of_points(scene);
+  const cv::Mat depth = types::view_image(scene, types::SceneCas::kDepth);
   const cv::Mat color = types::view_image(scene, types::SceneCas::kColor);
   if (!empty_depth_.empty() && empty_depth_.size() != depth.size())
     throw Error("the empty surface is not as large as the depth image", {calibration_, 0, {}},
