@@ -98,7 +98,8 @@ struct ClusterAccess {
 
 std::string annotations_text(const auto& annotations) {
   Json json = Json::array();
-  for (const perception::types::Annotation& annotation : annotations) json.push_back(to_json(annotation));
+  for (const perception::types::Annotation& annotation : annotations)
+    json.push_back(to_json(annotation, perception::types::Arrays::written));
   return json.dump();
 }
 

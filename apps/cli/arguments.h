@@ -37,7 +37,8 @@ struct ArgumentDetails {
   std::string default_text = {};  ///< shown instead of the value of the variable
   double min = -std::numeric_limits<double>::infinity();  ///< of numbers, inclusive
   double max = std::numeric_limits<double>::infinity();
-  std::vector<std::string> choices = {};  ///< the only values allowed
+  std::vector<std::string> choices = {};      ///< the only values allowed
+  std::vector<std::string> first_words = {};  ///< of a list: what its first value may be, for hints
   int values = 1;         ///< how many follow one occurrence of an option, or have commas between
   bool open_end = false;  ///< any number of values follow one occurrence of a list option
   std::vector<std::string> needs = {};     ///< options without which this one means nothing

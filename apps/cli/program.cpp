@@ -191,6 +191,15 @@ void install_interrupt_handler() {
   std::signal(SIGTERM, on_interrupt);
 }
 
+/// Whether the first word after a command may be this one.
+bool takes_first(const Command& command, const std::string& word) {
+  ArgumentTable arguments;
+  const auto body = command.declare(arguments);  // owns the variables
+  const auto first = std::ranges::find_if(arguments.all(), &Argument::positional);
+  return first != arguments.all().end() &&
+         (std::ranges::count(first->choices, word) > 0 || std::ranges::count(first->first_words, word) > 0);
+}
+
 bool has_option(const std::vector<std::string>& words, const std::string& option) {
   const auto end = std::find(words.begin(), words.end(), "--");
   return std::find(words.begin(), end, option) != end;
@@ -225,6 +234,10 @@ const Command& Program::find(const std::string& name) const {
     names.push_back(command.name);
   }
   if (name.starts_with('-')) throw unknown("option", name, {"--help", "--version"});
+  // "stow" is meant as "task stow".
+  for (const Command& command : commands_)
+    if (takes_first(command, name))
+      throw UsageError(fmt::format("unknown command '{}' (did you mean '{} {}'?)", name, command.name, name));
   throw unknown("command", name, names);
 }
 

@@ -58,7 +58,7 @@ void QuestionArguments::declare(const memory::Question& question, ArgumentTable&
       spec = parameter.required ? fmt::format("{}...", spec) : fmt::format("[{}...]", spec);
       if (!positional)
         table.positional(spec, &words, question.words_help.empty() ? parameter.help : question.words_help,
-                         {.default_text = parameter.default_text});
+                         {.default_text = parameter.default_text, .first_words = parameter.choices});
       positional = true;
       continue;
     }

@@ -1,5 +1,8 @@
 #include "gui/data/question_answers.h"
 
+#include <fmt/format.h>
+
+#include "memory/questions/forgotten.h"
 #include "memory/sentences/natural_language.h"
 #include "memory/sentences/sentence_parser.h"
 
@@ -26,6 +29,9 @@ TypedAnswer answer_question(const memory::Store& store, const TypedQuestion& que
       if (const auto query = memory::parse_query(question.text)) {
         typed.command = query->text();
         typed.text = memory::ask(store, *query, as_of).to_text(times);
+        if (const auto forgotten = memory::forgotten_time(store, *query, as_of); forgotten && forgotten->all)
+          typed.text.insert(
+              0, fmt::format("Not observed: {}.\n", memory::forgotten_text(forgotten->period, times)));
         return typed;
       }
     } catch (const Error& error) {

@@ -237,7 +237,8 @@ std::vector<Question> emptiness_questions() {
                          {"yes: look at<place> [person|ever]", exists, "Did you look at the table?"},
                          {"howmany: mostthings <place>", most},
                          {"when: mostthings <place>", first_time, "When was the table the fullest?"},
-                         {"when: mostthings at<place> [thing]", first_time}}}};
+                         {"when: mostthings at<place> [thing]", first_time}},
+           .of_moment = false}};
 }
 
 }  // namespace loci::memory

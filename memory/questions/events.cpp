@@ -553,7 +553,8 @@ std::vector<Question> event_questions() {
                                     static_cast<size_t>(given.number("times").value_or(1))});
        },
        .time = SentenceTime::period,
-       .sentences = changes_sentences()},
+       .sentences = changes_sentences(),
+       .of_moment = false},
       {.name = "timeline",
        .description = "Scenes and events in order",
        .period = true,
@@ -564,7 +565,8 @@ std::vector<Question> event_questions() {
        .sentences = {{"what: see person [thing|everything]", Asks::summary,
                       "What did you see between eight and nine?"},
                      {"what: act person -may"},
-                     {"bare|order|what: timeline [show|give]"}}},
+                     {"bare|order|what: timeline [show|give]"}},
+       .of_moment = false},
       {.name = "scenes",
        .group = QuestionGroup::inspect,
        .description = "The scenes",
@@ -575,7 +577,8 @@ std::vector<Question> event_questions() {
        .time = SentenceTime::period,
        .sentences = {{"when|where: look person [last]", Asks::summary, "When did you look?"},
                      {"howmany: scene|look [person|there|room]", Asks::number},
-                     {"howoften: look person", Asks::number}}},
+                     {"howoften: look person", Asks::number}},
+       .of_moment = false},
   };
 }
 

@@ -369,7 +369,8 @@ std::vector<Question> location_questions() {
                                     given.text("place"), given.text("before"), given.text("after")});
        },
        .time = SentenceTime::period,
-       .sentences = history_sentences()},
+       .sentences = history_sentences(),
+       .of_moment = false},
   };
 }
 

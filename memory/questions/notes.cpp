@@ -5,6 +5,7 @@
 
 #include "mapping/base/text/text.h"
 #include "memory/questions/environment_parts.h"
+#include "memory/questions/forgotten.h"
 #include "memory/questions/names/names.h"
 #include "memory/questions/names/related_words.h"
 
@@ -29,6 +30,19 @@ void note_times(const Snapshot& snapshot, const Query& query, std::vector<std::s
       notes.push_back(fmt::format("'{}' is taken as {}", text, writer.text(span->first)));
     noted = text;
   }
+}
+
+/// A part of the time asked about that was forgotten. Where all of it was, the reply says so; the note is the
+/// time of what is answered instead.
+void note_forgotten(const Snapshot& snapshot, const Query& query, std::vector<std::string>& notes) {
+  const Store& store = snapshot.store();
+  const AsOf as_of = read_as_of(store, query.argument("at"), query.argument("known-at"), snapshot.as_of());
+  const std::optional<ForgottenTime> forgotten = forgotten_time(store, query, as_of);
+  if (!forgotten) return;
+  const TimeWriter times(store);
+  if (!forgotten->all) notes.push_back(forgotten_text(forgotten->period, times));
+  if (forgotten->all && forgotten->before)
+    notes.push_back(fmt::format("what follows was known before, at {}", times.text(*forgotten->before)));
 }
 
 /// Without words before it that do not say which it is: "on the table" is a table.
@@ -66,6 +80,7 @@ std::vector<std::string> notes_on(const Snapshot& snapshot, const Query& query) 
   using enum ParameterType;
   std::vector<std::string> notes;
   note_times(snapshot, query, notes);
+  note_forgotten(snapshot, query, notes);
   const Question* const question = find_question(query.question);
   if (question == nullptr) return notes;  // `why` and the like, which no sentence means
   const std::vector<Parameter>& parameters = question->parameters;

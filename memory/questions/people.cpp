@@ -88,7 +88,8 @@ std::vector<Question> people_questions() {
        .sentences = {{"yes|bare: person room [see|been|come|there]", verdict, "Was anybody in the kitchen?"},
                      {"yes: see person", verdict},
                      {"when: person room [see|been|last|there]", last_time, "When was somebody here last?"},
-                     {"howoften: person room [see|been|there]", number}}}};
+                     {"howoften: person room [see|been|there]", number}},
+       .of_moment = false}};
 }
 
 }  // namespace loci::memory

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "mapping/base/math/polygon.h"
+#include "memory/questions/forgotten.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
@@ -356,8 +357,8 @@ class Judge {
       if (coverage_.has_places())
         result.absent = looks_without_it(
             PresenceChance(snapshot_.store(), object, question_, snapshot_.as_of(), places_), result);
-    } else if (was_forgotten()) {
-      result.reason = "what was seen in that time was forgotten on request";
+    } else if (const auto part = forgotten_part(snapshot_.store(), {question_.from, question_.to})) {
+      result.reason = forgotten_text(*part, TimeWriter(snapshot_.store()));
     } else if (coverage_.scenes().empty()) {
       result.reason = "there is no scene in that time";
     } else if (!coverage_.has_places()) {
@@ -365,12 +366,6 @@ class Judge {
     } else {
       decide_at_place(object, result);
     }
-  }
-
-  bool was_forgotten() const {
-    return std::ranges::any_of(snapshot_.store().forgotten(), [&](const ForgottenRow& row) {
-      return row.valid_from && *row.valid_from <= question_.to && *row.valid_to >= question_.from;
-    });
   }
 
   static bool spot_was(const WasObject& result, SpotStatus status) {

@@ -17,6 +17,7 @@
 #include "memory/questions/emptiness.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
+#include "memory/questions/forgotten.h"
 #include "memory/questions/location.h"
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/near.h"
@@ -345,9 +346,19 @@ void check_period(const std::optional<TimeNs>& from, const std::optional<TimeNs>
 
 Answer Question::ask(const Store& store, const Query& query, const AsOf& as_of) const {
   check_arguments(name, all_parameters(), query);
-  const Arguments arguments(store, query, as_of);
+  Arguments arguments(store, query, as_of);
   if (period) check_period(arguments.from(), arguments.to());
-  return run(arguments);
+  const std::optional<ForgottenTime> forgotten = forgotten_time(store, query, arguments.as_of());
+  if (!forgotten || !forgotten->all) return run(arguments);
+  if (forgotten->before) arguments.set_at(*forgotten->before);
+  try {
+    return run(arguments);
+  } catch (const UnknownName& error) {
+    throw UnknownName(
+        error.kind(),
+        fmt::format("{} before; {}", error.message(), forgotten_text(forgotten->period, TimeWriter(store))),
+        error.location(), error.hint());
+  }
 }
 
 Reply Question::reply(const Store& store, Query query, const Answer& found) const {

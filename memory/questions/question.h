@@ -118,6 +118,8 @@ class Arguments {
 
   const Store& store() const { return store_; }
   const AsOf& as_of() const { return as_of_; }
+  /// From now on as of another time.
+  void set_at(TimeNs at) { as_of_.at = at; }
   std::string text(const std::string& name) const { return query_.argument(name); }
   /// When the time given begins.
   std::optional<TimeNs> time(const std::string& name) const;
@@ -210,6 +212,9 @@ class Answer {
     }
     T answer;
   };
+  /// Whatever was forgotten.
+  Reply written(const ReplyContext& context) const;
+
   std::shared_ptr<const Concept> model_;
 };
 
@@ -259,12 +264,15 @@ struct Question {
   SentenceTime time = SentenceTime::at;
   std::string over_period = {};  ///< the question that a sentence with a period means
   std::vector<SentenceForm> sentences = {};
+  /// Whether --at asks for what held at that moment; else for all up to it.
+  bool of_moment = true;
 
   /// Positional arguments as they are typed; Error when the question takes none.
   void read(const std::vector<std::string>& words, Query& query) const;
   /// All parameters: its own, then those of time.
   std::vector<Parameter> all_parameters() const;
-  /// Error for unknown or missing arguments, and for names that mean nothing in this memory.
+  /// Error for unknown or missing arguments, and for names that mean nothing in this memory. Of a moment that
+  /// was forgotten it is what was known before.
   Answer ask(const Store& store, const Query& query, const AsOf& as_of = {}) const;
   /// The answer to a query in one sentence with its evidence.
   Reply reply(const Store& store, Query query, const Answer& found) const;

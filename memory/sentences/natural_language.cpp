@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "mapping/base/text/text.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/questions/presence.h"
 #include "memory/questions/snapshot.h"
+#include "memory/questions/visits.h"
 #include "memory/sentences/clauses/absence_clause.h"
 #include "memory/sentences/clauses/contents_clause.h"
 #include "memory/sentences/clauses/coordination.h"
@@ -80,6 +82,25 @@ class Conversation {
     if (!ago || !time) return sentence;
     const TimeNs passed = times_.now() - ago->first;
     return "and at " + format_time(time->first + (words.back() == "later" ? passed : -passed)) + "?";
+  }
+
+  /// "In the last look" with the times of the last visit, which may be several looks; others as they are.
+  std::string at_last_visit(const std::string& sentence) const {
+    static const std::set<std::string> articles = {"the", "your", "my", "our"}, orders = {"last", "latest"},
+                                       looks = {"look", "looks", "visit"},
+                                       introductions = {"in", "at", "on", "during"};
+    Words words = sentence_words(sentence);
+    for (size_t i = 0; i + 3 < words.size(); ++i) {
+      if (!introductions.contains(words[i]) || !articles.contains(words[i + 1]) ||
+          !orders.contains(words[i + 2]) || !looks.contains(words[i + 3]))
+        continue;
+      const auto last = snapshot_.store().latest_scene(snapshot_.as_of());
+      const auto begin = last_visit_begin(snapshot_.store(), snapshot_.as_of());
+      if (!begin) return sentence;
+      replace_words(words, i, 4, {"between", format_time(*begin), "and", format_time(last->time)});
+      return join_words(words, 0, words.size());
+    }
+    return sentence;
   }
 
   /// "Which of those is the biggest?" asks of what the last answer named.
@@ -287,7 +308,7 @@ class Conversation {
   }
 
   NaturalLanguageAnswer answer_with_names(const std::string& sentence) {
-    NaturalLanguageAnswer answer = answer_by_rules(with_choices_joined(sentence));
+    NaturalLanguageAnswer answer = answer_by_rules(with_choices_joined(at_last_visit(sentence)));
     // A name of several words that nothing is called by may be more than a name: "the bowl land".
     const bool failed = answer.query && answer.why_not && !answer.reply;
     const bool misplaced =

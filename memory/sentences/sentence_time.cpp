@@ -226,7 +226,6 @@ std::vector<Rewording> rewordings_of_times() {
       {"some time today|sometime today|in the course of (the|this) day|over the day|(during|in) the day",
        "today"},
       {"(in|at) the (last|latest|current|final|present) (scene|frame|image|snapshot)", "now"},
-      {"(in|at|on|during) (the|your) (last|latest|most recent) (look|visit)", "in the last 10 minutes"},
       {"(this|the) (very|same) day|on (this|that) day", "today"},
       {"earlier this", "this"},
       {"earlier on", "earlier"},

@@ -419,6 +419,11 @@ Json to_json(const FeatureStructure& root, BlobSink* sink) {
   return json;
 }
 
+Json elements_to_json(const FeatureStructure& array) {
+  const Kind kind = array.type().component_kind();
+  return json_list(kind, array.raw_elements(kind));
+}
+
 Json to_json(const Cas& cas, BlobSink* sink) {
   const std::vector<CanonicalView> views = canonical_views(cas);
   std::vector<FeatureStructure> roots;

@@ -42,6 +42,9 @@ class BlobSource {
 /// with a sink.
 Json to_json(const FeatureStructure& root, BlobSink* sink = nullptr);
 
+/// The elements of an array of numbers, booleans or texts as a list, however many.
+Json elements_to_json(const FeatureStructure& array);
+
 /// A whole CAS: {"views": [{"name": ..., "sofa": "#1", "index": ["#2", ...]}], "structures": [...]}. What no
 /// view leads to is not part of it. An index is a set: its members come in a canonical order of their
 /// content.

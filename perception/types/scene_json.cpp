@@ -4,6 +4,7 @@
 
 #include "mapping/base/text/json.h"
 #include "mapping/base/time.h"
+#include "perception/cas/json.h"
 #include "perception/types/geometry.h"
 
 namespace loci::perception::types {
@@ -16,6 +17,19 @@ double rounded(double value) {
 Json vector_json(const Vector& vector) {
   const Vector3d v = from<Vector3d>(vector);
   return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
+}
+
+bool is_readable(const cas::FeatureStructure& array) {
+  return array && !array.is_deleted() && array.type().component_kind() != cas::Kind::kStructure;
+}
+
+/// Numbers that are not finite are null, as where they stand alone.
+Json values_json(const cas::FeatureStructure& array) {
+  Json values = cas::elements_to_json(array);
+  if (cas::is_floating(array.type().component_kind()))
+    for (Json& value : values)
+      if (!value.is_number()) value = nullptr;
+  return values;
 }
 
 Json cluster_json(const Cluster& cluster, int number) {
@@ -54,7 +68,7 @@ Json support_json(const PlanarSupport& support) {
 
 }  // namespace
 
-Json to_json(const Annotation& annotation) {
+Json to_json(const Annotation& annotation, Arrays arrays) {
   Json json = {{"type", annotation.type().short_name()}};
   const cas::FeatureStructure& structure = annotation;
   for (const cas::Feature& feature : structure.type().features()) {
@@ -64,6 +78,9 @@ Json to_json(const Annotation& annotation) {
     if (kind == cas::Kind::kBoolean) json[feature.name()] = structure.get<bool>(feature);
     if (cas::is_integer(kind)) json[feature.name()] = structure.get<int64_t>(feature);
     if (cas::is_floating(kind)) json[feature.name()] = rounded(structure.get<double>(feature));
+    if (arrays == Arrays::written && kind == cas::Kind::kArray)
+      if (const auto array = structure.get<cas::FeatureStructure>(feature); is_readable(array))
+        json[feature.name()] = values_json(array);
   }
   return json;
 }

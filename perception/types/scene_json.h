@@ -5,8 +5,10 @@
 
 namespace loci::perception::types {
 
+/// Whether features that are arrays of numbers or texts are written: a descriptor has thousands.
+enum class Arrays { left_out, written };
 /// What an annotation says in words and numbers, whatever its type.
-Json to_json(const Annotation& annotation);
+Json to_json(const Annotation& annotation, Arrays arrays = Arrays::left_out);
 /// What was perceived of a scene: supports, clusters with their annotations, annotations of the scene.
 Json to_json(const SceneCas& scene);
 

@@ -120,7 +120,7 @@ def _annotate(self: Union[Cluster, PerceivedScene], type: str, **features: Any) 
 
 
 def _annotations(self: Cluster) -> List[Record]:
-    """What annotators said of it so far, in words and numbers; `type` is the short name."""
+    """What annotators said of it so far, in words, numbers and lists of them; `type` is the short name."""
     return read(self._annotations())
 
 

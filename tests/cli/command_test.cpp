@@ -187,6 +187,8 @@ TEST(Commands, ExplainWrongUsageInOneLine) {
        "loci-memory forget: --between needs 2 values; see loci-memory forget --help\n"},
       {"loci-memory changes --between 9 10 --between 11 12 -m a.loci",
        "loci-memory changes: --between is given several times; see loci-memory changes --help\n"},
+      {"loci-memory stow banana shelf_1 -m a.loci",
+       "loci-memory: unknown command 'stow' (did you mean 'task stow'?); see loci-memory --help\n"},
       {"loci-map articulate --before scans",
        "loci-map articulate: --before needs --after; see loci-map articulate --help\n"},
   };

@@ -173,6 +173,45 @@ class Pipelines(TabletopTest):
         self.assertTrue(own)
         self.assertTrue(all(0.05 < each.confidence < 0.5 for each in own))
 
+    def test_arrays_are_annotated_and_read(self):
+        arrays = {
+            "feature": numpy.linspace(-1, 1, 200, dtype=numpy.float32),
+            "places": numpy.arange(6, dtype=numpy.int16).astype(numpy.float64),
+        }
+
+        class Describes(loci.Annotator):
+            inputs = ["Cluster"]
+            outputs = ["ImageFeatureAnnotation", "ColorAnnotation"]
+
+            def process(self, scene):
+                for cluster in scene.clusters:
+                    cluster.annotate("ImageFeatureAnnotation", name="mine", feature=arrays["feature"])
+                    cluster.annotate("ImageFeatureAnnotation", name="other", feature=arrays["places"])
+                    cluster.annotate("ColorAnnotation", names=numpy.array(["red", "blue"]))
+
+        found = []
+        memory = self.folder / "arrays.loci"
+        loci.run(
+            self.recording,
+            annotators=[Describes],
+            memory=memory,
+            done=lambda scene: found.extend(each for cluster in scene.clusters for each in cluster.annotations),
+        )
+        for name, values in (("mine", arrays["feature"]), ("other", arrays["places"])):
+            read = [each.feature for each in found if each.get("name") == name]
+            self.assertTrue(read)
+            for each in read:
+                numpy.testing.assert_array_equal(numpy.array(each, dtype=numpy.float32), values)
+        self.assertIn(["red", "blue"], [each.names for each in found if each.type == "ColorAnnotation"])
+        self.assertTrue(memory.exists())
+
+        class Wrong(Describes):
+            def process(self, scene):
+                scene.clusters[0].annotate("ImageFeatureAnnotation", name="mine", feature=numpy.array([1, numpy.nan]))
+
+        with self.assertRaisesRegex(loci.Error, "ImageFeatureAnnotation.feature: is not a finite number"):
+            loci.run(self.recording, annotators=[Wrong])
+
     def test_what_is_no_value_is_refused_at_the_line_of_the_user(self):
         def annotator(**features):
             class Wrong(loci.Annotator):

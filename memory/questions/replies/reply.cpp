@@ -7,6 +7,7 @@
 
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
+#include "memory/questions/forgotten.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
@@ -68,6 +69,14 @@ void divide(Reply& reply) {
   }
 }
 
+Reply within_limits(Reply reply) {
+  divide(reply);
+  reply.text = shortened(reply.text);
+  if (reply.evidence.size() > kMaxEvidenceLines) reply.evidence.resize(kMaxEvidenceLines);
+  for (std::string& line : reply.evidence) line = shortened(with_agreement(line), 2 * kMaxReplyLength);
+  return reply;
+}
+
 }  // namespace
 
 std::string shortened(const std::string& text, size_t length) {
@@ -92,14 +101,18 @@ std::string uncapitalised(std::string text) {
 }
 
 Reply Answer::reply(const ReplyContext& context) const {
+  const std::optional<ForgottenTime> forgotten = forgotten_time(context.store, context.query, context.as_of);
+  if (!forgotten || !forgotten->all) return written(context);
+  ReplyContext before = context;
+  if (forgotten->before) before.as_of.at = forgotten->before;
+  return within_limits(forgotten_reply(*forgotten, written(before), context.times));
+}
+
+Reply Answer::written(const ReplyContext& context) const {
   Reply reply;
   if (!model_->write_reply(context, reply)) shorten(to_text(context.times), reply);
   reply.text = with_agreement(capitalised(std::move(reply.text)));
-  divide(reply);
-  reply.text = shortened(reply.text);
-  if (reply.evidence.size() > kMaxEvidenceLines) reply.evidence.resize(kMaxEvidenceLines);
-  for (std::string& line : reply.evidence) line = shortened(with_agreement(line), 2 * kMaxReplyLength);
-  return reply;
+  return within_limits(std::move(reply));
 }
 
 std::string headed(const Reply& reply, std::string text) {

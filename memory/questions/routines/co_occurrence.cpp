@@ -13,6 +13,7 @@
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/routines/routines.h"
 #include "memory/questions/snapshot.h"
+#include "memory/questions/visits.h"
 
 namespace loci::memory {
 
@@ -20,10 +21,8 @@ using namespace format;
 
 namespace {
 
-constexpr TimeNs kVisitGap = 600 * kSecond;
 constexpr size_t kMaxSimilar = 5;
 
-/// Scenes of a place that follow each other closely: no single view sees all of it.
 struct PlaceVisit {
   TimeNs from = 0, to = 0;
   double fraction = 0;        ///< of the place that its scenes saw together, where no single one saw enough
@@ -409,7 +408,8 @@ std::vector<Question> co_occurrence_questions() {
                      {"yes: together do|did|was|been|see|usually <object> and<with> [stand|move|find]",
                       Asks::verdict},
                      {"what: see|move|find|stand|together|go|belong with<object> [usually|thing|together]",
-                      Asks::objects, "What is used together with the tea cup?"}}},
+                      Asks::objects, "What is used together with the tea cup?"}},
+       .of_moment = false},
       {.name = "missing",
        .description = "What is missing at a place, by what its earlier visits showed",
        .parameters = {place,
@@ -445,7 +445,8 @@ std::vector<Question> co_occurrence_questions() {
          return ask(given.store(), SceneTypeQuestion{given.number("scene"), given.as_of()});
        },
        .sentences = {{"what: scene|situation|meal|occasion <any> [of|kind]", Asks::summary,
-                      "What kind of scene is this?"}}},
+                      "What kind of scene is this?"}},
+       .of_moment = false},
   };
 }
 

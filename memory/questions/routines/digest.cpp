@@ -141,7 +141,8 @@ std::vector<Question> digest_questions() {
                           "Give me a digest of the day."},
                          {"what: outofplace [thing|which]", Asks::objects, "What is out of its usual place?"},
                          {"yes|bare: thing outofplace", Asks::exists, "Is anything out of place?"},
-                         {"yes|bare: everything asusual", Asks::all, "Is everything in its usual place?"}}}};
+                         {"yes|bare: everything asusual", Asks::all, "Is everything in its usual place?"}},
+           .of_moment = false}};
 }
 
 }  // namespace loci::memory

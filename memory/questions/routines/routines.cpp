@@ -604,7 +604,8 @@ std::vector<Question> routine_questions() {
          return ask(given.store(), UsualQuestion{given.text("object"), given.as_of(), given.text("during")});
        },
        .time = SentenceTime::during,
-       .sentences = usual_sentences()},
+       .sentences = usual_sentences(),
+       .of_moment = false},
       {.name = "contents-history",
        .description = "What was seen on or in a place, ever or in a period",
        .parameters = {place_parameter(),
@@ -625,7 +626,8 @@ std::vector<Question> routine_questions() {
                                             given.text("object"), given.text("state")});
        },
        .time = SentenceTime::period,
-       .sentences = contents_history_sentences()},
+       .sentences = contents_history_sentences(),
+       .of_moment = false},
       {.name = "life-cycle",
        .description = "From which place to which an object usually moves",
        .parameters = {object_parameter()},
@@ -636,7 +638,8 @@ std::vector<Question> routine_questions() {
        },
        .time = SentenceTime::none,
        .sentences = {{"what|bare|order: lifecycle <object> [show]", Asks::summary,
-                      "What is the life cycle of a plate?"}}},
+                      "What is the life cycle of a plate?"}},
+       .of_moment = false},
   };
 }
 

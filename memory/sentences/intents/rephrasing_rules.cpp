@@ -91,9 +91,9 @@ const std::vector<Pattern>& meanings() {
        "taken|removed|cleared <x>",
        "what was taken <x>"},
       {"^ what did|have you see|seen|notice|noticed last|recently|lately $",
-       "what did you see in the last 10 minutes"},
+       "what did you see in the last look"},
       {"^ what is|was the? last|latest object|thing|item|objects|things that? you saw|see|noticed $",
-       "what did you see in the last 10 minutes"},
+       "what did you see in the last look"},
       {"^ which|what <n:furniture> was <x> on|in|at before|previously|earlier $", "where was <x> before"},
       // Which one of that name: "the cup, the red one, where is it?"
       {"the|my <x:name> , the <c:colour> one , <z>", "the <c> <x> , <z>"},

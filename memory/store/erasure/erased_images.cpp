@@ -47,7 +47,8 @@ struct ErasedObservation {
   }
 };
 
-using Track = std::vector<ErasedObservation>;  ///< of one object at one spot, in order of time
+/// Of one object at one spot, in order of time, until it was seen elsewhere.
+using Track = std::vector<ErasedObservation>;
 
 /// The middle of what is seen of a large object depends on the side from which it is seen.
 bool is_same_spot(const ErasedObservation& a, const ErasedObservation& b) {
@@ -81,7 +82,7 @@ bool touches_border(const ObservationRow& row, const SqlRow& scene) {
   return x <= kNear_px || y <= kNear_px || x + columns >= *width - kNear_px || y + rows >= *height - kNear_px;
 }
 
-/// An object may be left standing at each spot where it was observed.
+/// An object may be left standing at each spot where it was observed; once it is seen elsewhere it is there.
 std::vector<Track> read_tracks(Store::Connection& db) {
   std::vector<Track> tracks;
   db.query(
@@ -95,10 +96,11 @@ std::vector<Track> read_tracks(Store::Connection& db) {
         ErasedObservation one{read_row<ObservationRow>(row), row.get<TimeNs>("scene_time"),
                               row.get<Id>("object")};
         one.at_border = touches_border(one.row, row);
-        const auto track = std::ranges::find_if(tracks, [&](const Track& known) {
-          return known.front().object == one.object && is_same_spot(known.front(), one);
+        const auto track = std::find_if(tracks.rbegin(), tracks.rend(), [&](const Track& known) {
+          return known.front().object == one.object;
         });
-        (track == tracks.end() ? tracks.emplace_back() : *track).push_back(one);
+        const bool stayed = track != tracks.rend() && is_same_spot(track->back(), one);
+        (stayed ? *track : tracks.emplace_back()).push_back(one);
       });
   complete_sizes(tracks);
   return tracks;

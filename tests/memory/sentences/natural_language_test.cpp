@@ -740,6 +740,10 @@ TEST_F(NaturalLanguage, TheLastLookIsWhatWasSeenLast) {
   const NaturalLanguageAnswer answer = say("What did you see last?");
   ASSERT_TRUE(answer.reply) << text(answer);
   EXPECT_THAT(answer.reply->objects, testing::Contains(4));
+  const std::string last = format_time(testing_support::day_time("10:30"));
+  EXPECT_EQ(answer.query->argument("from"), last) << "the visit, not a fixed time before";
+  EXPECT_EQ(answer.query->argument("to"), last);
+  EXPECT_EQ(say("What did you see in the last look?").reply->objects, answer.reply->objects);
 }
 
 }  // namespace

@@ -281,5 +281,27 @@ TEST_F(ForgetAtBorder, WhereItIsBelievedToStandBehindAnotherItIsCut) {
   for (const Id scene : {1, 2, 3}) EXPECT_EQ(white_pixels(scene), 0U) << scene;
 }
 
+TEST_F(ForgetAtBorder, WhatStandsAtItsSpotWhileItIsElsewhereStays) {
+  Store store = Store::open_write(file_);
+  const Id run = store.begin_run("test", "{}");
+  const double away = -0.8;
+  Id object = 0;
+  // At its spot, elsewhere, unseen with another before its spot, and at its spot again.
+  for (const auto& [time, left] : {std::pair{1000, std::optional(0.0)},
+                                   {2000, std::optional(away)},
+                                   {3000, std::optional<double>()},
+                                   {4000, std::optional(0.0)}}) {
+    SceneTransaction scene(store, run);
+    if (object == 0) object = scene.add_object({});
+    const Id id = add_scene(scene, time, left.value_or(0), left ? 2.0F : 1.0F);
+    const int first = static_cast<int>(kDepthFocal * left.value_or(0) / 2 + 319.5);
+    if (left) observe(scene, id, object, {*left + 0.15, 0, 2}, kBox, {first, 200, 87, 80});
+    scene.commit();
+  }
+  store.forget({.object = object}, run);
+  for (const Id scene : {1, 2, 4}) EXPECT_EQ(white_pixels(scene), 0U) << scene;
+  EXPECT_GT(white_pixels(3), 0U) << "another stands there";
+}
+
 }  // namespace
 }  // namespace loci::memory
