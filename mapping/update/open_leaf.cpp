@@ -62,18 +62,18 @@ OpenLeaf leaf_at(const Front& front, double position, const registration::Surfel
                  const std::vector<uint32_t>& candidates) {
   OpenLeaf leaf{position, {}, 0};
   const Isometry3d back = closed_from_open(*front.joint, position);
-  const double before = front.joint->type == ArticulationType::prismatic
-                            ? position * front.joint->axis.normalized().dot(front.normal)
-                            : 0;
+  const double drawn_out = front.joint->type == ArticulationType::prismatic
+                               ? position * front.joint->axis.normalized().dot(front.normal)
+                               : 0;
   for (const uint32_t i : candidates) {
     const Vector3d point = surface.position[i].cast<double>();
     const Vector3d moved = in_front(front, back * point), at_rest = in_front(front, point);
-    // A handle stands before the panel. The box of a drawer lies behind it, and so does an inside.
+    // A handle stands before the panel. Behind the closed place is what the front hid, which may be wider
+    // than the front; before it the box of a drawer.
     const bool on_panel = within(front, moved) && moved.z() < kChanges.swept_margin_m &&
                           moved.z() > -kChanges.leaf_m - kChanges.front_gap_m;
-    const bool behind = within(front, at_rest) && at_rest.z() < before &&
-                        at_rest.z() > -front.depth - kChanges.swept_margin_m;
-    if (!on_panel && !behind) continue;
+    const bool inside = at_rest.z() < 0 || (within(front, at_rest) && at_rest.z() < drawn_out);
+    if (!on_panel && !inside) continue;
     leaf.surfels.push_back(i);
     leaf.on_panel += on_panel ? 1 : 0;
   }
