@@ -83,7 +83,7 @@ OpenLeaf leaf_at(const Front& front, double position, const registration::Surfel
 }  // namespace
 
 std::optional<OpenLeaf> open_leaf(const Front& front, const registration::Surfels& surface,
-                                  const std::vector<uint32_t>& candidates) {
+                                  const std::vector<uint32_t>& candidates, double min_share) {
   if (!front.joint || front.joint->type == ArticulationType::rigid) return std::nullopt;
   const double lever = lever_of(front);
   const double step = kChanges.leaf_step_m / lever, first = kChanges.min_leaf_m / lever;
@@ -97,7 +97,7 @@ std::optional<OpenLeaf> open_leaf(const Front& front, const registration::Surfel
       best = position;
     }
   const double all = front.width * front.height / (kChanges.leaf_cell_m * kChanges.leaf_cell_m);
-  if (static_cast<double>(most) < kChanges.min_leaf_share * all) return std::nullopt;
+  if (static_cast<double>(most) < min_share * all) return std::nullopt;
   return leaf_at(front, best, surface, candidates);
 }
 
