@@ -145,7 +145,7 @@ class Interactor {
   Interaction pull(const mapping::Front& front, size_t base_pose, const mapping::Scan& closed) {
     const Stopwatch watch;
     Interaction result;
-    result.front = result.pulled_as = front.name;
+    result.pulled_as = front.name;
     result.base_pose = base_pose;
     const std::string name = "pull_" + front.name;
     if (!log_.pull(front.name)) pull_and_scan(front, name, closed);

@@ -62,18 +62,18 @@ OpenLeaf leaf_at(const Front& front, double position, const registration::Surfel
                  const std::vector<uint32_t>& candidates) {
   OpenLeaf leaf{position, {}, 0};
   const Isometry3d back = closed_from_open(*front.joint, position);
-  const double before = front.joint->type == ArticulationType::prismatic
-                            ? position * front.joint->axis.normalized().dot(front.normal)
-                            : 0;
+  const double drawn_out = front.joint->type == ArticulationType::prismatic
+                               ? position * front.joint->axis.normalized().dot(front.normal)
+                               : 0;
   for (const uint32_t i : candidates) {
     const Vector3d point = surface.position[i].cast<double>();
     const Vector3d moved = in_front(front, back * point), at_rest = in_front(front, point);
-    // A handle stands before the panel. The box of a drawer lies behind it, and so does an inside.
+    // A handle stands before the panel. Behind the closed place is what the front hid, which may be wider
+    // than the front; before it the box of a drawer.
     const bool on_panel = within(front, moved) && moved.z() < kChanges.swept_margin_m &&
                           moved.z() > -kChanges.leaf_m - kChanges.front_gap_m;
-    const bool behind = within(front, at_rest) && at_rest.z() < before &&
-                        at_rest.z() > -front.depth - kChanges.swept_margin_m;
-    if (!on_panel && !behind) continue;
+    const bool inside = at_rest.z() < 0 || (within(front, at_rest) && at_rest.z() < drawn_out);
+    if (!on_panel && !inside) continue;
     leaf.surfels.push_back(i);
     leaf.on_panel += on_panel ? 1 : 0;
   }
@@ -83,7 +83,7 @@ OpenLeaf leaf_at(const Front& front, double position, const registration::Surfel
 }  // namespace
 
 std::optional<OpenLeaf> open_leaf(const Front& front, const registration::Surfels& surface,
-                                  const std::vector<uint32_t>& candidates) {
+                                  const std::vector<uint32_t>& candidates, double min_share) {
   if (!front.joint || front.joint->type == ArticulationType::rigid) return std::nullopt;
   const double lever = lever_of(front);
   const double step = kChanges.leaf_step_m / lever, first = kChanges.min_leaf_m / lever;
@@ -97,7 +97,7 @@ std::optional<OpenLeaf> open_leaf(const Front& front, const registration::Surfel
       best = position;
     }
   const double all = front.width * front.height / (kChanges.leaf_cell_m * kChanges.leaf_cell_m);
-  if (static_cast<double>(most) < kChanges.min_leaf_share * all) return std::nullopt;
+  if (static_cast<double>(most) < min_share * all) return std::nullopt;
   return leaf_at(front, best, surface, candidates);
 }
 

@@ -16,9 +16,9 @@ struct OpenLeaf {
   size_t on_panel = 0;            ///< of these
 };
 
-/// Whether some surfels show a front at a position that its joint can take; unset where they cover too little
-/// of the panel at each of them, or where its joint is not known.
+/// Whether some surfels show a front at a position that its joint can take; unset where they cover less than
+/// `min_share` of the panel at each of them, or where its joint is not known.
 std::optional<OpenLeaf> open_leaf(const Front& front, const registration::Surfels& surface,
-                                  const std::vector<uint32_t>& candidates);
+                                  const std::vector<uint32_t>& candidates, double min_share);
 
 }  // namespace loci::mapping

@@ -65,7 +65,8 @@ struct ChangeParameters {
   double leaf_step_m = 0.02;         ///< between tried places of its far edge: less than a surfel …
   double min_leaf_m = 0.1;           ///< … from where it is clear of its closed place
   double leaf_cell_m = 0.05;         ///< of a panel, two surfels: …
-  double min_leaf_share = 0.5;       ///< … so much of it is seen where the joint takes it
+  double min_leaf_share = 0.5;       ///< … so much of it is seen where the joint takes it, …
+  double min_edge_share = 0.06;      ///< … or so much, where rays passed its closed place
   size_t min_scan_points = 30;       ///< of a scan that shows a change
   double known_piece_m = 0.15;       ///< a piece of the sidecar so near is the same one
   double refresh_confidence = 0.02;  ///< a link that is known by so much better is written anew

@@ -222,13 +222,15 @@ class EpochComparison {
         continue;
       // What stands before a closed door hides it; an open one lets one look in.
       const bool turns = front.joint && front.joint->type == ArticulationType::revolute;
+      const bool passed =
+          static_cast<double>(through) >= kChanges.min_front_through * static_cast<double>(face.size());
       DifferenceResult moved;
-      if (!turns ||
-          static_cast<double>(through) >= kChanges.min_front_through * static_cast<double>(face.size()))
-        moved = articulate(before_set_, now_set_, front, {}, DifferenceOptions{});
+      if (!turns || passed) moved = articulate(before_set_, now_set_, front, {}, DifferenceOptions{});
       if (moved.joint)
         add_joint(front, moved, swept);
-      else if (const auto leaf = open_leaf(front, now_.surface(), swept))
+      else if (const auto leaf =
+                   open_leaf(front, now_.surface(), swept,
+                             turns && passed ? kChanges.min_edge_share : kChanges.min_leaf_share))
         add_leaf(front, *leaf);
     }
   }

@@ -62,6 +62,22 @@ double depth_of(const FaceRect& rect, const FaceRays& rays) {
   return static_cast<double>(median(std::move(depths)));
 }
 
+/// By how much a front comes out of its face per metre to the right: a face that spans two planes leans.
+double slope_of(const FaceRect& rect, const FaceRays& rays) {
+  double count = 0, u_sum = 0, depth_sum = 0, uu = 0, ud = 0;
+  for (const FaceRay& ray : rays.rays) {
+    if (!ray.is_on_face() || !rect.contains(ray, kFronts.depth_inset_m)) continue;
+    const double u = ray.point_u() - rect.u(), depth = static_cast<double>(ray.depth);
+    count += 1;
+    u_sum += u;
+    depth_sum += depth;
+    uu += u * u;
+    ud += u * depth;
+  }
+  const double spread = count * uu - u_sum * u_sum;
+  return spread > 0 ? (count * ud - u_sum * depth_sum) / spread : 0;
+}
+
 Front front_of(const PlacedFront& placed, const FaceRays& rays, const std::vector<FaceFixture>& fixtures) {
   const FurnitureFace& face = rays.face;
   Front front;
@@ -95,6 +111,7 @@ Front front_of(const PlacedFront& placed, const FaceRays& rays, const std::vecto
   Json scores = Json::array();
   for (const FrontEdge& edge : placed.edges) scores.push_back(std::round(10 * edge.z) / 10);
   front.evidence = {{"inliers", inliers}, {"scans", scans}, {"edges", edges}, {"edge_scores", scores}};
+  front.evidence["slope"] = std::round(1e4 * slope_of(placed.rect, rays)) / 1e4;
   return front;
 }
 

@@ -18,7 +18,9 @@ bool has_level_bar(const Front& front) {
 /// for others.
 double step_between(const Front& a, const Front& b) {
   const Vector3d apart = b.centre - a.centre;
-  const double step = -a.normal.dot(apart);
+  // Both may lean against the face that they were found in.
+  const double slope = (a.evidence.value("slope", 0.0) + b.evidence.value("slope", 0.0)) / 2;
+  const double step = slope * a.right().dot(apart) - a.normal.dot(apart);
   if (a.normal.dot(b.normal) < kCabinets.parallel_cosine || step < kSliding.min_step_m ||
       step > kSliding.max_step_m)
     return 0;

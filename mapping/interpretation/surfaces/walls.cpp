@@ -235,6 +235,27 @@ std::string why_no_wall(const VerticalPlane& plane, const std::vector<WallCandid
   return {};
 }
 
+/// Turns narrow faces square to the longest wall where they are nearly so: some centimetres of noise turn a
+/// pillar's face by degrees.
+void square_narrow(std::vector<VerticalPlane>& walls) {
+  const auto longest = std::ranges::max_element(walls, {}, &VerticalPlane::length);
+  if (longest == walls.end()) return;
+  const Vector2d normal = longest->normal, along = longest->direction();
+  for (VerticalPlane& wall : walls) {
+    if (wall.length() > kWalls.narrow_m) continue;
+    for (const Vector2d& square : {normal, Vector2d(-normal), along, Vector2d(-along)}) {
+      if (wall.normal.dot(square) < kWalls.narrow_cosine) continue;
+      const Vector2d middle = middle_of(wall);
+      const double half = wall.length() / 2;
+      wall.normal = square;
+      wall.offset = square.dot(middle);
+      const double centre = wall.direction().dot(middle);
+      wall.along_min = centre - half;
+      wall.along_max = centre + half;
+    }
+  }
+}
+
 /// Extends walls that end just before another to where their planes meet: surfels there mix both.
 void close_corners(std::vector<VerticalPlane>& walls) {
   for (VerticalPlane& wall : walls)
@@ -287,6 +308,7 @@ WallSearch find_walls(const Surface& surface, double floor_height, std::optional
   parallel_for(result.walls.size(), options.threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) refine_wall(result.walls[i], surface);
   });
+  square_narrow(result.walls);
   close_corners(result.walls);
   return result;
 }

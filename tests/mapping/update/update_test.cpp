@@ -246,7 +246,7 @@ TEST_F(UpdateTest, ADoorThatHidesItsOwnInsideIsOpenAndNoNewFurniture) {
   const UpdateResult result = updated(*map_, *before_, now);
   const MapChange* door = find(result, MapChange::Kind::opened, "door_2");
   ASSERT_NE(door, nullptr) << result.text();
-  EXPECT_NEAR(door->joint_position, kPi / 2, 0.1);
+  EXPECT_NEAR(door->joint_position, kPi / 2, 0.2);  // Seen near the hinge only.
   for (const MapChange& change : result.changes) {
     EXPECT_NE(change.kind, MapChange::Kind::came) << change.text();
     EXPECT_NE(change.kind, MapChange::Kind::seen_first) << change.text();
