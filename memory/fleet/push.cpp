@@ -230,7 +230,7 @@ void MemoryPush::require_tombstones(const TableReader& file) {
     throw Error(
         fmt::format("an older copy of the memory of robot '{}': the database lacks what was forgotten in "
                     "{}, which this file still has",
-                    options_.name.robot, counted(missing, "request", "requests")),
+                    options_.name.robot, counted(missing, "request")),
         {memory_.string(), 0, {}},
         "push the file in which it was forgotten, or loci-memory merge both first");
 }

@@ -57,8 +57,9 @@ CoOccurrence co_occurrence_of(const Snapshot& snapshot, const ScenesOfObjects& a
   return both;
 }
 
-std::vector<PlaceVisit> visits_of(const Snapshot& snapshot, const ScenesOfObjects& all, const PlaceRow& row) {
-  const Id place = row.id;
+std::vector<PlaceVisit> visits_of(const Snapshot& snapshot, const ScenesOfObjects& all,
+                                  const PlaceRow& visited) {
+  const Id place = visited.id;
   std::map<Id, std::set<Id>> there;
   for (const auto& [object, scenes] : all)
     for (const auto& [scene, at] : scenes)
@@ -80,7 +81,7 @@ std::vector<PlaceVisit> visits_of(const Snapshot& snapshot, const ScenesOfObject
   }
   for (PlaceVisit& visit : visits)
     if (visit.fraction > 0 && visit.fraction < kMinSeenFraction && visit.to > visit.from)
-      visit.fraction = std::max(visit.fraction, seen_fraction(snapshot, row, visit.from, visit.to));
+      visit.fraction = std::max(visit.fraction, seen_fraction(snapshot, visited, visit.from, visit.to));
   return visits;
 }
 
