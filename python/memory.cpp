@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <map>
 #include <mutex>
 #include <tuple>
 
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
+#include "mapping/base/user_time_zone.h"
 #include "mapping/image/image_io.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_actions.h"
@@ -326,6 +328,7 @@ std::string ingest_file(const std::filesystem::path& file, const std::string& ca
   options.recording = recording;
   options.called = called;
   options.program = "loci.ingest";
+  options.default_time_zone = user_time_zone(std::getenv("TZ")).name();
   const memory::WriteOptions write{.now = time_or_none(now)};
   Warnings warnings;
   const memory::IngestResult result =

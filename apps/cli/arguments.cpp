@@ -206,7 +206,8 @@ void ArgumentTable::options(const OptionTable& table, const std::string& group) 
     std::visit([&](auto* value) { argument.variable = value; }, option.value);
     argument.negatable = std::holds_alternative<bool*>(option.value);
     if (!argument.negatable) argument.value_name = usual_value_name(argument.variable);
-    add(std::move(argument), {.unit = option.unit, .choices = option.choices});
+    add(std::move(argument),
+        {.unit = option.unit, .min = option.min, .max = option.max, .choices = option.choices});
   }
 }
 

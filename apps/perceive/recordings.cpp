@@ -282,10 +282,7 @@ void MemoryTarget::prepare(const std::string& map, perception::Pipeline& pipelin
   options.map = map;
   if (!now.empty()) options.write.now = parse_time(now);
   options.write.time_zone = time_zone;
-  const auto recording = resources.find<mapping::Recording>();
-  if (time_zone.empty() && recording && recording->info().time_zone.empty() &&
-      !recording->info().time_assumed)
-    options.write.time_zone = machine_time_zone();
+  options.default_time_zone = machine_time_zone();
   memory::add_memory_session(options, pipeline, registry, resources);
   if (const auto known = resources.find<perception::KnownMap>())
     resources.put(std::make_shared<mapping::World>(known->world));

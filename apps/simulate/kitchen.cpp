@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "apps/simulate/commands.h"
+#include "mapping/base/files.h"
 #include "mapping/simulation/kitchen.h"
 #include "mapping/world/urdf.h"
 
@@ -28,7 +29,7 @@ void draw(KitchenArguments& arguments, Session& session) {
   const mapping::DrawnKitchen kitchen = mapping::draw_kitchen(layout, seed);
   const std::filesystem::path urdf = std::filesystem::path(arguments.out) / "kitchen.urdf";
   session.check_outputs(arguments.out, {"kitchen.urdf", "kitchen.semantic.json"});
-  std::filesystem::create_directories(arguments.out);
+  make_folder(arguments.out);
   mapping::write_urdf(kitchen.world, urdf);
   mapping::write_semantic_map(kitchen.semantics, mapping::sidecar_path(urdf));
   std::map<std::string, int> counts;
@@ -51,9 +52,9 @@ Command kitchen_command() {
             auto arguments = std::make_shared<KitchenArguments>();
             table.output("FOLDER", &arguments->out,
                          "Folder of kitchen.urdf and its sidecar, which is the truth", {.replaces = true});
-            table.option(
-                "--layout NAME", &arguments->layout,
-                fmt::format("One of {} [follows the seed]", fmt::join(mapping::kKitchenLayouts, ", ")));
+            table.option("--layout NAME", &arguments->layout, "Layout of the furniture",
+                         {.default_text = "follows the seed",
+                          .choices = {mapping::kKitchenLayouts.begin(), mapping::kKitchenLayouts.end()}});
             table.options(table_of(*arguments), "Kitchen");
             return [arguments](Session& session) { draw(*arguments, session); };
           }};
