@@ -22,6 +22,7 @@
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/reply.h"
 #include "memory/sentences/natural_language.h"
+#include "memory/store/public_views.h"
 #include "memory/store/scene_images.h"
 #include "memory/store/store.h"
 #include "python/bindings.h"
@@ -99,14 +100,10 @@ py::object cell_of(const Json& value) {
   return py::none();
 }
 
-/// The public views without their prefix.
-constexpr std::array kTables = {"objects",          "observations", "events", "scenes",
-                                "place_visibility", "log",          "facts"};
-
 py::dict table(OpenMemory& memory, const std::string& name) {
-  if (std::ranges::count(kTables, name) == 0)
+  if (std::ranges::count(memory::kPublicViews, name) == 0)
     throw Error("there is no table '" + name + "'", {memory.path().string(), 0, {}},
-                "there are: " + joined({kTables.begin(), kTables.end()}, ", "));
+                "there are: " + joined({memory::kPublicViews.begin(), memory::kPublicViews.end()}, ", "));
   std::vector<Json> rows;
   const std::vector<std::string> names = memory.with_store([&](const memory::Store& store) {
     store.read_view("v_" + name, [&](const Json& row) { rows.push_back(row); });
@@ -214,8 +211,7 @@ std::vector<Annotation> annotations_of(const Observation& observation) {
 
 std::optional<mapping::PinholeCamera> camera_of(const Scene& scene) {
   if (!scene.row.camera) return std::nullopt;
-  const memory::SceneCamera& camera = *scene.row.camera;
-  return mapping::PinholeCamera{camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
+  return pinhole_of(*scene.row.camera);
 }
 
 std::optional<std::pair<py::array, py::array>> cloud_arrays(const Observation& observation) {

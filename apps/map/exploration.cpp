@@ -156,7 +156,7 @@ std::string view_text(const nbv::NextView& view) {
   if (!view.pose) return "Stop: " + view.reason;
   std::string text = fmt::format("Scan at {}: {}", pose_text(*view.pose), view.reason);
   if (!view.path.empty()) {
-    text += "\nway:";
+    text += "\npath:";
     for (const mapping::PlanarPose& corner : view.path)
       text += fmt::format(" ({:.2f}, {:.2f})", corner.x, corner.y);
   }

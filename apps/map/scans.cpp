@@ -19,6 +19,7 @@
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/orthophoto/photo_interpretation.h"
 #include "mapping/registration/registration.h"
+#include "mapping/world/map_files.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::apps {
@@ -275,8 +276,7 @@ void write_map(mapping::InterpretedMap& map, const mapping::ScanSet& scans, cons
   if (!textures.empty()) make_folder(folder / "textures");
   for (const auto& [name, bytes] : textures) write_file_atomically(folder / name, bytes);
   map.world.name = mapping::map_name(out);
-  write_urdf(map.world, folder / "map.urdf");
-  write_semantic_map(map.semantics, mapping::sidecar_path(folder / "map.urdf"));
+  write_map(map.world, map.semantics, folder / "map.urdf");
 }
 
 }  // namespace

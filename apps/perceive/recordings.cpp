@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <mutex>
 
@@ -377,7 +376,7 @@ perception::Pipeline read_pipeline(const RunArguments& arguments,
       arguments.every > 0 ? perception::with_every(pipeline, arguments.every) : pipeline, registry);
 }
 
-/// What annotators share. Rooms that bring annotators with resources of their own put them here.
+/// What annotators share. Modules that bring annotators with resources of their own put them here.
 perception::Resources make_resources(const RunArguments& arguments, Session& session) {
   perception::Resources resources;
   std::unique_ptr<mapping::Recording> recording = arguments.recording.open(session);
@@ -474,7 +473,7 @@ void run(const RunArguments& arguments, Session& session) {
     // With a memory, questions give the answer; without one this is it.
     if (!remembers || session.flags().verbose) text += scene_text(scene);
     if (session.flags().json) scenes.push_back(to_json(scene));
-    write_images(arguments, scene, resources.find<memory::MemorySession>() != nullptr, session);
+    write_images(arguments, scene, remembers, session);
   };
   memory::MemoryRunResult result;
   if (remembers)

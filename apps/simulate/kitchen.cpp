@@ -5,7 +5,7 @@
 #include "apps/simulate/commands.h"
 #include "mapping/base/files.h"
 #include "mapping/simulation/kitchen.h"
-#include "mapping/world/urdf.h"
+#include "mapping/world/map_files.h"
 
 namespace loci::apps {
 namespace {
@@ -30,8 +30,7 @@ void draw(KitchenArguments& arguments, Session& session) {
   const std::filesystem::path urdf = std::filesystem::path(arguments.out) / "kitchen.urdf";
   session.check_outputs(arguments.out, {"kitchen.urdf", "kitchen.semantic.json"});
   make_folder(arguments.out);
-  mapping::write_urdf(kitchen.world, urdf);
-  mapping::write_semantic_map(kitchen.semantics, mapping::sidecar_path(urdf));
+  mapping::write_map(kitchen.world, kitchen.semantics, urdf);
   std::map<std::string, int> counts;
   for (const auto& [name, link] : kitchen.semantics.links) ++counts[link.class_name];
   session.answer(fmt::format("{}: a kitchen of layout '{}' with {} drawers, {} doors, {} flaps, {} handles "

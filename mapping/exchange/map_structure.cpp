@@ -1,8 +1,6 @@
 #include "mapping/exchange/map_structure.h"
 #include "mapping/interpretation/furniture/cabinets.h"
 
-#include <cmath>
-
 #include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/json.h"
 #include "mapping/exchange/furniture_structure.h"

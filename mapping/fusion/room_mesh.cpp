@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <opencv2/core.hpp>
-#include <optional>
 #include <vector>
 
 #include "mapping/base/math/pose.h"
@@ -11,7 +10,7 @@
 
 namespace loci::perception {
 
-/// Views that this room adds to those of SceneCas.
+/// Views that this module adds to those of SceneCas.
 inline constexpr std::string_view kRegionsView = "regions";     ///< CV_16U: number of the region, 0 = none
 inline constexpr std::string_view kMapDepthView = "map_depth";  ///< CV_32F: what the map alone would measure
 /// CV_8U: 255 = the map alone would show a surface for objects here, or nothing.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "apps/evaluate/update/moves.h"
 #include "mapping/base/files.h"

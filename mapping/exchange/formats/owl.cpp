@@ -1,8 +1,6 @@
 #include "mapping/exchange/formats/owl.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/json.h"

@@ -9,13 +9,6 @@
 #include "memory/belief/parameters.h"
 
 namespace loci::memory::belief {
-namespace {
-
-double probability_of(double log_odds) {
-  return 1 / (1 + std::exp(-log_odds));
-}
-
-}  // namespace
 
 double SceneUpdate::detection_rate() const {
   return timing_.snapshot ? state_.detection.value(options_) : options_.detection;
@@ -113,7 +106,7 @@ void SceneUpdate::mark_observed(ProtoObject& object, const Observation& observat
 void SceneUpdate::create_object(size_t k) {
   ObservationOutcome& outcome = update_.observations[k];
   const Observation& observation = scene_.observations[k];
-  const double clutter = 1 / (1 + std::exp(weights_.appear[k] - weights_.clutter[k]));
+  const double clutter = probability_from_log_odds(weights_.clutter[k] - weights_.appear[k]);
   // Where clutter is usual, another view decides, unless this one is stronger evidence than that.
   const double usual =
       timing_.snapshot
@@ -166,7 +159,7 @@ void SceneUpdate::confirm(ProtoObject& object, std::optional<size_t> k) {
                             object.id,
                             object.first_seen,
                             now ? state_.last_scene : std::nullopt,
-                            probability_of(object.exists_log_odds),
+                            probability_from_log_odds(object.exists_log_odds),
                             {},
                             object.place,
                             std::nullopt,
