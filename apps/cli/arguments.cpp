@@ -223,6 +223,10 @@ void ArgumentTable::time_zone(std::string& zone) {
          {.default_text = "the recording's, or the machine's"});
 }
 
+void ArgumentTable::now(std::string& time) {
+  option("--now TIME", &time, "Transaction time of the rows, ISO 8601", {.default_text = "the clock"});
+}
+
 void ArgumentTable::output(std::string_view value_name, Variable variable, std::string description,
                            ArgumentDetails details) {
   details.required = true;

@@ -49,8 +49,7 @@ Command ingest_command() {
                          "Recording that was detected in: its depth lifts boxes and masks to 3-D");
             table.option("--map MAP", &arguments->map,
                          "URDF of the map, for the places; the sidecar is found beside it");
-            table.option("--now TIME", &arguments->now, "Transaction time of the rows, ISO 8601",
-                         {.default_text = "the clock"});
+            table.now(arguments->now);
             table.time_zone(arguments->time_zone);
             table.options(table_of(arguments->options), "Import");
             table.options(table_of(arguments->options.reading), "Recording");

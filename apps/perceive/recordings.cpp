@@ -263,7 +263,7 @@ void MemoryTarget::declare(ArgumentTable& table) {
              "Store images with the faces of people, which are blurred otherwise");
   table.flag("--resume", resume,
              "Continue a recording after its last frame in the memory; frames before it are not added");
-  table.option("--now TIME", &now, "Transaction time of the rows, ISO 8601", {.default_text = "the clock"});
+  table.now(now);
   table.time_zone(time_zone);
 }
 

@@ -156,7 +156,7 @@ FusionResult collect(std::vector<Part>& parts, const RecordingInfo& info, const 
     throw Error(fmt::format("nothing within {} m was seen by {} frames of a scan", options.range_max_m,
                             options.min_observations),
                 {info.path, 0, ""}, "check --range-max-m, --min-observations, and the poses");
-  result.scans.sensor = "kinect";
+  result.scans.sensor = kDepthCameraSensor;
   result.scans.levelled = info.map_frame == "map";
   result.scans.range_max = options.range_max_m;
   result.scans.resolution = options.voxel_m;

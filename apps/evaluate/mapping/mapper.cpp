@@ -49,7 +49,7 @@ mapping::ScanSet scan_from(const Run& run, Progress& progress, Warnings& warning
   options.odometry = mapping::OdometryModel{0, 0, 0};
   mapping::SimulatedRobot robot(run.world, options, run.poses.front(), warnings);
   mapping::ScanSet scans;
-  scans.sensor = "hokuyo";
+  scans.sensor = mapping::kLaserSensor;
   scans.range_max = options.laser.range_max_m;
   for (const mapping::PlanarPose& pose : run.poses) {
     progress.check(static_cast<double>(scans.scans.size()) / static_cast<double>(run.poses.size()),
