@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 namespace loci::gui {
+
 QString time_text(TimeNs time, const TimeZone& zone) {
   // ISO 8601 with the zone at its end: "2026-05-01T09:10:00.5+02:00".
   QString text = QString::fromStdString(zone.format(time));

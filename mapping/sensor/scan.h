@@ -30,8 +30,8 @@ struct Scan {
   std::vector<ScanPoint> points;
 };
 
-/// Sensors that stages treat by name: a depth camera sees up and down, so that its scans are levelled by the
-/// directions it looked in; a laser scans with its axis upright.
+/// Sensors that are treated by name: the images of a depth camera were turned upright, which says where up is
+/// in scans that are not levelled; a laser says nothing about it.
 inline constexpr const char* kDepthCameraSensor = "kinect";
 inline constexpr const char* kLaserSensor = "hokuyo";
 
