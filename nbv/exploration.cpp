@@ -128,7 +128,7 @@ struct Exploration::Impl {
         random(options.seed),
         registrar(options.registration),
         map(options.occupancy) {
-    set.sensor = "hokuyo";
+    set.sensor = mapping::kLaserSensor;
     set.levelled = true;
     set.range_max = options.laser.range_max_m;
     options.planner.heights = options.inspection.heights =

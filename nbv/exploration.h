@@ -54,7 +54,7 @@ struct ExplorationStep {
   double expected_overlap = 0;  ///< of the plan, unset (0) for the first scan
   double expected_gain = 0;
   double reached_overlap = 0;  ///< by registration, with the best of the scans before
-  size_t known_voxels = 0;     ///< free and occupied after this scan
+  size_t known_voxels = 0;     ///< free and occupied leaves of the pruned octree after this scan
   size_t frontier_voxels = 0;  ///< left, when the next view was planned
   double scan_seconds = 0, register_seconds = 0, insert_seconds = 0, plan_seconds = 0;
 };

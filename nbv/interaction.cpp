@@ -44,7 +44,7 @@ LoggedPull pull_from(const Json& json) {
 class PullLog {
  public:
   PullLog(fs::path folder, bool resume) : folder_(std::move(folder)) {
-    set_.sensor = "hokuyo";
+    set_.sensor = mapping::kLaserSensor;
     const fs::path file = folder_ / "pulls.json";
     if (!resume || !fs::exists(file)) return;
     json_ = read_json(file);
@@ -99,7 +99,7 @@ class PullLog {
 
 mapping::ScanSet set_of(const mapping::Scan& scan) {
   mapping::ScanSet set;
-  set.sensor = "hokuyo";
+  set.sensor = mapping::kLaserSensor;
   set.scans = {scan};
   return set;
 }

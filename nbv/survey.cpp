@@ -14,6 +14,7 @@
 #include "mapping/exchange/map_colors.h"
 #include "mapping/exchange/map_report.h"
 #include "mapping/interpretation/furniture/map_links.h"
+#include "mapping/world/map_files.h"
 #include "mapping/world/urdf.h"
 #include "nbv/images.h"
 
@@ -176,8 +177,7 @@ SurveyResult survey(mapping::Robot& robot, const mapping::PlanarPose& start,
   color_links(result.scans, checked.exploration.threads, result.map);
   result.map.world.name = mapping::map_name(folder);
   if (checked.map_from_input) result.map.semantics.map_from_input = checked.map_from_input;
-  write_urdf(result.map.world, folder / "map.urdf");
-  write_semantic_map(result.map.semantics, folder / "map.semantic.json");
+  write_map(result.map.world, result.map.semantics, folder / "map.urdf");
   write_file_atomically(folder / "report.html", survey_report(result, folder, warnings));
   return result;
 }

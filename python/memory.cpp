@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <map>
 #include <mutex>
 #include <tuple>
 
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
+#include "mapping/base/user_time_zone.h"
 #include "mapping/image/image_io.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/edits/edit_actions.h"
@@ -20,6 +22,7 @@
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/reply.h"
 #include "memory/sentences/natural_language.h"
+#include "memory/store/public_views.h"
 #include "memory/store/scene_images.h"
 #include "memory/store/store.h"
 #include "python/bindings.h"
@@ -97,14 +100,10 @@ py::object cell_of(const Json& value) {
   return py::none();
 }
 
-/// The public views without their prefix.
-constexpr std::array kTables = {"objects",          "observations", "events", "scenes",
-                                "place_visibility", "log",          "facts"};
-
 py::dict table(OpenMemory& memory, const std::string& name) {
-  if (std::ranges::count(kTables, name) == 0)
+  if (std::ranges::count(memory::kPublicViews, name) == 0)
     throw Error("there is no table '" + name + "'", {memory.path().string(), 0, {}},
-                "there are: " + joined({kTables.begin(), kTables.end()}, ", "));
+                "there are: " + joined({memory::kPublicViews.begin(), memory::kPublicViews.end()}, ", "));
   std::vector<Json> rows;
   const std::vector<std::string> names = memory.with_store([&](const memory::Store& store) {
     store.read_view("v_" + name, [&](const Json& row) { rows.push_back(row); });
@@ -212,8 +211,7 @@ std::vector<Annotation> annotations_of(const Observation& observation) {
 
 std::optional<mapping::PinholeCamera> camera_of(const Scene& scene) {
   if (!scene.row.camera) return std::nullopt;
-  const memory::SceneCamera& camera = *scene.row.camera;
-  return mapping::PinholeCamera{camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
+  return pinhole_of(*scene.row.camera);
 }
 
 std::optional<std::pair<py::array, py::array>> cloud_arrays(const Observation& observation) {
@@ -326,6 +324,7 @@ std::string ingest_file(const std::filesystem::path& file, const std::string& ca
   options.recording = recording;
   options.called = called;
   options.program = "loci.ingest";
+  options.default_time_zone = user_time_zone(std::getenv("TZ")).name();
   const memory::WriteOptions write{.now = time_or_none(now)};
   Warnings warnings;
   const memory::IngestResult result =

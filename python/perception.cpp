@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <sstream>
 #include <variant>
 
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
+#include "mapping/base/user_time_zone.h"
+#include "mapping/recording/pose_check.h"
 #include "mapping/recording/recording.h"
 #include "mapping/tracking/known_poses.h"
 #include "mapping/update/placement.h"
@@ -266,6 +269,7 @@ class PythonAnnotator : public perception::Annotator {
 };
 
 struct RunOptions {
+  mapping::RecordingOptions reading;
   std::filesystem::path map, memory;
   std::string pipeline;                 ///< its text
   std::filesystem::path pipeline_file;  ///< or its file
@@ -277,14 +281,20 @@ struct RunOptions {
   std::shared_ptr<Stop> stop = std::make_shared<Stop>();
 };
 
-perception::AnnotatorRegistry registry_with(const std::vector<Held>& annotators) {
+/// What loci has, and own annotators, whose descriptors are added to `descriptors`. Making an own one asks
+/// its class once: the first that is made is the one that was asked for its declaration.
+perception::AnnotatorRegistry registry_with(const std::vector<Held>& annotators,
+                                            std::vector<perception::AnnotatorDescriptor>& descriptors) {
   perception::AnnotatorRegistry registry;
   perception::add_annotators(registry);
   memory::add_memory_annotators(registry);
   perception::AnnotatorRegistry own;
   for (const Held& type : annotators) {
-    const auto make = [type] { return std::make_unique<PythonAnnotator>(type); };
-    own.add(make()->descriptor().name, make);
+    const auto asked =
+        std::make_shared<std::unique_ptr<PythonAnnotator>>(std::make_unique<PythonAnnotator>(type));
+    descriptors.push_back((*asked)->descriptor());
+    own.add(descriptors.back().name,
+            [type, asked] { return *asked ? std::move(*asked) : std::make_unique<PythonAnnotator>(type); });
   }
   registry.merge(own, {"annotators", 0, {}});
   return registry;
@@ -304,14 +314,16 @@ void check_outputs(const perception::AnnotatorDescriptor& descriptor,
 memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recording, const RunOptions& options,
                                      const std::function<void(perception::cas::Cas&)>& done,
                                      Progress& progress, Warnings& warnings) {
-  const perception::AnnotatorRegistry registry = registry_with(options.annotators);
+  std::vector<perception::AnnotatorDescriptor> own;
+  const perception::AnnotatorRegistry registry = registry_with(options.annotators, own);
   const Config config = !options.pipeline_file.empty() ? Config::read(options.pipeline_file)
                         : !options.pipeline.empty()
                             ? Config::parse(options.pipeline, "pipeline")
                             : Config::parse(perception::default_pipeline(), "the default pipeline");
   perception::Pipeline pipeline = perception::Pipeline::parse(
       options.every > 0 ? perception::with_every(config, options.every) : config, registry);
-  for (const Held& type : options.annotators) pipeline.add(PythonAnnotator(type).descriptor().name, registry);
+  for (const perception::AnnotatorDescriptor& one : own) pipeline.add(one.name, registry);
+  for (const std::string& problem : problems_of(*recording, options.reading)) warnings.add(problem);
   if (!options.map.empty())
     recording = perceived_in_map(std::move(recording), options.map, options.fixed_camera, options.threads,
                                  progress, warnings);
@@ -328,7 +340,7 @@ memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recordi
   }
   const auto types = options.types.empty() ? perception::types::type_system()
                                            : perception::types::type_system_with(options.types);
-  for (const Held& type : options.annotators) check_outputs(PythonAnnotator(type).descriptor(), *types);
+  for (const perception::AnnotatorDescriptor& one : own) check_outputs(one, *types);
   perception::Context context{resources, warnings, options.threads, {}};
   if (options.memory.empty()) return {pipeline.run(context, types, progress, done), 0};
   memory::MemorySessionOptions session{.memory = options.memory,
@@ -337,7 +349,8 @@ memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recordi
                                        .resume = options.resume,
                                        .map = options.map,
                                        .belief = {},
-                                       .write = {.now = options.now, .time_zone = ""}};
+                                       .write = {.now = options.now, .time_zone = ""},
+                                       .default_time_zone = user_time_zone(std::getenv("TZ")).name()};
   memory::add_memory_session(session, pipeline, registry, resources);
   return memory::run_with_memory(pipeline, context, types, progress, done);
 }
@@ -348,7 +361,8 @@ std::string run(const std::filesystem::path& path, const std::string& pipeline,
                 const std::filesystem::path& memory, bool resume, bool fixed_camera, int threads, int every,
                 const py::object& done, const ProgressCallable& progress, const TimeArgument& now,
                 const py::kwargs& keywords) {
-  RunOptions options{.map = map,
+  RunOptions options{.reading = {},
+                     .map = map,
                      .memory = memory,
                      .pipeline = pipeline,
                      .pipeline_file = pipeline_file,
@@ -361,8 +375,7 @@ std::string run(const std::filesystem::path& path, const std::string& pipeline,
                      .now = time_or_none(now)};
   for (const py::handle& type : annotators)
     options.annotators.push_back(hold(py::reinterpret_borrow<py::object>(type)));
-  mapping::RecordingOptions recording;
-  read_keywords(recording, keywords, "loci.run");
+  read_keywords(options.reading, keywords, "loci.run");
   const auto call_done = [&](perception::cas::Cas& cas) {
     const py::gil_scoped_acquire acquired;
     const AccessPtr access = std::make_shared<Access>(Access{&cas, {}});
@@ -377,7 +390,7 @@ std::string run(const std::filesystem::path& path, const std::string& pipeline,
   Warnings warnings;
   try {
     const memory::MemoryRunResult result = run_stage(progress, [&](Progress& p) {
-      return run_pipeline(mapping::open_recording(path, recording), options,
+      return run_pipeline(mapping::open_recording(path, options.reading), options,
                           done.is_none() ? std::function<void(perception::cas::Cas&)>() : call_done, p,
                           warnings);
     });
@@ -394,7 +407,8 @@ std::string run(const std::filesystem::path& path, const std::string& pipeline,
 }
 
 std::string describe_annotators() {
-  const perception::AnnotatorRegistry registry = registry_with({});
+  std::vector<perception::AnnotatorDescriptor> none;
+  const perception::AnnotatorRegistry registry = registry_with({}, none);
   Json json = Json::array();
   for (const std::string& name : registry.annotators()) {
     const auto annotator = registry.make(name);

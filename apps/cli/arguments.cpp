@@ -206,7 +206,8 @@ void ArgumentTable::options(const OptionTable& table, const std::string& group) 
     std::visit([&](auto* value) { argument.variable = value; }, option.value);
     argument.negatable = std::holds_alternative<bool*>(option.value);
     if (!argument.negatable) argument.value_name = usual_value_name(argument.variable);
-    add(std::move(argument), {.unit = option.unit, .choices = option.choices});
+    add(std::move(argument),
+        {.unit = option.unit, .min = option.min, .max = option.max, .choices = option.choices});
   }
 }
 
@@ -220,6 +221,10 @@ void ArgumentTable::memory(std::string& file) {
 void ArgumentTable::time_zone(std::string& zone) {
   option("--time-zone ZONE", &zone, "Zone of people's times in a new memory: Europe/Berlin, UTC, +02:00",
          {.default_text = "the recording's, or the machine's"});
+}
+
+void ArgumentTable::now(std::string& time) {
+  option("--now TIME", &time, "Transaction time of the rows, ISO 8601", {.default_text = "the clock"});
 }
 
 void ArgumentTable::output(std::string_view value_name, Variable variable, std::string description,

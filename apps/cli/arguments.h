@@ -82,6 +82,8 @@ class ArgumentTable {
   void memory(std::string& file);
   /// "--time-zone ZONE" of a memory that the command makes. What is known otherwise stays empty.
   void time_zone(std::string& zone);
+  /// "--now TIME" of what is written into a memory; empty = that of the clock.
+  void now(std::string& time);
   /// "-o,--output VALUE_NAME", required.
   void output(std::string_view value_name, Variable variable, std::string description,
               ArgumentDetails details = {});

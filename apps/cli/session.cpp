@@ -12,7 +12,7 @@
 #include "apps/cli/program.h"
 #include "mapping/base/terminal.h"
 #include "mapping/base/text/json.h"
-#include "mapping/base/time_zone.h"
+#include "mapping/base/user_time_zone.h"
 
 namespace loci::apps {
 namespace {
@@ -113,14 +113,7 @@ void Session::show_warnings() {
 }
 
 std::string machine_time_zone() {
-  if (const char* set = std::getenv("TZ"); set != nullptr && *set != '\0') {
-    try {
-      return TimeZone::named(*set == ':' ? set + 1 : set).name();
-    } catch (const Error&) {
-      // A rule such as CET-1CEST has no name in the database.
-    }
-  }
-  return TimeZone::of_machine().name();
+  return user_time_zone(std::getenv("TZ")).name();
 }
 
 }  // namespace loci::apps

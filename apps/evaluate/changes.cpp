@@ -57,7 +57,8 @@ Command changes_command() {
                              "Recording with objects.csv and transitions.csv, or truth.jsonl");
             table.option("-o,--output MEMORY", &arguments->memory, "Keep the memory in this file");
             table.option("--map MAP", &arguments->map, "URDF of the map; the sidecar is found beside it");
-            table.option("--diagram FILE", &arguments->diagram, "Draw the reliability of associations (SVG)");
+            table.option("--diagram FILE", &arguments->diagram, "Draw the reliability of associations (SVG)",
+                         {.replaces = true});
             table.option("--mistakes FOLDER", &arguments->mistakes,
                          "Write mistakes.html, a page of the ten worst mistakes, into this folder",
                          {.replaces = true});

@@ -172,7 +172,8 @@ Command days_command() {
             table.option("--map MAP", &arguments->map,
                          "Perceive against this map (URDF) instead of the world itself");
             table.option("--diagrams FILE", &arguments->diagrams,
-                         "Draw reliability diagrams (SVG) of association, existence, place and was");
+                         "Draw reliability diagrams (SVG) of association, existence, place and was",
+                         {.replaces = true});
             table.option("--mistakes FOLDER", &arguments->mistakes,
                          "Write mistakes.html, a page of the ten worst mistakes, into this folder",
                          {.replaces = true});

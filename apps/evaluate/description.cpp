@@ -133,7 +133,7 @@ Command description_command() {
                 "--household", given->household,
                 "Measure the names that the shipped classifier gives to rendered and labelled objects");
             table.option("--model-out FILE", &given->model_out,
-                         "Write the classifier that --household-train made");
+                         "Write the classifier that --household-train made", {.replaces = true});
             table.option(
                 "--images FOLDER", &given->images,
                 "Folder with labels.csv: image experts are trained on some images and tested on the others");

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
-#include <unistd.h>
+
+#include <optional>
 
 #include "apps/evaluate/commands.h"
 #include "apps/evaluate/mapping/mapper.h"
 #include "mapping/base/files.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/sensor/pose_text.h"
 
 namespace loci::apps {
@@ -78,9 +80,7 @@ Run run_of(const Arguments& arguments, size_t n, const Session& session) {
 }
 
 void run(const Arguments& arguments, Session& session) {
-  const bool keep = !arguments.out.empty();
-  const fs::path out = keep ? fs::path(arguments.out)
-                            : fs::temp_directory_path() / fmt::format("loci_evaluate_mapping_{}", ::getpid());
+  std::optional<TemporaryFolder> temporary;
   std::vector<MappedWorld> maps;
   std::string text;
   for (size_t i = 0; i < arguments.worlds.size(); ++i) {
@@ -88,9 +88,10 @@ void run(const Arguments& arguments, Session& session) {
     // A recording is what it is: seeds are for simulated robots.
     for (int seed = 1; seed <= (fs::is_directory(one.world) ? 1 : arguments.seeds); ++seed) {
       one.seed = static_cast<uint64_t>(seed);
+      if (arguments.out.empty()) temporary.emplace("loci_evaluate_mapping");
+      const fs::path out = temporary ? temporary->path() : fs::path(arguments.out);
       one.folder = out / fmt::format("{}_{}", mapping_claim::world_name(arguments.worlds[i]), seed);
       maps.push_back(map_world(one, session.progress(), session.warnings()));
-      if (!keep) fs::remove_all(out);
       if (session.flags().verbose)
         text += fmt::format("{}, seed {}\n{}\n", one.world.string(), seed, maps.back().last().text());
     }

@@ -49,9 +49,10 @@ Command nbv_command() {
                          {.unit = "m"});
             table.option("--planners NAME...", &arguments->options.planners, "Planners to run",
                          {.choices = nbv_evaluation::planner_names(), .open_end = true});
-            table.option("-o,--output FILE", &arguments->out, "Write the results as JSON, after each world");
+            table.option("-o,--output FILE", &arguments->out, "Write the results as JSON, after each world",
+                         {.replaces = true});
             table.option("--figure FILE", &arguments->image,
-                         "Write coverage over scans as SVG, after each world");
+                         "Write coverage over scans as SVG, after each world", {.replaces = true});
             table.options(table_of(arguments->options));
             return [arguments](Session& session) { run(*arguments, session); };
           }};

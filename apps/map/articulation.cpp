@@ -4,6 +4,7 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
+#include "mapping/world/map_files.h"
 #include "mapping/world/mesh_files.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
@@ -75,8 +76,7 @@ void articulate_map(const ArticulateArguments& arguments, Session& session) {
   if (!arguments.out.empty()) {
     move_mesh_names(world, std::filesystem::path(arguments.map).parent_path(),
                     std::filesystem::path(arguments.out).parent_path());
-    write_urdf(world, arguments.out);
-    write_semantic_map(semantics, mapping::sidecar_path(arguments.out));
+    write_map(world, semantics, arguments.out);
   }
   session.answer(text.empty() ? "no front moved\n" : text, report);
 }

@@ -10,7 +10,6 @@
 #include "mapping/base/text/json.h"
 #include "mapping/exchange/formats/occupancy_grid.h"
 #include "mapping/interpretation/surfaces/levelling.h"
-#include "mapping/sensor/pose_text.h"
 #include "mapping/simulation/simulated_robot.h"
 #include "nbv/images.h"
 #include "nbv/planner.h"
@@ -20,8 +19,14 @@ namespace loci::apps {
 
 namespace {
 
+/// x, y in metres and yaw in degrees, as the command line has them.
+mapping::PlanarPose planar_pose_from(const std::vector<double>& values) {
+  return {values[0], values[1], values[2] * kDegree};
+}
+
 struct ExploreArguments {
-  std::string world, out, start, scanner = "hokuyo";
+  std::string world, out;
+  std::vector<double> start;  ///< x, y, yaw in degrees; empty = on the most open floor
   std::vector<std::string> package_paths;
   std::optional<double> floor = 0;
   std::optional<double> ceiling;
@@ -40,17 +45,17 @@ void explore(ExploreArguments& arguments, Session& session) {
   world.seed = exploration.seed;
   world.threads = exploration.threads;
   mapping::SimulatedRobot robot(arguments.world, world, {}, session.warnings());
-  const mapping::PlanarPose start = arguments.start.empty()
-                                        ? robot.open_place()
-                                        : mapping::planar_poses_from(arguments.start, "--start").front();
+  const mapping::PlanarPose start =
+      arguments.start.empty() ? robot.open_place() : planar_pose_from(arguments.start);
   robot.put_at(start);
   if (arguments.floor.value_or(0) != 0) arguments.options.map_from_input = robot.map_from_world();
   const std::filesystem::path earlier = std::filesystem::path(arguments.out) / "explore.json";
   if (!arguments.resume && std::filesystem::exists(earlier))
     session.warnings().add("the earlier exploration in " + arguments.out +
                            " is replaced; --resume would go on with it");
-  session.check_outputs(arguments.out, {"explore.json", "pulls.json", "map.urdf", "map.semantic.json",
-                                        "report.html", "scans/scans.yaml"});
+  session.check_outputs(arguments.out,
+                        {"explore.json", "map.urdf", "map.semantic.json", "report.html", "scans/scans.yaml",
+                         "interaction/pulls.json", "interaction/scans.yaml"});
   const nbv::SurveyResult result = survey(robot, start, arguments.out, arguments.resume, arguments.options,
                                           session.progress(), session.warnings());
   for (const std::string& note : result.map.notes) session.warnings().add(note);
@@ -80,8 +85,7 @@ Command explore_command() {
             table.package_path(&arguments->package_paths);
             table.option("--start POSE", &arguments->start,
                          "Pose of the first scan in the world frame: x,y,yaw_deg",
-                         {.default_text = "the most open floor"});
-            table.option("--scanner SENSOR", &arguments->scanner, "Sensor", {.choices = {"hokuyo"}});
+                         {.default_text = "the most open floor", .values = 3});
             table.option("--floor HEIGHT", &arguments->floor,
                          "Height of the floor; a world without a link floor gets one there", {.unit = "m"});
             table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height",
@@ -154,7 +158,7 @@ std::string view_text(const nbv::NextView& view) {
   if (!view.pose) return "Stop: " + view.reason;
   std::string text = fmt::format("Scan at {}: {}", pose_text(*view.pose), view.reason);
   if (!view.path.empty()) {
-    text += "\nway:";
+    text += "\npath:";
     for (const mapping::PlanarPose& corner : view.path)
       text += fmt::format(" ({:.2f}, {:.2f})", corner.x, corner.y);
   }
@@ -194,9 +198,9 @@ void next(NextViewArguments& arguments, Session& session) {
   session.timing("insertion", watch.lap());
   if (!arguments.pool.empty()) return choose(arguments, scans, map, session);
 
-  mapping::PlanarPose robot = mapping::planar(scans.scans.back().map_from_scan);
-  if (arguments.robot.size() == 3)
-    robot = {arguments.robot[0], arguments.robot[1], arguments.robot[2] * kDegree};
+  const mapping::PlanarPose robot = arguments.robot.empty()
+                                        ? mapping::planar(scans.scans.back().map_from_scan)
+                                        : planar_pose_from(arguments.robot);
   const nbv::ViewPlan plan = plan_view(map, robot, arguments.laser, arguments.planner,
                                        Random(static_cast<uint64_t>(arguments.seed)));
   session.timing("decision", watch.lap());

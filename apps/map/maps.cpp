@@ -1,6 +1,5 @@
 // Finished maps: check, compare, export.
 
-#include <fmt/format.h>
 #include <chrono>
 
 #include "apps/map/commands.h"

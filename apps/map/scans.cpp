@@ -1,9 +1,6 @@
 // Scans and what is made from them: fuse, register, interpret.
 
 #include <fmt/format.h>
-#include <array>
-#include <cmath>
-#include <sstream>
 
 #include "apps/map/commands.h"
 #include "apps/map/posed_recording.h"
@@ -22,6 +19,7 @@
 #include "mapping/interpretation/interpretation.h"
 #include "mapping/orthophoto/photo_interpretation.h"
 #include "mapping/registration/registration.h"
+#include "mapping/world/map_files.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::apps {
@@ -103,28 +101,11 @@ namespace {
 
 struct RegisterArguments {
   std::vector<std::string> scans;
-  std::string out, guess;
+  std::string out;
+  std::vector<double> guess;  ///< x, y, z, yaw in degrees; empty = none
   bool dof_given = false;
   mapping::RegistrationOptions options;
 };
-
-/// "x,y,z,yaw_deg": the pose of each scan as seen from the one before it.
-Isometry3d pose_of(const std::string& guess) {
-  const Error malformed(fmt::format("'{}' is no guess", guess), {"", 0, "--guess"},
-                        "four numbers with commas between: x,y,z (metres) and yaw (degrees)");
-  std::array<double, 4> values{};
-  std::istringstream stream(guess);
-  for (size_t i = 0; i < values.size(); ++i) {
-    char comma = ',';
-    if (i > 0 && (!(stream >> comma) || comma != ',')) throw malformed;
-    if (!(stream >> values[i])) throw malformed;
-  }
-  if (!(stream >> std::ws).eof()) throw malformed;
-  Isometry3d pose = Isometry3d::Identity();
-  pose.translation() = Vector3d(values[0], values[1], values[2]);
-  pose.linear() = rotation_from_rpy({0, 0, values[3] * kPi / 180});
-  return pose;
-}
 
 /// A scan set, or several bare clouds as one, each at the guess from the one before it.
 mapping::ScanSet read_scans(const RegisterArguments& arguments) {
@@ -134,15 +115,18 @@ mapping::ScanSet read_scans(const RegisterArguments& arguments) {
     if (set.free_space || more.free_space)
       throw Error("only bare PCD files can be given one by one", {arguments.scans[i], 0, {}},
                   "a scan set is registered by itself");
-    set.scans.push_back(std::move(more.scans.front()));
-    // Files of one name in different folders are different scans.
-    set.scans.back().name += arguments.scans.size() > 1 ? fmt::format("_{}", i) : "";
+    for (mapping::Scan& scan : more.scans) {
+      scan.name += fmt::format("_{}", i);  // files of one name in different folders are different scans
+      set.scans.push_back(std::move(scan));
+    }
   }
   if (arguments.guess.empty()) return set;
-  if (arguments.scans.size() < 2)
+  if (arguments.scans.size() < 2 || set.scans.size() > arguments.scans.size())
     throw Error("a guess is for bare PCD files", {arguments.scans.front(), 0, "--guess"},
                 "the poses of a scan set stand in its scans.yaml");
-  const Isometry3d guess = pose_of(arguments.guess);
+  Isometry3d guess = Isometry3d::Identity();
+  guess.translation() = Vector3d(arguments.guess[0], arguments.guess[1], arguments.guess[2]);
+  guess.linear() = rotation_from_rpy({0, 0, arguments.guess[3] * kDegree});
   for (size_t i = 1; i < set.scans.size(); ++i)
     set.scans[i].map_from_scan = set.scans[i - 1].map_from_scan * guess;
   return set;
@@ -181,10 +165,10 @@ void write_connected(mapping::ScanSet scans, const mapping::RegistrationResult& 
   write_scan_set(scans, folder);
 }
 
-void run(RegisterArguments arguments, bool dof_given, Session& session) {
+void run(RegisterArguments arguments, Session& session) {
   arguments.options.threads = session.flags().threads;
   const mapping::ScanSet scans = read_scans(arguments);
-  if (!dof_given && !scans.levelled) arguments.options.dof = 6;
+  if (!arguments.dof_given && !scans.levelled) arguments.options.dof = 6;
   const mapping::RegistrationResult result = register_scans(scans, arguments.options, session.progress());
   session.timing("register", result.seconds);
   std::string text = answer_text(result);
@@ -215,10 +199,10 @@ Command register_command() {
             table.option("-o,--output FOLDER", &arguments->out, "Folder for the scans at their new poses",
                          {.replaces = true});
             table.option("--guess POSE", &arguments->guess,
-                         "Pose of each PCD file in the one before it: x,y,z,yaw_deg");
+                         "Pose of each PCD file in the one before it: x,y,z,yaw_deg", {.values = 4});
             table.options(table_of(arguments->options), "Registration");
             table.at("--dof").given = &arguments->dof_given;
-            return [arguments](Session& session) { run(*arguments, arguments->dof_given, session); };
+            return [arguments](Session& session) { run(*arguments, session); };
           }};
 }
 
@@ -292,8 +276,7 @@ void write_map(mapping::InterpretedMap& map, const mapping::ScanSet& scans, cons
   if (!textures.empty()) make_folder(folder / "textures");
   for (const auto& [name, bytes] : textures) write_file_atomically(folder / name, bytes);
   map.world.name = mapping::map_name(out);
-  write_urdf(map.world, folder / "map.urdf");
-  write_semantic_map(map.semantics, mapping::sidecar_path(folder / "map.urdf"));
+  write_map(map.world, map.semantics, folder / "map.urdf");
 }
 
 }  // namespace

@@ -1,11 +1,9 @@
 // Camera poses of recordings: track.
 
-#include <fmt/format.h>
-
+#include "mapping/tracking/tracking.h"
 #include "apps/map/commands.h"
 #include "mapping/base/text/json.h"
 #include "mapping/recording/pose_check.h"
-#include "mapping/tracking/tracking.h"
 
 namespace loci::apps {
 namespace {

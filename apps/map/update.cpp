@@ -12,6 +12,7 @@
 #include "mapping/fusion/fusion.h"
 #include "mapping/update/placement.h"
 #include "mapping/update/update.h"
+#include "mapping/world/map_files.h"
 #include "mapping/world/urdf.h"
 
 namespace loci::apps {
@@ -72,8 +73,7 @@ void write_update(mapping::UpdateResult& result, const fs::path& before,
   make_folder(folder);
   if (!textures.empty()) make_folder(folder / "textures");
   for (const std::string& name : textures) write_file_atomically(folder / name, read_file(before / name));
-  write_urdf(result.map.world, folder / "map.urdf");
-  write_semantic_map(result.map.semantics, mapping::sidecar_path(folder / "map.urdf"));
+  write_map(result.map.world, result.map.semantics, folder / "map.urdf");
   write_scan_set(result.scans, folder / "scans");
   write_json(folder / "changes.json", result.report());
   write_file_atomically(folder / "changes.svg", change_plan_svg(result));

@@ -25,6 +25,7 @@
 #include "memory/questions/names/map_names.h"
 #include "memory/questions/snapshot.h"
 #include "memory/report/memory_report.h"
+#include "memory/store/public_views.h"
 #include "memory/store/scene_images.h"
 
 namespace loci::apps {
@@ -48,8 +49,7 @@ Command ingest_command() {
                          "Recording that was detected in: its depth lifts boxes and masks to 3-D");
             table.option("--map MAP", &arguments->map,
                          "URDF of the map, for the places; the sidecar is found beside it");
-            table.option("--now TIME", &arguments->now, "Transaction time of the rows, ISO 8601",
-                         {.default_text = "the clock"});
+            table.now(arguments->now);
             table.time_zone(arguments->time_zone);
             table.options(table_of(arguments->options), "Import");
             table.options(table_of(arguments->options.reading), "Recording");
@@ -234,7 +234,7 @@ void export_memory(const ExportArguments& arguments, Session& session) {
     rows[what] = count;
     text += fmt::format(" {} {},", count, what);
   };
-  for (const char* view : {"objects", "observations", "events", "scenes", "place_visibility", "log", "facts"})
+  for (const char* view : memory::kPublicViews)
     report(view, export_view(store, view, folder, session.outputs()));
   if (arguments.includes("pixel-kinds")) report("kinds", export_kinds(store, folder / "kinds", session));
   if (arguments.includes("labels")) report("labels", export_labels(store, folder / "labels", session));

@@ -43,8 +43,7 @@ Command reason_command() {
                    {.needs = {"--output"}});
         table.option("--compare-with MEMORY", &arguments->compare_with,
                      "Only compare with this earlier result of `reason`", {.excludes = {"--output"}});
-        table.option("--now TIME", &arguments->now, "Transaction time of the rows, ISO 8601",
-                     {.default_text = "the clock"});
+        table.now(arguments->now);
         table.options(table_of(arguments->options), "Reasoning");
         return [arguments](Session& session) {
           const memory::Store store = memory::Store::open_read(arguments->memory);

@@ -1,6 +1,5 @@
 #include "apps/memory/memory_arguments.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "memory/fleet/fleet_replica.h"

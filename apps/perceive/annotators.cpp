@@ -123,8 +123,7 @@ Command annotate_command() {
             table.option("--annotator SPEC", &arguments->annotators,
                          "Annotator, or 'Name: {option: value}'; may be repeated", {.required = true});
             table.flag("--again", arguments->again, "Repeat what these annotators have described already");
-            table.option("--now TIME", &arguments->now, "Transaction time of the rows, ISO 8601",
-                         {.default_text = "the clock"});
+            table.now(arguments->now);
             arguments->statistics.declare(table);
             arguments->plugins.declare(table);
             return [arguments](Session& session) { annotate(*arguments, session); };

@@ -121,14 +121,13 @@ void make_index(const IndexArguments& given, Session& session) {
 Json to_json(const perception::ProductMatch& match, const perception::Product& product) {
   Json properties = Json::object();
   for (const auto& [key, value] : product.properties) properties[key] = value;
-  const cv::Rect& region = match.region;
   return {{"name", product.name},
           {"verified", match.verified},
           {"inliers", match.inliers},
           {"score", match.score},
           {"share", match.share},
           {"presence", match.presence},
-          {"region", {region.x, region.y, region.width, region.height}},
+          {"region", region_json(match.region)},
           {"properties", properties}};
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <mutex>
 
@@ -264,7 +263,7 @@ void MemoryTarget::declare(ArgumentTable& table) {
              "Store images with the faces of people, which are blurred otherwise");
   table.flag("--resume", resume,
              "Continue a recording after its last frame in the memory; frames before it are not added");
-  table.option("--now TIME", &now, "Transaction time of the rows, ISO 8601", {.default_text = "the clock"});
+  table.now(now);
   table.time_zone(time_zone);
 }
 
@@ -282,10 +281,7 @@ void MemoryTarget::prepare(const std::string& map, perception::Pipeline& pipelin
   options.map = map;
   if (!now.empty()) options.write.now = parse_time(now);
   options.write.time_zone = time_zone;
-  const auto recording = resources.find<mapping::Recording>();
-  if (time_zone.empty() && recording && recording->info().time_zone.empty() &&
-      !recording->info().time_assumed)
-    options.write.time_zone = machine_time_zone();
+  options.default_time_zone = machine_time_zone();
   memory::add_memory_session(options, pipeline, registry, resources);
   if (const auto known = resources.find<perception::KnownMap>())
     resources.put(std::make_shared<mapping::World>(known->world));
@@ -380,7 +376,7 @@ perception::Pipeline read_pipeline(const RunArguments& arguments,
       arguments.every > 0 ? perception::with_every(pipeline, arguments.every) : pipeline, registry);
 }
 
-/// What annotators share. Rooms that bring annotators with resources of their own put them here.
+/// What annotators share. Modules that bring annotators with resources of their own put them here.
 perception::Resources make_resources(const RunArguments& arguments, Session& session) {
   perception::Resources resources;
   std::unique_ptr<mapping::Recording> recording = arguments.recording.open(session);
@@ -477,7 +473,7 @@ void run(const RunArguments& arguments, Session& session) {
     // With a memory, questions give the answer; without one this is it.
     if (!remembers || session.flags().verbose) text += scene_text(scene);
     if (session.flags().json) scenes.push_back(to_json(scene));
-    write_images(arguments, scene, resources.find<memory::MemorySession>() != nullptr, session);
+    write_images(arguments, scene, remembers, session);
   };
   memory::MemoryRunResult result;
   if (remembers)

@@ -3,8 +3,9 @@
 #include <filesystem>
 
 #include "apps/simulate/commands.h"
+#include "mapping/base/files.h"
 #include "mapping/simulation/kitchen.h"
-#include "mapping/world/urdf.h"
+#include "mapping/world/map_files.h"
 
 namespace loci::apps {
 namespace {
@@ -28,9 +29,8 @@ void draw(KitchenArguments& arguments, Session& session) {
   const mapping::DrawnKitchen kitchen = mapping::draw_kitchen(layout, seed);
   const std::filesystem::path urdf = std::filesystem::path(arguments.out) / "kitchen.urdf";
   session.check_outputs(arguments.out, {"kitchen.urdf", "kitchen.semantic.json"});
-  std::filesystem::create_directories(arguments.out);
-  mapping::write_urdf(kitchen.world, urdf);
-  mapping::write_semantic_map(kitchen.semantics, mapping::sidecar_path(urdf));
+  make_folder(arguments.out);
+  mapping::write_map(kitchen.world, kitchen.semantics, urdf);
   std::map<std::string, int> counts;
   for (const auto& [name, link] : kitchen.semantics.links) ++counts[link.class_name];
   session.answer(fmt::format("{}: a kitchen of layout '{}' with {} drawers, {} doors, {} flaps, {} handles "
@@ -51,9 +51,9 @@ Command kitchen_command() {
             auto arguments = std::make_shared<KitchenArguments>();
             table.output("FOLDER", &arguments->out,
                          "Folder of kitchen.urdf and its sidecar, which is the truth", {.replaces = true});
-            table.option(
-                "--layout NAME", &arguments->layout,
-                fmt::format("One of {} [follows the seed]", fmt::join(mapping::kKitchenLayouts, ", ")));
+            table.option("--layout NAME", &arguments->layout, "Layout of the furniture",
+                         {.default_text = "follows the seed",
+                          .choices = {mapping::kKitchenLayouts.begin(), mapping::kKitchenLayouts.end()}});
             table.options(table_of(*arguments), "Kitchen");
             return [arguments](Session& session) { draw(*arguments, session); };
           }};

@@ -83,7 +83,7 @@ void scan(Arguments& arguments, Session& session) {
   session.check_outputs(arguments.out, {"scans.yaml", "truth.jsonl"});
   mapping::ScanSet set;
   std::string truth;
-  set.sensor = "hokuyo";
+  set.sensor = mapping::kLaserSensor;
   set.range_max = options.laser.range_max_m;
   Json reports = Json::array();
   const Stopwatch watch;

@@ -6,7 +6,6 @@
 #include <cstdlib>
 
 namespace loci::gui {
-namespace {}  // namespace
 
 QString time_text(TimeNs time, const TimeZone& zone) {
   // ISO 8601 with the zone at its end: "2026-05-01T09:10:00.5+02:00".

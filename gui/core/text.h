@@ -6,7 +6,6 @@
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "mapping/base/math/pose.h"
 #include "mapping/base/time_zone.h"
 #include "memory/identity/states.h"
 

@@ -2,19 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "gui/data/scene_content.h"
 #include "mapping/base/error.h"
+#include "mapping/base/math/log_odds.h"
 #include "memory/recorder/scene_reasoning.h"
 
 namespace loci::gui {
 namespace {
-
-/// A log-likelihood ratio as a number from 0 to 1.
-double squashed(double log_ratio) {
-  return 1 / (1 + std::exp(-log_ratio));
-}
 
 std::string name_of(const Names& names, int64_t object, int64_t key) {
   if (object != 0) return names.object(object);
@@ -32,7 +26,8 @@ void add_reasoning(const memory::belief::Decisions& decisions, size_t k, const N
   for (const memory::belief::Candidate& c : d.candidates)
     observation.considered.push_back(
         {c.key, c.object, name_of(names, c.object, c.key), c.probability(),
-         squashed(static_cast<double>(c.similar)), squashed(static_cast<double>(c.proximity)),
+         probability_from_log_odds(static_cast<double>(c.similar)),
+         probability_from_log_odds(static_cast<double>(c.proximity)),
          c.key == d.key ? "" : memory::belief::rejection_reason(decisions, k, c)});
 }
 

@@ -2,16 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/csv.h"
 #include "mapping/base/text/json.h"
 #include "mapping/exchange/formats/ply.h"
 
 namespace loci::gui {
 namespace {
-
-Json vector_of(const Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
 
 std::string cells_of(const std::optional<Vector3d>& v) {
   return v ? fmt::format("{:.4f},{:.4f},{:.4f}", v->x(), v->y(), v->z()) : ",,";
@@ -41,8 +38,8 @@ std::string believed_json(const Belief& belief) {
     if (const std::string name = belief.names->class_of(object.object); !name.empty()) row["class"] = name;
     if (object.color) row["color"] = *object.color;
     if (const std::string place = belief.place_of(object); !place.empty()) row["place"] = place;
-    if (object.position) row["position"] = vector_of(*object.position);
-    if (object.size) row["size"] = vector_of(*object.size);
+    if (object.position) row["position"] = json_from_vector(*object.position);
+    if (object.size) row["size"] = json_from_vector(*object.size);
     if (object.last_seen) row["last_seen"] = format_time(*object.last_seen);
     objects.push_back(std::move(row));
   }

@@ -11,7 +11,7 @@ namespace loci::gui {
 namespace {
 
 std::string duration(TimeNs span) {
-  return fmt::format("{:.1f} s", static_cast<double>(span) / static_cast<double>(kSecond));
+  return fmt::format("{:.1f} s", in_seconds(span));
 }
 
 LogEntry entry_of(const memory::RunRow& run, size_t scenes) {

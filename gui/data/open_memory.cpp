@@ -7,6 +7,7 @@
 
 #include "gui/data/decisions.h"
 #include "gui/data/object_details.h"
+#include "mapping/image/hsv.h"
 #include "memory/exchange/observation_image.h"
 #include "memory/questions/location.h"
 #include "memory/questions/snapshot.h"
@@ -24,14 +25,12 @@ constexpr double kSamePlace = 0.03;  // metres: the noise of an object at rest
 
 std::array<uint8_t, 3> rgb_of(const memory::BeliefRow& belief) {
   if (!belief.hsv) return {160, 160, 160};
-  const memory::HsvColor& hsv = *belief.hsv;
-  const double chroma = hsv.value * hsv.saturation;
-  const auto channel = [&](double shift) {
-    const double k = std::fmod(shift + hsv.hue / 60, 6);
-    const double level = hsv.value - chroma * std::clamp(std::min(k, 4 - k), 0.0, 1.0);
-    return static_cast<uint8_t>(std::lround(std::clamp(level, 0.0, 1.0) * 255));
-  };
-  return {channel(5), channel(3), channel(1)};
+  std::array<uint8_t, 3> rgb{};
+  const std::array<float, 3> levels =
+      mapping::rgb_from_hsv(belief.hsv->hue, belief.hsv->saturation, belief.hsv->value);
+  for (size_t i = 0; i < rgb.size(); ++i)
+    rgb[i] = static_cast<uint8_t>(std::lround(std::clamp(levels[i], 0.0F, 1.0F) * 255));
+  return rgb;
 }
 
 const BelievedObject* Belief::find(memory::Id object) const {

@@ -100,10 +100,9 @@ SceneContent read_scene_content(const memory::Store& store, const memory::SceneR
   SceneContent content{.scene = row, .map_from_camera = row.map_from_camera};
   if (row.camera) content.camera = cameras_of(store, row);
   if (row.image) content.color = read_image(store, *row.image);
-  if (row.depth && row.depth_width > 0) {
-    std::vector<float> depth = memory::decode_depth_thumbnail(store.blob(*row.depth).bytes);
-    if (depth.size() == static_cast<size_t>(row.depth_width) * static_cast<size_t>(row.depth_height))
-      content.depth = cv::Mat(row.depth_height, row.depth_width, CV_32F, depth.data()).clone();
+  if (row.depth) {
+    std::vector<float> depth = depth_thumbnail(store, row);
+    content.depth = cv::Mat(row.depth_height, row.depth_width, CV_32F, depth.data()).clone();
   }
   if (const auto kinds = pixel_kinds(store, row)) {
     content.kinds = cv::Mat(kinds->height, kinds->width, CV_8U);

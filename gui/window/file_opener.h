@@ -3,7 +3,6 @@
 #include <QObject>
 #include <QTimer>
 #include <functional>
-#include <memory>
 
 #include "gui/data/browser.h"
 #include "gui/data/memory_loader.h"

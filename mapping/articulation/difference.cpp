@@ -8,6 +8,7 @@
 #include "mapping/articulation/moved_face.h"
 #include "mapping/articulation/parameters.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/json.h"
 #include "mapping/sensor/scan.h"
 
@@ -63,6 +64,7 @@ size_t index_of(int azimuth, int elevation) {
 ObservedFreeSpace::ObservedFreeSpace(const ScanSet& set, double tolerance) : tolerance_(tolerance) {
   if (!set.free_space) return;
   for (const Scan& scan : set.scans) {
+    if (scan.origins.empty()) continue;  // its rays are unknown
     const size_t first = views_.size();
     for (const Eigen::Vector3f& origin : scan.origins)
       views_.push_back({scan.map_from_scan * origin.cast<double>(),
@@ -287,6 +289,8 @@ MapFit fit_to_map(const ScanSet& scans, const std::vector<Front>& fronts, const 
 
 DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const Front& front,
                             const std::vector<Isometry3d>& hand_path, const DifferenceOptions& options) {
+  DifferenceOptions checked = options;
+  table_of(checked).validate({"", 0, "articulate"});
   if (!(front.width > 0) || !(front.height > 0))
     throw Error("front '" + front.name + "' has no extent", {}, "give it a width and a height");
   const std::vector<Vector3d> points_before = points_near(before, front),
@@ -348,13 +352,12 @@ DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const F
 }
 
 Json DifferenceResult::report() const {
-  const auto json_of = [](const Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); };
   Json json{{"type", joint ? Json(to_text(joint->type)) : Json("unknown")}};
   if (joint) {
     for (size_t i = 0; i < 3; ++i)
       json["probabilities"][to_text(static_cast<ArticulationType>(i))] = joint->probabilities[i];
-    json["axis"] = json_of(joint->axis);
-    json["origin"] = json_of(joint->origin);
+    json["axis"] = json_from_vector(joint->axis);
+    json["origin"] = json_from_vector(joint->origin);
     json["limits"] = Json::array({joint->lower, joint->upper});
     json["axis_sd_deg"] = joint->axis_sd_deg;
     json["origin_sd_m"] = joint->origin_sd_m;
@@ -362,9 +365,9 @@ Json DifferenceResult::report() const {
     json["moved"] = moved;
   }
   if (corrected)
-    json["front"] = {{"centre", json_of(corrected->centre)},
-                     {"normal", json_of(corrected->normal)},
-                     {"up", json_of(corrected->up)},
+    json["front"] = {{"centre", json_from_vector(corrected->centre)},
+                     {"normal", json_from_vector(corrected->normal)},
+                     {"up", json_from_vector(corrected->up)},
                      {"width", corrected->width},
                      {"height", corrected->height}};
   json["points"] = points;

@@ -168,7 +168,7 @@ void solve(const Motion& start, const MotionEvidence& evidence, double noise_sca
   options.num_threads = 1;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  if (!result) return;
+  if (!result || !summary.IsSolutionUsable()) return;  // the start stays
 
   result->axis = Eigen::Map<Vector3d>(v.axis.data()).normalized();
   result->origin = Eigen::Map<Vector3d>(v.origin.data());

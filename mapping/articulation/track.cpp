@@ -7,6 +7,7 @@
 #include "mapping/articulation/parameters.h"
 #include "mapping/articulation/path.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/csv.h"
 #include "mapping/base/text/json.h"
 
@@ -228,6 +229,8 @@ void describe(JointEstimate& estimate, const PathFit& fit, double poses) {
 
 TrackResult fit_track(const Track& track, const TrackOptions& options) {
   check(track);
+  TrackOptions checked = options;
+  table_of(checked).validate({"", 0, "track"});
   PathOptions path_options{options.position_sigma_m, options.outlier_probability};
   std::array<PathFit, 3> fits;
   fits[0] = fit_path(Path::Kind::point, track.positions, path_options);
@@ -273,10 +276,6 @@ TrackResult fit_track(const Track& track, const TrackOptions& options) {
 
 namespace {
 
-Json json_of(const Vector3d& v) {
-  return Json::array({v.x(), v.y(), v.z()});
-}
-
 Json json_of(const TrackFit& fit) {
   Json json{{"type", to_text(fit.type)},
             {"rms_m", fit.rms_m},
@@ -284,8 +283,8 @@ Json json_of(const TrackFit& fit) {
             {"parameters", fit.parameters},
             {"log_likelihood", fit.log_likelihood},
             {"bic", fit.bic}};
-  if (fit.type != ArticulationType::rigid) json["axis"] = json_of(fit.axis);
-  json["centre"] = json_of(fit.centre);
+  if (fit.type != ArticulationType::rigid) json["axis"] = json_from_vector(fit.axis);
+  json["centre"] = json_from_vector(fit.centre);
   if (fit.type == ArticulationType::revolute) json["radius"] = fit.radius;
   return json;
 }
@@ -349,11 +348,11 @@ Json TrackResult::report() const {
         estimate.probabilities[i] * (1 - unknown_probability);
   json["probabilities"]["unknown"] = unknown_probability;
   const bool moves = usable && estimate.type != ArticulationType::rigid;
-  json["axis"] = moves ? json_of(estimate.axis) : Json();
-  if (usable) json["origin"] = json_of(estimate.origin);
+  json["axis"] = moves ? json_from_vector(estimate.axis) : Json();
+  if (usable) json["origin"] = json_from_vector(estimate.origin);
   if (moves) {
     if (estimate.type == ArticulationType::revolute) {
-      json["centre"] = json_of(estimate.origin);
+      json["centre"] = json_from_vector(estimate.origin);
       json["radius"] = fits[static_cast<size_t>(estimate.type)].radius;
     }
     json["limits"] = Json::array({estimate.lower, estimate.upper});

@@ -45,7 +45,7 @@ class OptionTable {
 
   const std::vector<Option>& options() const { return options_; }
 
-  /// Sets what the map gives and checks it; unknown keys are left to config.finish().
+  /// Sets what the map gives; bounds are left to validate(), unknown keys to config.finish().
   void read(const Config& config);
   /// Reads a map that holds these options and nothing else, and validates them.
   void read_all(const Config& config);

@@ -86,7 +86,7 @@ void mark(const fs::path& file) {
   ::setxattr(file.c_str(), kMark, time.data(), time.size(), 0);
 }
 
-/// Whether the program that made NAME.tmpPID_N is gone. `end` is the name after kTemporary.
+/// Whether the program that made NAME.tmpPID_N is gone. `end` is the name after kTemporaryEnding.
 bool is_abandoned(const fs::path& file, std::string_view end) {
   pid_t process = 0;
   const auto read = std::from_chars(end.data(), end.data() + end.size(), process);

@@ -14,6 +14,11 @@ inline constexpr TimeNs kMinute = 60 * kSecond;
 inline constexpr TimeNs kHour = 60 * kMinute;
 inline constexpr TimeNs kDay = 24 * kHour;
 
+/// A difference of times in seconds.
+constexpr double in_seconds(TimeNs span) {
+  return static_cast<double>(span) / static_cast<double>(kSecond);
+}
+
 /// ISO 8601 with zone ("2026-05-01T07:10:00Z", "…T09:10:00.5+02:00"; a date alone is its midnight UTC).
 /// Throws Error naming the text when it is not one.
 TimeNs parse_time(std::string_view text);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 
@@ -26,8 +27,8 @@ std::string front_above(const std::string& name, const World& world, const std::
 JointEstimate joint_of(const Json& json) {
   JointEstimate joint;
   joint.type = json.at("type") == "prismatic" ? ArticulationType::prismatic : ArticulationType::revolute;
-  joint.axis = vector_of(json.at("axis"));
-  joint.origin = vector_of(json.at("origin"));
+  joint.axis = vector_from_json(json.at("axis"));
+  joint.origin = vector_from_json(json.at("origin"));
   joint.lower = json.at("limits").at(0).get<double>();
   joint.upper = json.at("limits").at(1).get<double>();
   return joint;
@@ -42,9 +43,9 @@ KnownFront front_of(const Json& json) {
   front.name = known.name;
   front.class_name = json.at("kind").get<std::string>();
   const Json& face = json.at("front");
-  front.centre = vector_of(face.at("centre"));
-  front.normal = vector_of(face.at("normal"));
-  front.up = vector_of(face.at("up"));
+  front.centre = vector_from_json(face.at("centre"));
+  front.normal = vector_from_json(face.at("normal"));
+  front.up = vector_from_json(face.at("up"));
   front.width = face.at("width").get<double>();
   front.height = face.at("height").get<double>();
   front.joint = joint_of(json);
@@ -58,8 +59,8 @@ KnownFixture fixture_of(const Json& json) {
   known.front = json.value("front_link", "");
   known.main = json.value("visible_when_closed", true);
   // A mapper sees the bar, not the middle of bar and posts.
-  known.fixture.centre = vector_of(json.at(json.contains("bar_centre") ? "bar_centre" : "centre"));
-  known.fixture.axis = vector_of(json.at("axis"));
+  known.fixture.centre = vector_from_json(json.at(json.contains("bar_centre") ? "bar_centre" : "centre"));
+  known.fixture.axis = vector_from_json(json.at("axis"));
   known.fixture.length = json.value("length", 0.0);
   return known;
 }
@@ -83,8 +84,8 @@ void add_sidecar_furniture(const World& world, const SemanticMap& sidecar, const
       known.name = name;
       known.front = front_above(name, world, structure.fronts);
       known.fixture.kind = link.class_name == "knob" ? Fixture::Kind::knob : Fixture::Kind::handle;
-      known.fixture.centre = vector_of(link.geometry.at("centre"));
-      known.fixture.axis = vector_of(link.geometry.at("axis"));
+      known.fixture.centre = vector_from_json(link.geometry.at("centre"));
+      known.fixture.axis = vector_from_json(link.geometry.at("axis"));
       known.fixture.length = link.geometry.at("length").get<double>();
       structure.fixtures.push_back(std::move(known));
     } catch (const Json::exception&) {
@@ -104,7 +105,8 @@ void add_truth_furniture(const Json& truth, const std::string& file, MapStructur
       structure.fixtures.push_back(fixture_of(handle));
     for (const auto& [key, value] : truth.items())
       if (const size_t end = key.rfind("_bounds"); end != std::string::npos && end > 0)
-        structure.regions[key.substr(0, end)] = {vector_of(value.at("min")), vector_of(value.at("max"))};
+        structure.regions[key.substr(0, end)] = {vector_from_json(value.at("min")),
+                                                 vector_from_json(value.at("max"))};
   } catch (const Json::exception& error) {
     throw Error(std::string("a handle or joint of the truth cannot be read (") + error.what() + ")",
                 {file, 0, ""});
@@ -119,9 +121,9 @@ void add_measured_fronts(const Json& truth, const std::string& file, MapStructur
       known.name = json.at("name").get<std::string>();
       Front& front = known.front;
       front.name = known.name;
-      front.centre = vector_of(json.at("centre"));
-      front.normal = vector_of(json.at("normal")).normalized();
-      front.up = vector_of(json.at("up")).normalized();
+      front.centre = vector_from_json(json.at("centre"));
+      front.normal = vector_from_json(json.at("normal")).normalized();
+      front.up = vector_from_json(json.at("up")).normalized();
       front.width = json.at("width").get<double>();
       front.height = json.at("height").get<double>();
       if (json.contains("handle")) {
@@ -129,8 +131,8 @@ void add_measured_fronts(const Json& truth, const std::string& file, MapStructur
         KnownFixture fixture;
         fixture.name = handle.at("name").get<std::string>();
         fixture.front = known.name;
-        fixture.fixture.centre = vector_of(handle.at("centre"));
-        fixture.fixture.axis = vector_of(handle.at("axis"));
+        fixture.fixture.centre = vector_from_json(handle.at("centre"));
+        fixture.fixture.axis = vector_from_json(handle.at("axis"));
         fixture.fixture.length = handle.value("length", 0.0);
         fixture.tolerance = json.value("tolerance", 0.0);
         structure.fixtures.push_back(std::move(fixture));

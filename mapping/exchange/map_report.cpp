@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/core.hpp>
 
 #include "mapping/base/math/math.h"

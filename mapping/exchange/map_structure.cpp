@@ -1,8 +1,7 @@
 #include "mapping/exchange/map_structure.h"
 #include "mapping/interpretation/furniture/cabinets.h"
 
-#include <cmath>
-
+#include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/json.h"
 #include "mapping/exchange/furniture_structure.h"
 #include "mapping/world/furniture_classes.h"
@@ -51,7 +50,7 @@ void add_openings(const Json& openings, const WallPatch& wall, MapStructure& str
     opening.front.class_name = json.value("kind", "doorway");
     opening.name = wall.name + "." + opening.front.class_name + "_" + std::to_string(++count);
     opening.region = wall.region;
-    opening.front.centre = vector_of(json.at("centre"));
+    opening.front.centre = vector_from_json(json.at("centre"));
     opening.front.normal = wall.normal;
     opening.front.width = json.at("width").get<double>();
     opening.front.height = json.at("height").get<double>();
@@ -60,10 +59,6 @@ void add_openings(const Json& openings, const WallPatch& wall, MapStructure& str
 }
 
 }  // namespace
-
-Vector3d vector_of(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
-}
 
 MapStructure structure_from_sidecar(const SemanticMap& sidecar, const World& world, const std::string& file) {
   MapStructure structure;
@@ -80,9 +75,10 @@ MapStructure structure_from_sidecar(const SemanticMap& sidecar, const World& wor
                                       {polygon_of(geometry.at("outline"))},
                                       link.class_name != "cabinet"});
       if (link.class_name == "wall") {
-        WallPatch wall{name, "", vector_of(geometry.at("normal")), geometry.at("offset").get<double>()};
+        WallPatch wall{name, "", vector_from_json(geometry.at("normal")),
+                       geometry.at("offset").get<double>()};
         std::vector<Vector3d> corners;
-        for (const Json& corner : geometry.at("outline")) corners.push_back(vector_of(corner));
+        for (const Json& corner : geometry.at("outline")) corners.push_back(vector_from_json(corner));
         span(wall, corners);
         if (geometry.contains("openings")) add_openings(geometry.at("openings"), wall, structure);
         structure.walls.push_back(std::move(wall));
@@ -111,11 +107,11 @@ MapStructure structure_from_truth(const Json& truth, const std::string& file) {
     WallPatch wall;
     wall.name = value_of<std::string>(json, "name", file);
     wall.region = json.value("region", "");
-    wall.normal = vector_of(value_of<Json>(json, "normal", file));
+    wall.normal = vector_from_json(value_of<Json>(json, "normal", file));
     wall.offset = value_of<double>(json, "offset", file);
-    const Vector3d centre = vector_of(value_of<Json>(json, "centre", file));
+    const Vector3d centre = vector_from_json(value_of<Json>(json, "centre", file));
     const Vector3d right =
-        vector_of(value_of<Json>(json, "right", file)) * (value_of<double>(json, "width", file) / 2);
+        vector_from_json(value_of<Json>(json, "right", file)) * (value_of<double>(json, "width", file) / 2);
     const Vector3d up = Vector3d::UnitZ() * (value_of<double>(json, "height", file) / 2);
     span(wall, {centre - right - up, centre + right + up});
     // Strips, pillars and window reveals fill little of their rectangle.

@@ -78,7 +78,4 @@ MapStructure structure_from_sidecar(const SemanticMap& sidecar, const World& wor
 MapStructure structure_from_truth(const Json& truth, const std::string& file);
 MapStructure structure_from_geometry(const World& world, const MeshSearch& search, Warnings& warnings);
 
-/// Three coordinates of a sidecar or of truth.json.
-Vector3d vector_of(const Json& json);
-
 }  // namespace loci::mapping

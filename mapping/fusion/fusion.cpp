@@ -156,7 +156,7 @@ FusionResult collect(std::vector<Part>& parts, const RecordingInfo& info, const 
     throw Error(fmt::format("nothing within {} m was seen by {} frames of a scan", options.range_max_m,
                             options.min_observations),
                 {info.path, 0, ""}, "check --range-max-m, --min-observations, and the poses");
-  result.scans.sensor = "kinect";
+  result.scans.sensor = kDepthCameraSensor;
   result.scans.levelled = info.map_frame == "map";
   result.scans.range_max = options.range_max_m;
   result.scans.resolution = options.voxel_m;
@@ -197,11 +197,12 @@ size_t drop_flying_pixels(cv::Mat& depth) {
 }
 
 void FusionOptions::declare(OptionTable& table) {
-  table.integer("every", every, "frames", "Takes every n-th frame that has a pose.", 1, 100000);
+  table.integer("every", every, "frames", "Takes every n-th frame.", 1, 100000);
   table.number("voxel_m", voxel_m, "m", "Points are thinned to one per cube of this size and scan.", 0.001,
                0.5);
   table.number("range_max_m", range_max_m, "m",
-               "Farther measurements only mark free space (a Kinect's noise is 4 cm at 4 m).", 0.5, 100);
+               "Farther measurements only mark free space (a step of a Kinect's disparity is 4.5 cm at 4 m).",
+               0.5, 100);
   table.integer("min_observations", min_observations, "frames",
                 "A voxel seen by fewer frames of its scan is left out as noise.", 1, 1000);
   table.integer("frames_per_scan", frames_per_scan, "frames", "So many consecutive frames become one scan.",

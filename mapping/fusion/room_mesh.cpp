@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
@@ -37,6 +35,10 @@ void MeshOptions::declare(OptionTable& table) {
 RoomMesh mesh_room(const Recording& recording, const FusionOptions& fusion, const MeshOptions& options,
                    Progress& progress) {
   const Stopwatch watch;
+  FusionOptions checked_fusion = fusion;
+  table_of(checked_fusion).validate({"", 0, "fuse"});
+  MeshOptions checked = options;
+  table_of(checked).validate({"", 0, "mesh"});
   RoomMesh result;
   SignedDistances distances(options.mesh_voxel_m, fusion.range_max_m, options.mesh_memory_mb * 1e6,
                             fusion.threads);

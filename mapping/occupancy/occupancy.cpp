@@ -85,9 +85,6 @@ Occupancy OccupancyMap::at(const Vector3d& point) const {
 double OccupancyMap::resolution() const {
   return impl_->options.resolution_m;
 }
-double OccupancyMap::range_max() const {
-  return impl_->options.range_max_m;
-}
 const octomap::OcTree& OccupancyMap::tree() const {
   return impl_->tree;
 }

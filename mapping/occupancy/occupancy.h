@@ -30,7 +30,7 @@ struct Voxels {
   double resolution = 0;                           ///< metres
   Vector3d low = Vector3d::Zero();                 ///< corner of the first voxel, map frame, metres
   Eigen::Vector3i size = Eigen::Vector3i::Zero();  ///< voxels; zero when nothing is known
-  std::vector<loci::mapping::Occupancy> states;
+  std::vector<Occupancy> states;
   /// Occupied voxels that are doubtful: likelier free than after a single hit, because rays passed through
   /// them too. So are the false points that a beam leaves which meets two surfaces. Ascending indices.
   std::vector<size_t> doubtful;
@@ -44,8 +44,8 @@ struct Voxels {
                                             static_cast<size_t>(size.y()) * static_cast<size_t>(voxel.z()));
   }
   /// Unknown outside.
-  loci::mapping::Occupancy at(const Eigen::Vector3i& voxel) const {
-    return contains(voxel) ? states[index(voxel)] : loci::mapping::Occupancy::unknown;
+  Occupancy at(const Eigen::Vector3i& voxel) const {
+    return contains(voxel) ? states[index(voxel)] : Occupancy::unknown;
   }
   Eigen::Vector3i voxel_of(const Vector3d& point) const {
     return ((point - low) / resolution).array().floor().cast<int>();
@@ -58,11 +58,11 @@ struct Voxels {
 /// What is known of space: an OctoMap whose missing leaves are unknown, never free.
 class OccupancyMap {
  public:
-  explicit OccupancyMap(const loci::mapping::OccupancyOptions& options);
+  explicit OccupancyMap(const OccupancyOptions& options);
   ~OccupancyMap();
-  OccupancyMap(const loci::mapping::OccupancyMap& other);
-  OccupancyMap(loci::mapping::OccupancyMap&&) noexcept;
-  loci::mapping::OccupancyMap& operator=(loci::mapping::OccupancyMap&&) noexcept;
+  OccupancyMap(const OccupancyMap& other);
+  OccupancyMap(OccupancyMap&&) noexcept;
+  OccupancyMap& operator=(OccupancyMap&&) noexcept;
 
   /// Inserts all rays of a scan. The tree is afterwards, node for node, what OctoMap's own
   /// `insertPointCloud(points in the map frame, origin, range_max)` makes of it, several times as fast; a ray
@@ -70,13 +70,12 @@ class OccupancyMap {
   /// origins of a scan are one measurement: a voxel gets one hit or one miss. Points that are not finite or
   /// outside OctoMap's 65,536 voxels are left out. The same on any number of threads.
   /// Error when the scan spans too many voxels at this resolution (more than 2^30).
-  void insert(const loci::mapping::Scan& scan);
+  void insert(const Scan& scan);
 
-  loci::mapping::Occupancy at(const Vector3d& point) const;
+  Occupancy at(const Vector3d& point) const;
   double resolution() const;
-  double range_max() const;
   const octomap::OcTree& tree() const;
-  loci::mapping::Voxels voxels() const;
+  Voxels voxels() const;
   /// OctoMap's maximum-likelihood file (.bt), atomically.
   void write_bt(const std::filesystem::path& path) const;
 

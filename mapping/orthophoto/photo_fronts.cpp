@@ -1,7 +1,5 @@
 #include "mapping/orthophoto/photo_fronts.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -172,6 +172,8 @@ void RecordingOptions::declare(OptionTable& table) {
 
 std::unique_ptr<Recording> open_recording(const fs::path& path, const RecordingOptions& options,
                                           Progress* progress) {
+  RecordingOptions checked = options;
+  table_of(checked).validate({path.string(), 0, "recording"});
   if (!fs::exists(path)) throw Error("no such recording", {path.string(), 0, {}});
   std::unique_ptr<Recording> recording = open_format(path, options, progress);
   if (!options.camera.empty() && recording->info().camera_names.empty())

@@ -38,7 +38,7 @@ std::string unmatched_because(const std::vector<TimeNs>& depths, const std::vect
   const auto same =
       std::ranges::count_if(delays, [&](TimeNs delay) { return std::abs(delay - median) <= kSameMoment; });
   if (2 * static_cast<size_t>(same) < delays.size()) return {};
-  const double seconds = static_cast<double>(median) / static_cast<double>(kSecond);
+  const double seconds = in_seconds(median);
   return fmt::format(
       "colour is stamped {:.3f} s {} than depth: if it was taken with it, give --color-delay-s={:.3f}",
       std::abs(seconds), seconds > 0 ? "later" : "earlier", seconds);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "mapping/base/error.h"
 #include "mapping/base/math/pose.h"
 #include "mapping/base/parallel.h"
 #include "mapping/registration/icp.h"
@@ -90,7 +91,12 @@ std::vector<double> solve_pose_graph(std::vector<Isometry3d>& map_from_node, con
   options.function_tolerance = 1e-10;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  if (!edges.empty()) ceres::Solve(options, &problem, &summary);
+  if (!edges.empty()) {
+    ceres::Solve(options, &problem, &summary);
+    if (!summary.IsSolutionUsable())
+      throw Error("the pose graph could not be solved: " + summary.message, {"", 0, "registration"},
+                  "check the poses and covariances of the scans");
+  }
 
   std::vector<double> off;
   for (const EdgeResidual& residual : residuals) {

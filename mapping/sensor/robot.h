@@ -17,9 +17,6 @@ struct PullResult {
   std::string link;   ///< that was taken hold of
   std::string joint;  ///< that gave way
   double moved = 0;   ///< metres or radians by which the joint opened, positive
-  Isometry3d map_from_link_before = Isometry3d::Identity();
-
-  bool held() const { return !hand_path.empty(); }
 };
 
 /// Something that drives on the floor, scans and pulls handles: simulated or real.
@@ -35,9 +32,9 @@ class Robot {
   /// Where the robot believes to be after the scans were registered: corrects its estimate.
   virtual void localize(const PlanarPose& pose) = 0;
 
-  /// Takes hold of what is at a point (map frame, as the robot believes) and pulls it along the way that
-  /// it gives, by at most `way` metres of hand path.
-  virtual PullResult pull(const Vector3d& believed_point, double way) = 0;
+  /// Takes hold of what is at a point (map frame, as the robot believes) and pulls it along the path that
+  /// it gives, by at most `max_distance_m` of hand path.
+  virtual PullResult pull(const Vector3d& believed_point, double max_distance_m) = 0;
   /// Closes again what was pulled open.
   virtual void close_all() = 0;
 

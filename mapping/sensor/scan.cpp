@@ -172,7 +172,10 @@ ScanSet read_scan_set(const fs::path& path) {
   const std::vector<Config> scans = config.list("scans");
   config.finish();
   if (scans.empty()) throw Error("the scan set has no scans", config.location("scans"));
-  for (const Config& scan : scans) set.scans.push_back(read_scan(scan, folder));
+  for (const Config& scan : scans) {
+    set.scans.push_back(read_scan(scan, folder));
+    if (set.scans.back().origins.empty()) set.free_space = false;  // its rays are unknown
+  }
   return set;
 }
 

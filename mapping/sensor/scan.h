@@ -30,9 +30,14 @@ struct Scan {
   std::vector<ScanPoint> points;
 };
 
+/// Sensors that are treated by name: the images of a depth camera were turned upright, which says where up is
+/// in scans that are not levelled; a laser says nothing about it.
+inline constexpr const char* kDepthCameraSensor = "kinect";
+inline constexpr const char* kLaserSensor = "hokuyo";
+
 /// Scans of one place, in one map frame.
 struct ScanSet {
-  std::string sensor;      ///< "kinect", "hokuyo", or what made it
+  std::string sensor;      ///< kDepthCameraSensor, kLaserSensor, or what made it
   bool levelled = true;    ///< z of the map frame is known to be up and the floor at 0
   double range_max = 0;    ///< metres
   double resolution = 0;   ///< voxel size that points were thinned to, metres; 0 = not thinned
@@ -40,8 +45,7 @@ struct ScanSet {
   std::vector<Scan> scans;
 };
 
-/// Writes `scans.yaml` and one binary PCD per scan into a folder (DESIGN: fields x y z intensity rgb
-/// origin_index return).
+/// Writes `scans.yaml` and one binary PCD per scan into a folder (docs/file-formats.md).
 void write_scan_set(const ScanSet& set, const std::filesystem::path& folder);
 
 /// Like write_scan_set for a set that has grown by its last scan since it was written: points that are there

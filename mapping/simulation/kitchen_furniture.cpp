@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "mapping/base/math/math.h"
+#include "mapping/base/math/shuffle.h"
 #include "mapping/sensor/laser.h"
 #include "mapping/simulation/household_shapes.h"
 
@@ -26,11 +27,6 @@ Isometry3d pose(const Vector2d& position, double yaw) {
 
 double turn_of(const Vector2d& before, const Vector2d& after) {
   return before.x() * after.y() - before.y() * after.x();
-}
-
-template <class T>
-void shuffle(std::vector<T>& values, Random& random) {
-  for (size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[random.index(i)]);
 }
 
 std::vector<Vector2d> rectangle(const Vector2d& low, const Vector2d& high) {

@@ -101,7 +101,7 @@ struct SimulatedRobot::Impl {
   Isometry3d map_from_link(size_t link, const Joint& joint, double position) const;
   double opening_direction(const Joint& joint, size_t link, const Vector3d& link_point,
                            const Vector3d& hand) const;
-  void move_along(const Joint& joint, size_t link, const Isometry3d& map_from_hand, double way,
+  void move_along(const Joint& joint, size_t link, const Isometry3d& map_from_hand, double max_distance_m,
                   PullResult& result);
   /// A pose of the hand as the arm measures it.
   Isometry3d measured_hand(const Isometry3d& map_from_hand, Random& drawn) const;
@@ -152,7 +152,7 @@ double SimulatedRobot::Impl::opening_direction(const Joint& joint, size_t link, 
 }
 
 void SimulatedRobot::Impl::move_along(const Joint& joint, size_t link, const Isometry3d& map_from_hand,
-                                      double way, PullResult& result) {
+                                      double max_distance_m, PullResult& result) {
   const Isometry3d link_from_hand = scene.map_from_link(link).inverse() * map_from_hand;
   Isometry3d map_from_hand_now = map_from_hand;
   const auto [lower, upper] = range_of(joint);
@@ -164,13 +164,13 @@ void SimulatedRobot::Impl::move_along(const Joint& joint, size_t link, const Iso
     return Isometry3d(map_from_link(link, joint, position) * link_from_hand);
   };
   double position = start, gone = 0;
-  while (gone < way - 1e-9) {
+  while (gone < max_distance_m - 1e-9) {
     constexpr double probe = 1e-4;
     const Vector3d hand = map_from_hand_now.translation();
     const double speed = (hand_at(position + direction * probe).translation() - hand).norm() / probe;
     if (speed < 1e-3) break;  // Held on the hinge itself.
     const double next =
-        std::clamp(position + direction * std::min(kHandStep, way - gone) / speed, lower, upper);
+        std::clamp(position + direction * std::min(kHandStep, max_distance_m - gone) / speed, lower, upper);
     if (next == position) break;
     map_from_hand_now = hand_at(next);
     gone += (map_from_hand_now.translation() - hand).norm();
@@ -224,7 +224,7 @@ void SimulatedRobot::localize(const PlanarPose& pose) {
   impl_->covariance.setZero();
 }
 
-PullResult SimulatedRobot::pull(const Vector3d& believed_point, double way) {
+PullResult SimulatedRobot::pull(const Vector3d& believed_point, double max_distance_m) {
   Impl& robot = *impl_;
   PullResult result;
   const Vector3d point = robot.map_from_true * (robot.map_from_believed.inverse() * believed_point);
@@ -232,14 +232,13 @@ PullResult SimulatedRobot::pull(const Vector3d& believed_point, double way) {
   if (held.link < 0) return result;
   const auto link = static_cast<size_t>(held.link);
   result.link = robot.scene.link_names()[link];
-  result.map_from_link_before = robot.scene.map_from_link(link);
   const Vector3d towards = held.point - robot.map_from_true.translation();
   Isometry3d map_from_hand = map_from_base({0, 0, std::atan2(towards.y(), towards.x())});
   map_from_hand.translation() = held.point;
   result.hand_path = {map_from_hand};
   const bool added = link >= robot.world.links.size();  // The floor or the ceiling.
   if (const Joint* joint = added ? nullptr : robot.moving_joint(result.link))
-    robot.move_along(*joint, link, map_from_hand, way, result);
+    robot.move_along(*joint, link, map_from_hand, max_distance_m, result);
   Random drawn = robot.random.fork(kHandStream).fork(robot.pulls++);
   for (Isometry3d& pose : result.hand_path) pose = robot.measured_hand(pose, drawn);
   return result;

@@ -48,11 +48,11 @@ class SimulatedRobot : public Robot {
   void localize(const PlanarPose& pose) override;
 
   /// Takes hold of the surface that is nearest to a point that the robot believes in (its pose error applies,
-  /// nothing beyond 5 cm is reached) and pulls it along the compliant path of its joint by at most `way`
-  /// metres of hand path, whose poses are measured as HandModel says. The joint is the nearest one above the
-  /// link that moves; pulling at one that mimics moves the one that it mimics. It opens away from zero, or
-  /// towards the robot where both ways are free, and no farther than its limits.
-  PullResult pull(const Vector3d& believed_point, double way) override;
+  /// nothing beyond 5 cm is reached) and pulls it along the compliant path of its joint by at most
+  /// `max_distance_m` metres of hand path, whose poses are measured as HandModel says. The joint is the
+  /// nearest one above the link that moves; pulling at one that mimics moves the one that it mimics. It opens
+  /// away from zero, or towards the robot where both ways are free, and no farther than its limits.
+  PullResult pull(const Vector3d& believed_point, double max_distance_m) override;
   /// Moves joints of the world by hand, the others stay; Error for a joint that the world does not have or a
   /// position beyond its limits.
   void set_joints(const JointState& state);

@@ -13,7 +13,7 @@ constexpr double kMinMeasured = 0.05;  ///< part of an image with depth: with le
 constexpr double kGivenShift = 0.05, kGivenTurn = 2 * kDegree;  // σ of poses that are given
 
 double seconds_between(TimeNs from, TimeNs to) {
-  return static_cast<double>(to - from) / static_cast<double>(kSecond);
+  return in_seconds(to - from);
 }
 
 double angle_of(const Isometry3d& motion) {

@@ -89,7 +89,7 @@ double median_interval_s(const std::vector<TrackedFrame>& frames) {
   for (size_t i = 1; i < frames.size(); ++i) intervals.push_back(frames[i].time_ns - frames[i - 1].time_ns);
   if (intervals.empty()) return 0;
   std::ranges::nth_element(intervals, intervals.begin() + static_cast<ptrdiff_t>(intervals.size() / 2));
-  return static_cast<double>(intervals[intervals.size() / 2]) / static_cast<double>(kSecond);
+  return in_seconds(intervals[intervals.size() / 2]);
 }
 
 /// What may help against what most frames were lost for.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "mapping/base/math/math.h"
+#include "mapping/base/text/text.h"
 #include "mapping/update/update.h"
 
 namespace loci::mapping {
@@ -12,10 +13,6 @@ Json polygon_json(const std::vector<Vector2d>& outline) {
   Json json = Json::array();
   for (const Vector2d& corner : outline) json.push_back({corner.x(), corner.y()});
   return json;
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 /// The extent of all outlines and of the map's walls and supports.
@@ -147,12 +144,12 @@ std::string UpdateResult::text() const {
   std::string text;
   for (const MapChange& change : changes)
     text += fmt::format("{} (probability {:.2f}; {})\n", change.text(), change.probability,
-                        change.scans.empty() ? "no single scan" : joined(change.scans));
+                        change.scans.empty() ? "no single scan" : joined(change.scans, ", "));
   if (changes.empty()) text = "nothing changed\n";
   std::vector<std::string> seen, unseen;
   for (const UnchangedPiece& piece : unchanged) (piece.seen ? seen : unseen).push_back(piece.name);
-  if (!seen.empty()) text += fmt::format("in place: {}\n", joined(seen));
-  if (!unseen.empty()) text += fmt::format("not seen: {}\n", joined(unseen));
+  if (!seen.empty()) text += fmt::format("in place: {}\n", joined(seen, ", "));
+  if (!unseen.empty()) text += fmt::format("not seen: {}\n", joined(unseen, ", "));
   return text;
 }
 

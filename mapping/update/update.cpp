@@ -7,6 +7,7 @@
 #include <set>
 
 #include "mapping/articulation/articulation.h"
+#include "mapping/base/math/log_odds.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/registration/pair.h"
@@ -27,7 +28,7 @@ constexpr int kUnexplained = -2, kStatic = -1;  // Owners of a surfel; others ar
 
 double probability_of(double evidence) {
   const double log_odds = kMotion.prior_log_odds + evidence / kMotion.correlated;
-  return std::clamp(1 / (1 + std::exp(-log_odds)), 0.01, 0.99);
+  return std::clamp(probability_from_log_odds(log_odds), 0.01, 0.99);
 }
 
 /// The scans at their poses after a correction of the frame.
@@ -323,7 +324,7 @@ class EpochComparison {
     return chosen;
   }
 
-  std::vector<uint8_t> unexplained_surfels() const {
+  std::vector<uint8_t> unexplained_or_vacated() const {
     std::vector<uint8_t> chosen(owner_.size(), 0);
     for (size_t i = 0; i < owner_.size(); ++i)
       chosen[i] = owner_[i] == kUnexplained || (owner_[i] >= 0 && left_[static_cast<size_t>(owner_[i])]);
@@ -423,7 +424,8 @@ class EpochComparison {
 
   std::vector<Eigen::AlignedBox3f> boxes_of_components() const {
     std::vector<Eigen::AlignedBox3f> boxes;
-    for (const Piece& component : components_of(now_.surface(), unexplained_surfels(), {outlines_.walls, {}}))
+    for (const Piece& component :
+         components_of(now_.surface(), unexplained_or_vacated(), {outlines_.walls, {}}))
       boxes.push_back(component.box);
     return boxes;
   }
@@ -514,7 +516,7 @@ class EpochComparison {
   /// Pieces that the map does not explain.
   void find_new() {
     std::vector<Piece> fresh =
-        free_standing_pieces(now_.surface(), unexplained_surfels(), {outlines_.walls, {}});
+        free_standing_pieces(now_.surface(), unexplained_or_vacated(), {outlines_.walls, {}});
     SemanticMap named = semantics_;  // Names of pieces that are known already are taken.
     for (const Piece& piece : pieces_) named.extra["pieces"][piece.name] = Json::object();
     name_pieces(now_.surface(), named, fresh);

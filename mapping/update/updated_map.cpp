@@ -7,6 +7,7 @@
 #include <set>
 
 #include "mapping/base/math/cell_index.h"
+#include "mapping/base/math/vector_json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/interpretation/furniture/names.h"
 #include "mapping/update/parameters.h"
@@ -75,10 +76,6 @@ void append(const EpochScans& epoch, const std::string& prefix, const NewFurnitu
   }
 }
 
-Json vector_json(const Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
 Vector3d point_of(const Json& json, double z) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.size() > 2 ? json.at(2).get<double>() : z};
 }
@@ -88,9 +85,9 @@ void move_geometry(Json& geometry, const Isometry3d& now_from_before) {
   if (!geometry.is_object()) return;
   for (const char* key : {"normal", "up", "axis"})
     if (geometry.contains(key))
-      geometry[key] = vector_json(now_from_before.linear() * point_of(geometry[key], 0));
+      geometry[key] = json_from_vector(now_from_before.linear() * point_of(geometry[key], 0));
   if (geometry.contains("centre"))
-    geometry["centre"] = vector_json(now_from_before * point_of(geometry["centre"], 0));
+    geometry["centre"] = json_from_vector(now_from_before * point_of(geometry["centre"], 0));
   if (!geometry.contains("outline")) return;
   for (Json& corner : geometry["outline"]) {
     const Vector3d moved = now_from_before * point_of(corner, 0);
@@ -253,7 +250,7 @@ InterpretedMap updated_map(const World& world, const SemanticMap& semantics, con
                                 ? Vector3d(change.now_from_before * change.centre)
                                 : change.centre;
     pieces[change.name] = {
-        {"class", change.class_name}, {"centre", vector_json(centre)}, {"height", change.height}};
+        {"class", change.class_name}, {"centre", json_from_vector(centre)}, {"height", change.height}};
   }
   InterpretationOptions options;
   options.threads = threads;

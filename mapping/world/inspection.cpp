@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/json.h"
 #include "mapping/world/kinematics.h"
 
@@ -42,10 +43,6 @@ std::string list(const std::map<std::string, size_t>& counts) {
   for (const auto& [name, count] : counts)
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name);
   return text;
-}
-
-Json numbers(const Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
 }
 
 }  // namespace
@@ -160,8 +157,9 @@ Json WorldInspection::to_json() const {
                {"triangles", triangles},
                {"missing_meshes", missing_meshes},
                {"mass_kg", links_with_mass ? Json(mass) : Json()}};
-  json["bounds"] =
-      bounds.isEmpty() ? Json() : Json{{"min", numbers(bounds.min())}, {"max", numbers(bounds.max())}};
+  json["bounds"] = bounds.isEmpty() ? Json()
+                                    : Json{{"min", json_from_vector(bounds.min())},
+                                           {"max", json_from_vector(bounds.max())}};
   Json& touching = json["closed_contacts"] = Json::array();
   for (const Contact& contact : contacts)
     touching.push_back({{"links", {contact.first, contact.second}}, {"depth_m", contact.depth}});

@@ -17,13 +17,6 @@
 namespace loci::memory {
 namespace {
 
-constexpr std::string_view kMapDepth = "map_depth";  ///< view with the depth of the map alone
-
-perception::cas::Buffer<int32_t> indices_of(const perception::types::Cluster& cluster) {
-  const auto reference = cluster.hypotheses.first<perception::types::ReferenceClusterPoints>();
-  return reference ? reference.indices.get().indices.get() : perception::cas::Buffer<int32_t>();
-}
-
 void describe_place(const perception::types::PlanarSupport& support, const mapping::World* world,
                     SceneRecord& record) {
   if (support.name.get().empty()) return;
@@ -95,7 +88,8 @@ void read_camera(const perception::types::SceneCas& cas, const perception::types
   record.view.camera = cameras.depth;
   record.view.map_from_camera = perception::types::from<Isometry3d>(scene.map_from_camera.get());
   record.view.depth = perception::types::view_image(cas, perception::types::SceneCas::kDepth);
-  if (cas.has(kMapDepth)) record.view.map_depth = perception::types::view_image(cas, kMapDepth);
+  if (cas.has(perception::types::SceneCas::kMapDepth))
+    record.view.map_depth = perception::types::view_image(cas, perception::types::SceneCas::kMapDepth);
   SceneCamera row;
   row.width = cameras.depth.width;
   row.height = cameras.depth.height;
@@ -196,15 +190,10 @@ void read_annotations(const perception::types::Cluster& cluster, ObservationReco
     if (location.sentence.is_set()) observation.row.location = location.sentence.get();
 }
 
-std::string place_of(const perception::types::Cluster& cluster) {
-  if (cluster.place.is_set()) return cluster.place.get();
-  return cluster.support.is_set() ? cluster.support.get().name.get() : std::string();
-}
-
 ObservationRecord read_cluster(const perception::types::Cluster& cluster, const std::vector<cv::Rect>& heads,
                                SceneRecord& record) {
   ObservationRecord observation;
-  set_pixels(indices_of(cluster).span(), record, observation);
+  set_pixels(cluster_indices(cluster).span(), record, observation);
   observation.evidence.partial = cluster.at_image_border.get() || cluster.partly_hidden.get();
   observation.evidence.place = place_of(cluster);
   observation.evidence.descriptors = descriptors_of(cluster, record.view.map_from_camera.translation());
@@ -216,8 +205,6 @@ ObservationRecord read_cluster(const perception::types::Cluster& cluster, const 
                                     perception::types::from<cv::Rect>(roi.roi.get()).tl(), heads);
   return observation;
 }
-
-constexpr std::string_view kStructure = "structure";  ///< view of the known structure filter: kinds of pixels
 
 std::vector<LogRow> log_of(const perception::types::Scene& scene) {
   std::vector<LogRow> lines;
@@ -340,7 +327,8 @@ SceneRecord scene_record(const perception::types::SceneCas& cas, const mapping::
 }
 
 void add_stored_data(const perception::types::SceneCas& scene, bool clouds, SceneRecord& record) {
-  if (scene.has(kStructure)) record.kinds = perception::types::view_image(scene, kStructure);
+  if (scene.has(perception::types::SceneCas::kStructure))
+    record.kinds = perception::types::view_image(scene, perception::types::SceneCas::kStructure);
   record.log = log_of(scene.scene());
   if (!clouds) return;
   // The depth that the annotators used: smoothed where available.

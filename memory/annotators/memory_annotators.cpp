@@ -195,9 +195,7 @@ SceneRecord record_of(const perception::types::SceneCas& scene, const perception
     if (world != nullptr && world->find_link(place.name) != nullptr) place.map = session.map();
   record.row.recording = session.recording();
   record.row.map = session.map();
-  if (context.next)
-    record.seconds_to_next =
-        static_cast<double>(context.next->time_ns - record.row.time) / static_cast<double>(kSecond);
+  if (context.next) record.seconds_to_next = in_seconds(context.next->time_ns - record.row.time);
   // In a video other frames make up for it.
   if (!context.in_video(record.row.time)) mark_what_noise_hides(record);
   record.annotations.push_back({kKnownPlanesType, session.planes().to_json().dump(), std::nullopt, {}});

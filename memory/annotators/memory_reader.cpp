@@ -139,9 +139,8 @@ void MemoryReader::read_next(perception::cas::Cas& cas, perception::Context& con
   }
   if (row.camera && !scene.has_camera("depth")) {
     // The colour camera is not stored.
-    const SceneCamera& kept = *row.camera;
     mapping::RgbdCamera camera;
-    camera.depth = {kept.width, kept.height, kept.fx, kept.fy, kept.cx, kept.cy};
+    camera.depth = pinhole_of(*row.camera);
     camera.color = camera.depth;
     perception::types::set_cameras(scene, camera);
   }
@@ -165,13 +164,8 @@ size_t store_new_annotations(MemorySource& memory, perception::cas::Cas& cas, Id
     for (const perception::types::Annotation& annotation : clusters[i].annotations) {
       const perception::cas::FeatureStructure& structure = annotation;
       if (structure.id() <= memory.current.structures) continue;
-      const AnnotationRecord record = annotation_record(annotation);
-      AnnotationRow row;
-      row.scene = memory.current.scene;
-      row.observation = memory.current.observations[i];
-      row.type = record.type;
-      row.value = record.value;
-      row.confidence = record.confidence;
+      AnnotationRow row =
+          annotation_row(annotation_record(annotation), memory.current.scene, memory.current.observations[i]);
       row.feature_structure = writer.add(structure, row.observation);
       transaction.add_annotation(row);
       ++added;

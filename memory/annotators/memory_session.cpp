@@ -45,8 +45,10 @@ perception::FurnitureStates load_furniture(const Store& store, std::optional<Id>
 }
 
 /// What was recorded knows where its clocks were.
-WriteOptions in_zone_of(const mapping::Recording& recording, WriteOptions write) {
+WriteOptions in_zone_of(const mapping::Recording& recording, const MemorySessionOptions& options) {
+  WriteOptions write = options.write;
   if (write.time_zone.empty()) write.time_zone = recording.info().time_zone;
+  if (write.time_zone.empty() && !recording.info().time_assumed) write.time_zone = options.default_time_zone;
   return write;
 }
 
@@ -65,8 +67,7 @@ std::string fingerprint_of(const mapping::Recording& recording) {
 }
 
 MemorySession::MemorySession(const MemorySessionOptions& options, const mapping::Recording& recording)
-    : store_(Store::open_write(options.memory, in_zone_of(recording, options.write))),
-      people_(options.people) {
+    : store_(Store::open_write(options.memory, in_zone_of(recording, options))), people_(options.people) {
   const mapping::RecordingInfo& info = recording.info();
   const std::string fingerprint = fingerprint_of(recording);
   if (const std::optional<RecordingRow> known = store_.recording(fingerprint)) {

@@ -26,6 +26,8 @@ struct MemorySessionOptions {
   People people = People::blurred;
   belief::BeliefOptions belief;
   WriteOptions write;
+  /// Of a new memory, when nothing else names one and the recording's times are real; empty = UTC.
+  std::string default_time_zone = {};
 };
 
 /// What annotators share that read or change the memory (perception::AnnotatorDescriptor::shares).

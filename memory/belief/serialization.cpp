@@ -1,7 +1,6 @@
 #include "memory/belief/serialization.h"
 
 #include <cmath>
-#include <limits>
 
 #include "mapping/base/error.h"
 #include "memory/belief/belief_state.pb.h"

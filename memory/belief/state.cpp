@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "memory/belief/parameters.h"
-
 namespace loci::memory::belief {
 
 double ProtoObject::probability_itself() const {

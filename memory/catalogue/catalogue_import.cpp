@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
 #include "memory/belief/evidence/similarity.h"
+#include "memory/belief/parameters.h"
 #include "memory/catalogue/catalogue.h"
 #include "memory/identity/solution.h"
 #include "memory/recorder/checkpoint.h"
@@ -27,12 +27,11 @@ constexpr double kMinProbability = 0.5, kMinChange = 0.05;
 /// Habits of another home are worth no more events than this.
 constexpr double kMaxExpected = 10;
 
-constexpr double kWeight = 0.8;  ///< as in BeliefOptions: annotations of one object are not independent
 /// A kind of evidence is named when it alone makes a match this much more probable.
 const double kTelling = std::log(2.0);
 
 /// The log likelihood ratio of being equal by appearance: the mean over the views in this memory.
-double appearance_log_ratio(const ObjectViews& here, const ObjectViews& there,
+double appearance_log_ratio(const ObjectViews& here, const ObjectViews& there, double weight,
                             const belief::Corrections& corrections) {
   double sum = 0;
   size_t count = 0;
@@ -41,7 +40,7 @@ double appearance_log_ratio(const ObjectViews& here, const ObjectViews& there,
     size_t compared = 0;
     for (const auto& known : there) {
       const belief::ViewSimilarity similarity =
-          belief::compare(belief::Appearance(known), belief::Appearance(seen), {}, kWeight, corrections);
+          belief::compare(belief::Appearance(known), belief::Appearance(seen), {}, weight, corrections);
       if (similarity.count == 0) continue;
       likelihood += std::exp(similarity.log_ratio);
       ++compared;
@@ -105,7 +104,7 @@ void want_class(const Catalogue& catalogue, Id object, const std::vector<Likelih
 
 /// Facts of the objects from a catalogue. A class may be that of many entries; a name or an owner belongs to
 /// one.
-void match(const Catalogue& catalogue, const std::vector<Seen>& objects,
+void match(const Catalogue& catalogue, const std::vector<Seen>& objects, double weight,
            const belief::Corrections& corrections, Facts& facts) {
   const auto rows = static_cast<Eigen::Index>(catalogue.entries.size()),
              columns = static_cast<Eigen::Index>(objects.size());
@@ -121,8 +120,8 @@ void match(const Catalogue& catalogue, const std::vector<Seen>& objects,
     std::vector<Likelihood>& of_object = likelihoods.emplace_back();
     for (Eigen::Index e = 0; e < rows; ++e) {
       const CatalogueEntry& entry = catalogue.entries[size_t(e)];
-      of_object.push_back({appearance_log_ratio(seen.views, entry.views, corrections),
-                           kWeight * terms_log_ratio(seen.terms, entry.terms)});
+      of_object.push_back({appearance_log_ratio(seen.views, entry.views, weight, corrections),
+                           weight * terms_log_ratio(seen.terms, entry.terms)});
       problem.log_similar(e, o) = of_object.back().sum() + prior;
     }
     want_class(catalogue, seen.object, of_object, prior, facts);
@@ -131,7 +130,7 @@ void match(const Catalogue& catalogue, const std::vector<Seen>& objects,
   IdentityOptions options;
   options.best = 1;
   options.priors.stay = options.priors.newview = kNever;
-  options.gate = 1e-4;
+  options.gate = belief::kParameters.gate;
   const IdentitySolution solution = solve(problem, options);
   for (Eigen::Index e = 0; e < rows; ++e)
     for (Eigen::Index o = 0; o < columns; ++o) {
@@ -268,16 +267,17 @@ CatalogueResult apply_catalogues(Store& store) {
     objects.push_back({belief.object, views.views_of(belief.object), terms_of(store, belief.object)});
   result.objects = objects.size();
   const belief::Corrections corrections = load_belief(store).calibration.corrections();
+  const double weight = load_options(store).appearance_weight;
   Facts facts;
   for (const auto& [name, checkpoint] : stored) {
     const Catalogue catalogue = catalogue_from(parse_json(checkpoint.bytes, store.name()), store.name());
     result.entries += catalogue.entries.size();
-    match(catalogue, objects, corrections, facts);
+    match(catalogue, objects, weight, corrections, facts);
     add_habits(store, catalogue);
   }
   const Catalogue examples = examples_of(store, objects);
   result.entries += examples.entries.size();
-  match(examples, objects, corrections, facts);
+  match(examples, objects, weight, corrections, facts);
   settle(store, std::move(facts), result);
   return result;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "mapping/base/error.h"
 #include "mapping/base/math/math.h"

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <set>
-
 #include "mapping/exchange/formats/owl_document.h"
 
 namespace loci::memory {

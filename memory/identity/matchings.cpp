@@ -1,7 +1,6 @@
 #include "memory/identity/matchings.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace loci::memory {
 namespace {

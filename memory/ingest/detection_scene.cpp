@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <opencv2/core.hpp>
 
-#include "mapping/base/files.h"
 #include "mapping/base/math/polygon.h"
 #include "mapping/base/text/json.h"
 #include "mapping/image/hsv.h"

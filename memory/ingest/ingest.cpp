@@ -460,8 +460,7 @@ IngestResult ingest(const fs::path& file, const fs::path& memory, const IngestOp
     record.row.recording = recording;
     record.row.frame_index = current->line;
     record.row.map = map;
-    if (after)
-      record.seconds_to_next = static_cast<double>(after->scene.time - current->scene.time) / double(kSecond);
+    if (after) record.seconds_to_next = in_seconds(after->scene.time - current->scene.time);
     result.unconfirmed += unconfirmed(recorder.record(record).update);
     made.added();
     ++result.scenes;

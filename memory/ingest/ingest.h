@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 
 #include "mapping/base/math/tally.h"
 #include "mapping/base/options.h"

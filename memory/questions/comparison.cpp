@@ -118,14 +118,13 @@ void set_time_at_place(const Snapshot& snapshot, const ComparisonQuestion& quest
       ask(snapshot.store(),
           HistoryQuestion{.subject = one.name, .as_of = question.as_of, .place = question.place});
   const std::vector<TimeNs> looks = looks_at(snapshot, question.place);
-  const auto seconds = [](TimeNs time) { return static_cast<double>(time) / static_cast<double>(kSecond); };
   for (const TimeSpan& span : spans_of(history.objects.front().stays)) {
     const auto first = std::ranges::lower_bound(looks, span.first);
     const auto after = std::ranges::upper_bound(looks, span.last);
     const TimeNs earliest = first == looks.begin() ? span.first : *std::prev(first);
     const TimeNs latest = after == looks.end() ? span.last : *after;
-    one.value = one.value.value_or(0) + seconds(span.last - span.first);
-    one.max_value = one.max_value.value_or(0) + seconds(latest - earliest);
+    one.value = one.value.value_or(0) + in_seconds(span.last - span.first);
+    one.max_value = one.max_value.value_or(0) + in_seconds(latest - earliest);
   }
 }
 

@@ -74,10 +74,9 @@ const Record<Stay>& stay_record() {
       Record<Stay>("Stay")
           .time("from", [](const Stay& stay) { return stay.scenes.front().time; })
           .time("to", [](const Stay& stay) { return stay.scenes.back().time; })
-          .value("seconds",
-                 [](const Stay& stay) {
-                   return static_cast<double>(stay.scenes.back().time - stay.scenes.front().time) / kSecond;
-                 })
+          .value(
+              "seconds",
+              [](const Stay& stay) { return in_seconds(stay.scenes.back().time - stay.scenes.front().time); })
           .value("place", &Stay::place)
           .value("position", &Stay::position)
           .value("probability", &Stay::probability)

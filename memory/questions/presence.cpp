@@ -220,7 +220,7 @@ class PresenceChance {
   double handled(TimeNs duration) const {
     if (duration <= 0) return 0;
     if (!fading_) return 0;  // nothing of it ever fades
-    const double seconds = static_cast<double>(duration) / static_cast<double>(kSecond);
+    const double seconds = in_seconds(duration);
     return (1 - *fading_->fade_to) * (1 - std::exp(-seconds / *fading_->fade_s));
   }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 
+#include "mapping/base/progress.h"
 #include "mapping/base/text/json.h"
 #include "memory/belief/hindsight.h"
 #include "memory/reasoning/stored_scene.h"
@@ -141,7 +142,9 @@ class Reviser {
       progress.check(static_cast<double>(i) / static_cast<double>(scenes.size()), "reasoning anew");
       if (scenes[i].id == revision_.from) {
         begin(i == 0 ? std::nullopt : std::optional(scenes[i - 1].time));
-        look_back(std::span(scenes).subspan(i));
+        const double done = static_cast<double>(i) / static_cast<double>(scenes.size());
+        PartialProgress within(progress, done, done);  // short against the scenes that follow
+        look_back(std::span(scenes).subspan(i), within);
       }
       if (resumed) add(scenes[i]);
       resumed = resumed || scenes[i].id == revision_.resume_after;
@@ -169,13 +172,12 @@ class Reviser {
   }
 
   /// What later ones of the scenes tell of earlier ones is known, too.
-  void look_back(std::span<const SceneRow> scenes) {
+  void look_back(std::span<const SceneRow> scenes, Progress& progress) {
     if (scenes.size() > kLookBack) return;
     std::vector<belief::Scene> evidence;
     for (const SceneRow& row : scenes) evidence.push_back(scene_of(row, record_of(row)));
     state_.next_id = std::max(state_.next_id, next_object_);
-    NoProgress quiet;
-    for (const auto& [observation, supposed] : belief::hindsight(state_, evidence, options_, quiet)) {
+    for (const auto& [observation, supposed] : belief::hindsight(state_, evidence, options_, progress)) {
       known_[observation] = supposed.object;
       known_objects_.insert(supposed.object);
       probabilities_[observation] = supposed.probability;

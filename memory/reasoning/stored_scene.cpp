@@ -19,8 +19,7 @@ int step_of(const SceneRow& row) {
 void read_view(const Store& store, const SceneRow& row, belief::SceneView& view) {
   if (row.map_from_camera) view.map_from_camera = *row.map_from_camera;
   if (!row.camera) return;
-  view.camera = {row.camera->width, row.camera->height, row.camera->fx,
-                 row.camera->fy,    row.camera->cx,     row.camera->cy};
+  view.camera = pinhole_of(*row.camera);
   if (!row.depth) return;
   const int step = step_of(row);
   const int first = step / 2;  // the pixel that stands for the first block

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,16 @@ struct AnnotationRecord {
   std::optional<double> confidence;
   perception::cas::FeatureStructure structure;  ///< all of it; may be null
 };
+
+/// As a row, without the structure, which is stored apart.
+inline AnnotationRow annotation_row(const AnnotationRecord& annotation, Id scene,
+                                    std::optional<Id> observation) {
+  return {.scene = scene,
+          .observation = observation,
+          .type = annotation.type,
+          .value = annotation.value,
+          .confidence = annotation.confidence};
+}
 
 /// An image or other bytes with their media type; empty = none.
 struct BlobRecord {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "mapping/world/free_standing.h"
 #include "memory/recorder/belief_rows.h"
@@ -181,12 +180,7 @@ class Recorder::SceneWriter {
                        const std::vector<perception::cas::FeatureStructure>& others,
                        std::optional<Id> observation, FeatureStructureWriter& structures) {
     for (const AnnotationRecord& annotation : annotations) {
-      AnnotationRow row;
-      row.scene = result_.scene;
-      row.observation = observation;
-      row.type = annotation.type;
-      row.value = annotation.value;
-      row.confidence = annotation.confidence;
+      AnnotationRow row = annotation_row(annotation, result_.scene, observation);
       if (annotation.structure) row.feature_structure = structures.add(annotation.structure, observation);
       transaction_.add_annotation(row);
     }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <set>
 
-#include "mapping/base/error.h"
 #include "mapping/base/text/text.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/sentences/clauses/clause.h"

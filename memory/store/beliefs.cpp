@@ -190,7 +190,7 @@ std::vector<Id> objects_with_terms(Store::Connection& db, const std::string& ter
 
 double faded(const BeliefRow& row, TimeNs time) {
   if (!row.fade_s || !row.fade_to || time <= row.then) return row.probability_then;
-  const double seconds = static_cast<double>(time - row.then) / static_cast<double>(kSecond);
+  const double seconds = in_seconds(time - row.then);
   return row.probability_then * (*row.fade_to + (1 - *row.fade_to) * std::exp(-seconds / *row.fade_s));
 }
 

@@ -3,7 +3,6 @@
 // Private to this module: the database through SQLiteCpp, whose types no other module sees.
 
 #include <SQLiteCpp/SQLiteCpp.h>
-#include <fmt/format.h>
 
 #include <cmath>
 #include <map>

@@ -1,6 +1,5 @@
 #include "memory/store/place_motion.h"
 
-#include "mapping/base/math/math.h"
 #include "mapping/world/free_standing.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"

@@ -80,10 +80,13 @@ SpotStatus DepthThumbnail::spot_status(const Vector3d& point, double tolerance_m
   return behind ? SpotStatus::seen_empty : SpotStatus::hidden;
 }
 
+mapping::PinholeCamera pinhole_of(const SceneCamera& camera) {
+  return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
+}
+
 mapping::RgbdCamera cameras_of(const Store& store, const SceneRow& row) {
   mapping::RgbdCamera cameras;
-  const SceneCamera& camera = *row.camera;
-  cameras.depth = {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
+  cameras.depth = pinhole_of(*row.camera);
   cameras.color = cameras.depth;
   for (const FeatureStructureRow& stored :
        store.feature_structures(row.id, std::string(perception::types::CameraInfo::kTypeName))) {

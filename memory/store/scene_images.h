@@ -50,6 +50,9 @@ class DepthThumbnail {
   std::vector<float> depth_;
 };
 
+/// The stored depth camera as a pinhole.
+mapping::PinholeCamera pinhole_of(const SceneCamera& camera);
+
 /// The cameras of a scene that has one: the depth camera is in its row, the colour camera in a feature
 /// structure; without that the image is taken to be registered to the depth.
 mapping::RgbdCamera cameras_of(const Store& store, const SceneRow& row);

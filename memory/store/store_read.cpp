@@ -1,7 +1,6 @@
 // Reading: runs, recordings, places, scenes, events, facts, stored bytes, and the file as a whole.
 
 #include <algorithm>
-#include <charconv>
 
 #include "memory/store/rows/row_columns.h"
 #include "memory/store/rows/schema_check.h"

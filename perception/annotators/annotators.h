@@ -6,7 +6,7 @@
 
 namespace loci::perception {
 
-/// Adds the readers and annotators of this room.
+/// Adds the readers and annotators of this module.
 void add_annotators(AnnotatorRegistry& registry);
 
 /// The pipeline that is run when none is given, as YAML.

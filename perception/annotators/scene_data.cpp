@@ -77,11 +77,6 @@ bool has_measured_pose(const types::Scene& scene) {
   return scene.map_from_camera.is_set() && scene.map_from_camera.get().frame_id.get() != kAssumedFrame;
 }
 
-cas::Buffer<int32_t> cluster_indices(const types::Cluster& cluster) {
-  const auto reference = cluster.hypotheses.first<types::ReferenceClusterPoints>();
-  return reference ? reference.indices.get().indices.get() : cas::Buffer<int32_t>();
-}
-
 std::vector<Vector3d> cluster_points(const types::SceneCas& scene, const types::Cluster& cluster) {
   const Isometry3d pose = map_from_camera(scene.scene());
   const cas::Buffer<pcl::PointXYZ> cloud = types::points_of<pcl::PointXYZ>(scene.cloud());

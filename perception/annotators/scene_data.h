@@ -1,7 +1,6 @@
 #pragma once
 
 #include <opencv2/core.hpp>
-#include <optional>
 #include <vector>
 
 #include "mapping/base/math/pose.h"
@@ -11,9 +10,9 @@
 
 namespace loci::perception {
 
-/// Views that this room adds to those of SceneCas.
-inline constexpr std::string_view kRegionsView = "regions";     ///< CV_16U: number of the region, 0 = none
-inline constexpr std::string_view kMapDepthView = "map_depth";  ///< CV_32F: what the map alone would measure
+/// Views that this module adds to those of SceneCas.
+inline constexpr std::string_view kRegionsView = "regions";  ///< CV_16U: number of the region, 0 = none
+inline constexpr std::string_view kMapDepthView = types::SceneCas::kMapDepth;
 /// CV_8U: 255 = the map alone would show a surface for objects here, or nothing.
 inline constexpr std::string_view kBareView = "bare";
 
@@ -42,8 +41,7 @@ Isometry3d map_from_camera(const types::Scene& scene);
 /// Whether that pose was measured rather than assumed.
 bool has_measured_pose(const types::Scene& scene);
 
-/// Indices into the scene's cloud; empty when the cluster has none.
-cas::Buffer<int32_t> cluster_indices(const types::Cluster& cluster);
+using types::cluster_indices;
 /// The points of a cluster in the map frame.
 std::vector<Vector3d> cluster_points(const types::SceneCas& scene, const types::Cluster& cluster);
 

@@ -86,33 +86,6 @@ void Cas::remove(const FeatureStructure& structure) {
   removed.elements = {};
 }
 
-Selection Selection::sorted_by(std::string_view feature) const {
-  const auto key = [&](const FeatureStructure& each) {
-    const Value& value = each.value(each.feature(feature));
-    if (std::holds_alternative<Reference>(value))
-      throw Error("cannot sort by '" + std::string(feature) + "', which holds references");
-    return value;
-  };
-  std::vector<std::pair<Value, FeatureStructure>> keyed;
-  for (const FeatureStructure& each : found_) keyed.emplace_back(key(each), each);
-  std::stable_sort(keyed.begin(), keyed.end(), [](const auto& one, const auto& two) {
-    const Value& a = one.first;
-    const Value& b = two.first;
-    if (a.index() != b.index()) return a.index() < b.index();
-    if (const bool* flag = std::get_if<bool>(&a)) return *flag < std::get<bool>(b);
-    if (const int64_t* number = std::get_if<int64_t>(&a)) return *number < std::get<int64_t>(b);
-    if (const double* number = std::get_if<double>(&a)) {
-      const double other = std::get<double>(b);
-      return *number < other || (*number == *number && other != other);  // NaN last
-    }
-    if (const std::string* text = std::get_if<std::string>(&a)) return *text < std::get<std::string>(b);
-    return false;
-  });
-  std::vector<FeatureStructure> sorted;
-  for (auto& [value, each] : keyed) sorted.push_back(each);
-  return Selection(std::move(sorted));
-}
-
 Selection Selection::filter(const std::function<bool(const FeatureStructure&)>& keep) const {
   std::vector<FeatureStructure> kept;
   std::copy_if(found_.begin(), found_.end(), std::back_inserter(kept), keep);

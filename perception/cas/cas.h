@@ -21,8 +21,6 @@ class Selection {
   const FeatureStructure& front() const { return found_.at(0); }
   const FeatureStructure& operator[](size_t index) const { return found_.at(index); }
 
-  /// Ascending by a number, boolean or string feature, equal ones in their order; unset ones first.
-  Selection sorted_by(std::string_view feature) const;
   Selection filter(const std::function<bool(const FeatureStructure&)>& keep) const;
 
  private:

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <opencv2/ml.hpp>
 
+#include "mapping/base/math/log_odds.h"
 #include "mapping/base/text/json.h"
 
 namespace loci::perception::classifier_kinds {
@@ -77,7 +78,7 @@ class SupportVectors : public Classifier {
       for (size_t i = 0; i < machine.support.size(); ++i)
         side += machine.weights[i] * kernel[machine.support[i]];
       constexpr double kSteepness = 3;  // At the margin, 1 from the boundary, 95 %.
-      scores.push_back(1 / (1 + std::exp(-kSteepness * side)));
+      scores.push_back(probability_from_log_odds(kSteepness * side));
     }
     const double sum = std::accumulate(scores.begin(), scores.end(), 0.0);
     for (double& score : scores) score /= sum;

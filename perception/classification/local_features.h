@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>

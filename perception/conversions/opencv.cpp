@@ -1,6 +1,5 @@
 #include "perception/conversions/opencv.h"
 
-#include <array>
 #include <limits>
 
 #include "mapping/base/math/vectorised.h"

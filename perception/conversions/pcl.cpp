@@ -54,19 +54,4 @@ pcl::PCLHeader header_of(const PointCloud& proxy) {
 
 }  // namespace detail
 
-PointIndices Conversion<pcl::PointIndices>::to(cas::Cas& cas, const pcl::PointIndices& indices) {
-  const PointIndices proxy = PointIndices::create(cas);
-  proxy.header.set(detail::to_header(cas, indices.header));
-  proxy.indices.set(std::vector<int32_t>(indices.indices.begin(), indices.indices.end()));
-  return proxy;
-}
-
-pcl::PointIndices Conversion<pcl::PointIndices>::from(const PointIndices& proxy) {
-  pcl::PointIndices indices;
-  indices.header = detail::from_header(proxy.header.get());
-  const auto values = proxy.indices.get();
-  indices.indices.assign(values.begin(), values.end());
-  return indices;
-}
-
 }  // namespace loci::perception::types

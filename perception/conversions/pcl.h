@@ -1,6 +1,5 @@
 #pragma once
 
-#include <pcl/PointIndices.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
@@ -17,26 +16,6 @@ struct PointTraits;
 template <>
 struct PointTraits<pcl::PointXYZ> {
   static constexpr const char* kName = "PointXYZ";
-  using Proxy = PointCloud;
-};
-template <>
-struct PointTraits<pcl::PointXYZI> {
-  static constexpr const char* kName = "PointXYZI";
-  using Proxy = PointCloud;
-};
-template <>
-struct PointTraits<pcl::PointXYZRGB> {
-  static constexpr const char* kName = "PointXYZRGB";
-  using Proxy = PointCloud;
-};
-template <>
-struct PointTraits<pcl::PointNormal> {
-  static constexpr const char* kName = "PointNormal";
-  using Proxy = PointCloud;
-};
-template <>
-struct PointTraits<pcl::PointXYZRGBNormal> {
-  static constexpr const char* kName = "PointXYZRGBNormal";
   using Proxy = PointCloud;
 };
 template <>
@@ -132,30 +111,5 @@ struct Conversion<pcl::PointCloud<Point>> {
   }
   static Cloud from(const Proxy& proxy) { return *Conversion<std::shared_ptr<const Cloud>>::from(proxy); }
 };
-
-template <>
-struct Conversion<pcl::PointIndices> {
-  using Proxy = PointIndices;
-  static PointIndices to(cas::Cas& cas, const pcl::PointIndices& indices);
-  static pcl::PointIndices from(const PointIndices& proxy);
-};
-
-/// A cluster that refers to the points of the scene as one with points of its own.
-template <typename Point>
-StandaloneClusterPoints standalone(const ReferenceClusterPoints& reference) {
-  const cas::Buffer<Point> points = points_of<Point>(reference.cloud.get());
-  pcl::PointCloud<Point> cloud;
-  cloud.header = detail::header_of(reference.cloud.get());
-  cloud.is_dense = reference.cloud.get().is_dense.get();
-  for (const int32_t index : reference.indices.get().indices.get()) {
-    if (index < 0 || static_cast<size_t>(index) >= points.size())
-      throw Error("point " + std::to_string(index) + " of a cloud of " + std::to_string(points.size()));
-    cloud.push_back(points[static_cast<size_t>(index)]);
-  }
-  const StandaloneClusterPoints made = StandaloneClusterPoints::create(reference.cas());
-  made.cloud.set(PointCloud(to(reference.cas(), cloud).structure()));
-  if (reference.source.is_set()) made.source.set(reference.source.get());
-  return made;
-}
 
 }  // namespace loci::perception::types

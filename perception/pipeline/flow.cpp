@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <algorithm>
+#include <map>
 
 #include "mapping/base/text/json.h"
 
@@ -27,25 +28,12 @@ std::set<std::string> set_of(const std::vector<std::string>& list) {
   return {list.begin(), list.end()};
 }
 
-/// `Name` or `{Name: {options}}`.
-std::pair<std::string, YAML::Node> named(const YAML::Node& node, const std::string& what,
-                                         const FileLocation& place) {
-  const YAML::Node none(YAML::NodeType::Map);
-  if (node.IsScalar()) return {node.as<std::string>(), none};
-  if (!node.IsMap() || node.size() != 1)
-    throw Error(what + " is a name, or a name with a map of options", place);
-  const YAML::Node options = node.begin()->second;
-  if (!options.IsMap() && !options.IsNull()) throw Error("the options of " + what + " must be a map", place);
-  return {node.begin()->first.as<std::string>(), options.IsMap() ? options : none};
-}
-
 /// Reads flows; engines are read when they are used.
 class FlowReader {
  public:
   FlowReader(const Config& pipeline, const AnnotatorRegistry& registry)
       : pipeline_(pipeline), registry_(registry), engines_(pipeline.map("engines")) {
     engine_names_ = engines_.keys();
-    policy_names_ = {};
     StepPolicy policy;
     const OptionTable table = table_of(policy);
     for (const Option& option : table.options()) policy_names_.push_back(option.name);
@@ -316,6 +304,17 @@ Json steps_json(const std::vector<FlowNode>& nodes) {
 }
 
 }  // namespace
+
+std::pair<std::string, YAML::Node> named(const YAML::Node& node, const std::string& what,
+                                         const FileLocation& place) {
+  const YAML::Node none(YAML::NodeType::Map);
+  if (node.IsScalar()) return {node.as<std::string>(), none};
+  if (!node.IsMap() || node.size() != 1)
+    throw Error(what + " is a name, or a name with a map of options", place);
+  const YAML::Node options = node.begin()->second;
+  if (!options.IsMap() && !options.IsNull()) throw Error("the options of " + what + " must be a map", place);
+  return {node.begin()->first.as<std::string>(), options.IsMap() ? options : none};
+}
 
 bool depends(const DataAccess& later, const DataAccess& earlier) {
   return later.reads.contains("*") || intersects(earlier.outputs, later.reads) ||

@@ -3,7 +3,6 @@
 #include <functional>
 #include <future>
 #include <list>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -33,6 +32,11 @@ struct StepPolicy {
 
   void declare(OptionTable& table);
 };
+
+/// `Name` or `{Name: {options}}`: the name and a map of the options. Error at `place`, which says what `what`
+/// ("a reader") has to be.
+std::pair<std::string, YAML::Node> named(const YAML::Node& node, const std::string& what,
+                                         const FileLocation& place);
 
 /// Thrown when a scene is to be left out because of an annotator whose policy says so.
 class SceneSkipped : public Error {

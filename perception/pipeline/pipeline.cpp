@@ -16,15 +16,8 @@ constexpr const char* kDefaultReader = "RecordingReader";
 /// `reader: Name` or `reader: {Name: {options}}`: its name and a map of its options.
 std::pair<std::string, YAML::Node> read_reader(const Config& config) {
   const YAML::Node node = config.node("reader");
-  const YAML::Node none(YAML::NodeType::Map);
-  if (!node) return {kDefaultReader, none};
-  if (node.IsScalar()) return {node.as<std::string>(), none};
-  if (!node.IsMap() || node.size() != 1)
-    throw Error("a reader is a name, or a name with a map of options", config.location("reader"));
-  const YAML::Node options = node.begin()->second;
-  if (!options.IsMap() && !options.IsNull())
-    throw Error("the options of a reader must be a map", config.location("reader"));
-  return {node.begin()->first.as<std::string>(), options.IsMap() ? options : none};
+  if (!node) return {kDefaultReader, YAML::Node(YAML::NodeType::Map)};
+  return named(node, "a reader", config.location("reader"));
 }
 
 }  // namespace
@@ -156,9 +149,9 @@ std::vector<Pipeline::Stage> Pipeline::stages() {
 }
 
 size_t Pipeline::scenes_in_flight(int threads) const {
-  constexpr int kMost = 4;  // a scene holds some ten megabytes
+  constexpr int kMaxScenes = 4;  // a scene holds some ten megabytes
   if (asynchronous() || !reader_->descriptor().shares.empty()) return 1;
-  const auto most = static_cast<size_t>(std::min(kMost, thread_count(threads)));
+  const auto most = static_cast<size_t>(std::min(kMaxScenes, thread_count(threads)));
   return std::clamp<size_t>(reader_->count() - reader_->position(), 1, most);
 }
 

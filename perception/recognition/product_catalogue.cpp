@@ -1,7 +1,6 @@
 #include "perception/recognition/product_catalogue.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <regex>
 

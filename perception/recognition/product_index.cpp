@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 #include <set>
 #include <type_traits>
 
 #include "mapping/base/files.h"
+#include "mapping/base/math/log_odds.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/text/hash.h"
 #include "mapping/base/text/json.h"
@@ -43,7 +43,7 @@ cv::Rect region_of(const std::vector<Correspondence>& pairs, const std::vector<s
 }
 
 double presence_of(double log_false_alarms) {
-  return 1 / (1 + std::exp(-(kPresenceOffset + kPresenceSlope * log_false_alarms)));
+  return probability_from_log_odds(kPresenceOffset + kPresenceSlope * log_false_alarms);
 }
 
 template <class Value>

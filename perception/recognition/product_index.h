@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 
 #include "mapping/base/options.h"
 #include "mapping/base/progress.h"

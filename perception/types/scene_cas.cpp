@@ -22,6 +22,16 @@ std::shared_ptr<const cas::TypeSystem> type_system_with(const std::vector<std::f
   return cas::TypeSystem::load(type_sources(), files, path_dirs);
 }
 
+cas::Buffer<int32_t> cluster_indices(const Cluster& cluster) {
+  const auto reference = cluster.hypotheses.first<ReferenceClusterPoints>();
+  return reference ? reference.indices.get().indices.get() : cas::Buffer<int32_t>();
+}
+
+std::string place_of(const Cluster& cluster) {
+  if (cluster.place.is_set()) return cluster.place.get();
+  return cluster.support.is_set() ? cluster.support.get().name.get() : std::string();
+}
+
 bool SceneCas::has_scene() const {
   return !cas_->select(Scene::kTypeName).empty();
 }

@@ -13,6 +13,11 @@ std::shared_ptr<const cas::TypeSystem> type_system_with(
     const std::vector<std::filesystem::path>& files,
     const std::vector<std::filesystem::path>& path_dirs = {});
 
+/// Indices into the scene's cloud; empty when the cluster has none.
+cas::Buffer<int32_t> cluster_indices(const Cluster& cluster);
+/// Where the cluster is: its place, or the support that it stands on; empty when neither is known.
+std::string place_of(const Cluster& cluster);
+
 /// A scene-centric look at a CAS: the scene, its images, clouds and clusters. One of many possible facades
 /// over the same CAS; it keeps no state.
 ///
@@ -25,6 +30,8 @@ class SceneCas {
   static constexpr std::string_view kSmoothedDepth = "smoothed_depth";
   static constexpr std::string_view kCloud = "cloud";
   static constexpr std::string_view kNormals = "normals";
+  static constexpr std::string_view kMapDepth = "map_depth";   ///< CV_32F: what the map alone would measure
+  static constexpr std::string_view kStructure = "structure";  ///< of KnownStructureFilter: kinds of pixels
 
   explicit SceneCas(cas::Cas& cas) : cas_(&cas) {}
   cas::Cas& cas() const { return *cas_; }

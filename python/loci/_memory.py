@@ -201,7 +201,9 @@ def open(
     if _is_in_database(path):
         if write:
             raise Error(_DATABASE_IS_READ)
-        cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+        cache = os.environ.get("XDG_CACHE_HOME", "")
+        if not os.path.isabs(cache):  # what the XDG base directory specification says of it
+            cache = os.path.expanduser("~/.cache")
         path = _loci._replica(path, os.path.join(cache, "loci", "fleet"))
     return Memory(path, write, now=now)
 

@@ -70,7 +70,6 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"embree3/", "Embree"},
                                                                      {"open3d/", "Open3D"},
                                                                      {"tiny_gltf.h", "tinygltf"},
-                                                                     {"simde/", "simde"},
                                                                      {"octomap/", "OctoMap"},
                                                                      {"ceres/", "Ceres"},
                                                                      {"sdf/", "sdformat"},
@@ -78,7 +77,6 @@ const std::vector<std::pair<std::string, std::string>> kLibraries = {{"fmt/", "f
                                                                      {"BulletDynamics/", "Bullet"},
                                                                      {"btBullet", "Bullet"},
                                                                      {"mujoco/", "MuJoCo"},
-                                                                     {"benchmark/", "benchmark"},
                                                                      {"pybind11/", "pybind11"}};
 const std::set<std::string> kBaseLibraries = {"fmt", "yaml-cpp", "nlohmann-json", "Eigen"};
 

@@ -25,7 +25,7 @@ struct Pattern {
 
 /// Nowhere: names in code, comments, messages, documents.
 const std::vector<Pattern> kEverywhere = {
-    {R"(\bk(Least|Most|Fewest|Smallest|Largest)[A-Z])", "kMin…, kMax…"},
+    {R"(\bk(Least|Most|Fewest|Smallest|Largest)([A-Z]|\b))", "kMin…, kMax…"},
     {R"(\b(least|fewest|most)_(m|mb|px|deg|points|objects|words|confidence|probability|share)\b)",
      "min_…, max_…"},
     {R"(--(least|fewest|most|smallest|largest)-)", "--min-…, --max-…"},
@@ -127,6 +127,7 @@ TEST(Vocabulary, OfHelpTexts) {
 
 TEST(Vocabulary, FindsWhatItShouldFind) {
   EXPECT_NE(findings("x", "constexpr double kLeastFace = 1;", kEverywhere), "");
+  EXPECT_NE(findings("x", "constexpr int kMost = 4;", kEverywhere), "");
   EXPECT_NE(findings("x", "a picture of it", kEverywhere), "");
   EXPECT_NE(findings("x", "the things on the table", kProse), "");
   EXPECT_EQ(findings("x", "kMinFace, an image, something, everything", kEverywhere), "");

@@ -88,6 +88,19 @@ class Pipelines(TabletopTest):
         with self.assertRaisesRegex(loci.Error, "NormalEstimator"):
             loci.run(self.recording, annotators=[type("NormalEstimator", (Options,), {})])
 
+    def test_one_object_is_made_per_run(self):
+        made = []
+
+        class Counted(loci.Annotator):
+            def __init__(self):
+                made.append(self)
+
+            def process(self, scene):
+                assert self is made[0]
+
+        loci.run(self.recording, annotators=[Counted])
+        self.assertEqual(len(made), 1)
+
     def test_types_of_a_user(self):
         class Brightness(loci.Annotator):
             inputs = ["Cluster", "StandaloneImageROI"]

@@ -75,7 +75,7 @@ class ShippedModel : public Model {
                   const std::vector<Measurement>& seen) override {
     Scene scene;
     scene.time = step * kStep;
-    scene.seconds_to_next = double(kStep) / double(kSecond);
+    scene.seconds_to_next = in_seconds(kStep);
     scene.view = scene_view(view);
     for (const Measurement& measurement : seen) scene.observations.push_back(observation_of(measurement));
     const BeliefUpdate update = advance(state_, scene, options_);

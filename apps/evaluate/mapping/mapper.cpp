@@ -16,6 +16,7 @@
 #include "mapping/simulation/walk.h"
 #include "mapping/tracking/tracking.h"
 #include "mapping/world/contacts.h"
+#include "mapping/world/map_files.h"
 #include "mapping/world/semantic_map.h"
 #include "mapping/world/urdf.h"
 
@@ -48,7 +49,7 @@ mapping::ScanSet scan_from(const Run& run, Progress& progress, Warnings& warning
   options.odometry = mapping::OdometryModel{0, 0, 0};
   mapping::SimulatedRobot robot(run.world, options, run.poses.front(), warnings);
   mapping::ScanSet scans;
-  scans.sensor = "hokuyo";
+  scans.sensor = mapping::kLaserSensor;
   scans.range_max = options.laser.range_max_m;
   for (const mapping::PlanarPose& pose : run.poses) {
     progress.check(static_cast<double>(scans.scans.size()) / static_cast<double>(run.poses.size()),
@@ -60,8 +61,7 @@ mapping::ScanSet scan_from(const Run& run, Progress& progress, Warnings& warning
 
 void write_map(const Run& run, const nbv::SurveyResult& result) {
   make_folder(run.folder);
-  write_urdf(result.map.world, run.folder / "map.urdf");
-  write_semantic_map(result.map.semantics, mapping::sidecar_path(run.folder / "map.urdf"));
+  mapping::write_map(result.map.world, result.map.semantics, run.folder / "map.urdf");
 }
 
 nbv::SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings& warnings) {

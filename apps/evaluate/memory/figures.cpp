@@ -6,11 +6,11 @@
 #include <unistd.h>
 #include <atomic>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <thread>
 
 #include "apps/evaluate/memory/plain.h"
+#include "apps/evaluate/resident_memory.h"
 #include "mapping/base/math/math.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/text/json.h"
@@ -80,13 +80,6 @@ void kill_writers(const MemoryOptions& options, const std::filesystem::path& fil
 }
 
 namespace fs = std::filesystem;
-
-double resident_megabytes() {
-  std::ifstream statm("/proc/self/statm");
-  double pages = 0, resident = 0;
-  statm >> pages >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
-}
 
 /// Takes scenes in and counts.
 class Writer {

@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "mapping/base/math/math.h"
+#include "mapping/base/math/shuffle.h"
 #include "mapping/base/parallel.h"
 #include "mapping/base/stopwatch.h"
 
@@ -137,7 +138,7 @@ Decision exhaustive(const mapping::OccupancyMap& map, const mapping::PlanarPose&
   const nbv::ViewVoxels frontier = nbv::find_frontier(around.voxels, options.threads);
   const nbv::ViewCaster caster(around.voxels, frontier, laser, options.max_distance_m, options.ray_step_deg);
   std::vector<size_t> places = around.standing;
-  for (size_t i = places.size(); i > 1; --i) std::swap(places[i - 1], places[random.index(i)]);
+  shuffle(places, random);
   std::mutex mutex;
   nbv::ViewCounts best;
   size_t looked_at = 0;

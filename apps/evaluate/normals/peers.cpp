@@ -7,7 +7,6 @@
 #include <pcl/point_types.h>
 #include <pcl/search/kdtree.h>
 
-#include <cmath>
 #include <limits>
 
 #include "mapping/base/stopwatch.h"

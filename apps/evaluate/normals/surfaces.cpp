@@ -1,7 +1,6 @@
 #include "apps/evaluate/normals/surfaces.h"
 
 #include <Eigen/Dense>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>

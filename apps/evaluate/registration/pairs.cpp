@@ -8,6 +8,7 @@
 
 #include "mapping/base/math/cell_index.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/math/shuffle.h"
 #include "mapping/base/text/csv.h"
 #include "mapping/fusion/fusion.h"
 #include "mapping/recording/recording.h"
@@ -107,7 +108,7 @@ PairSet pairs_among(std::string name, std::vector<mapping::Scan> scans, double m
       set.pairs.push_back({target.name + " <- " + source.name, &target, &source, truth, true, overlap});
     }
   Random draw = random;
-  for (size_t i = set.pairs.size(); i > 1; --i) std::swap(set.pairs[i - 1], set.pairs[draw.index(i)]);
+  shuffle(set.pairs, draw);
   if (set.pairs.size() > count) set.pairs.resize(count);
   return set;
 }

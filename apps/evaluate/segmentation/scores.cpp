@@ -17,13 +17,13 @@ using Sizes = std::map<int, double>;
 /// Adds what a segment that finds no object is; `shared`: its pixels by object, `best`: whether no other
 /// segment overlaps one of these objects more.
 void add_wrong(double size, const Sizes& shared, bool best, Scores::Wrong& wrong) {
-  constexpr double kMost = 0.5, kOne = 0.8;
+  constexpr double kMajority = 0.5, kOne = 0.8;
   double of_objects = 0, most = 0;
   for (const auto& [object, both] : shared) of_objects += both, most = std::max(most, both);
-  ++(of_objects < kMost * size  ? wrong.table
-     : most < kOne * of_objects ? wrong.joined
-     : best                     ? wrong.inexact
-                                : wrong.pieces);
+  ++(of_objects < kMajority * size ? wrong.table
+     : most < kOne * of_objects    ? wrong.joined
+     : best                        ? wrong.inexact
+                                   : wrong.pieces);
 }
 
 }  // namespace

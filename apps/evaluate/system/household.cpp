@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <set>
 
 #include "mapping/base/math/math.h"
 #include "mapping/world/kinematics.h"

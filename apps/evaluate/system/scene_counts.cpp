@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "mapping/base/error.h"
+#include "mapping/base/math/shuffle.h"
 
 namespace loci::apps::system_evaluation {
 namespace {
@@ -23,11 +24,6 @@ int distance(const Histogram& totals) {
   }
   for (const auto& [value, count] : published_total()) sum += totals.contains(value) ? 0 : count;
   return sum;
-}
-
-template <class Value>
-void shuffle(std::vector<Value>& values, Random& random) {
-  for (size_t i = values.size(); i > 1; --i) std::swap(values[i - 1], values[random.index(i)]);
 }
 
 }  // namespace

@@ -1,10 +1,8 @@
 #include "apps/evaluate/system/throughput.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <fstream>
 
+#include "apps/evaluate/resident_memory.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/text/json.h"
 #include "perception/annotators/annotators.h"
@@ -38,13 +36,6 @@ class Again : public mapping::Recording {
   mapping::RecordingInfo info_;
   std::vector<mapping::RgbdFrame> frames_;
 };
-
-double resident_megabytes() {
-  std::ifstream statm("/proc/self/statm");
-  double pages = 0, resident = 0;
-  statm >> pages >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
-}
 
 }  // namespace
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "apps/evaluate/update/moves.h"
 #include "mapping/base/files.h"
@@ -87,7 +86,7 @@ NewData scanned(const fs::path& urdf, const MappedRoom& room, const Settings& se
   const std::vector<mapping::PlanarPose> poses = poses_of(room, random);
   mapping::SimulatedRobot robot(urdf, options, poses.front(), warnings);
   NewData data;
-  data.scans.sensor = "hokuyo";
+  data.scans.sensor = mapping::kLaserSensor;
   data.scans.range_max = options.laser.range_max_m;
   const size_t wanted = settings.part ? 2 : std::min<size_t>(poses.size(), 6);
   std::vector<Isometry3d> world_from_scan;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 #include <opencv2/imgproc.hpp>
-#include <set>
 
 #include "mapping/base/math/math.h"
 #include "mapping/world/kinematics.h"

@@ -3,7 +3,6 @@
 #include <QImage>
 #include <QWidget>
 #include <functional>
-#include <memory>
 
 class vtkInteractorStyle;
 class vtkRenderWindow;

@@ -1,7 +1,5 @@
 #include "mapping/exchange/comparison/compare.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,8 @@
 #include "mapping/exchange/formats/owl.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
+#include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/json.h"
 #include "mapping/exchange/formats/owl_document.h"
 #include "mapping/exchange/map_structure.h"
@@ -149,7 +148,7 @@ class OwlWriter {
       const bool placed = entry != semantics_.links.end() && entry->second.geometry.contains("centre");
       const bool handle =
           placed && (entry->second.class_name == "handle" || entry->second.class_name == "knob");
-      if (placed && (!point || handle)) point = vector_of(entry->second.geometry["centre"]);
+      if (placed && (!point || handle)) point = vector_from_json(entry->second.geometry["centre"]);
       if (handle) break;
       for (const Joint& below : world_.joints)
         if (below.parent == open[i]) open.push_back(below.child);

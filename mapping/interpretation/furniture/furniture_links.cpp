@@ -6,6 +6,7 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/front_fit.h"
 #include "mapping/interpretation/furniture/link_parts.h"
@@ -18,10 +19,6 @@ namespace {
 
 constexpr std::array<ArticulationType, 3> kTypes = {ArticulationType::rigid, ArticulationType::prismatic,
                                                     ArticulationType::revolute};
-
-Json json_of(const Vector3d& v) {
-  return {v.x(), v.y(), v.z()};
-}
 
 Isometry3d at(double x, double y, double z) {
   return Isometry3d(Eigen::Translation3d(x, y, z));
@@ -126,9 +123,9 @@ class FrontWriter {
     const Isometry3d map_from_side = map_from_front_ * front_from_side;
     const double width = std::abs(outward.y()) > 0.5 ? size.x() : size.y();
     SemanticLink& link = inferred(name, "drawer_side");
-    link.geometry = {{"centre", json_of(map_from_side.translation())},
-                     {"normal", json_of(map_from_side.linear() * outward)},
-                     {"up", json_of(map_from_side.linear() * Vector3d::UnitZ())},
+    link.geometry = {{"centre", json_from_vector(map_from_side.translation())},
+                     {"normal", json_from_vector(map_from_side.linear() * outward)},
+                     {"up", json_from_vector(map_from_side.linear() * Vector3d::UnitZ())},
                      {"width", width},
                      {"height", size.z()}};
   }
@@ -197,8 +194,8 @@ class FrontWriter {
     SemanticLink& link = semantics_.links[name] = SemanticLink{};
     link.class_name = class_name;
     link.confidence = fixture.confidence;
-    link.geometry = {{"centre", json_of(fixture.centre)},
-                     {"axis", json_of(fixture.axis)},
+    link.geometry = {{"centre", json_from_vector(fixture.centre)},
+                     {"axis", json_from_vector(fixture.axis)},
                      {"length", fixture.length},
                      {"radius", fixture.radius},
                      {"protrusion", fixture.protrusion}};
@@ -234,9 +231,12 @@ class FrontWriter {
     SemanticLink& link = semantics_.links[name] = SemanticLink{};
     link.class_name = front_.class_name;
     link.confidence = front_.confidence;
-    link.geometry = {{"centre", json_of(front_.centre)}, {"normal", json_of(front_.normal)},
-                     {"up", json_of(front_.up)},         {"width", front_.width},
-                     {"height", front_.height},          {"depth", front_.depth}};
+    link.geometry = {{"centre", json_from_vector(front_.centre)},
+                     {"normal", json_from_vector(front_.normal)},
+                     {"up", json_from_vector(front_.up)},
+                     {"width", front_.width},
+                     {"height", front_.height},
+                     {"depth", front_.depth}};
     link.evidence = front_.evidence;
     link.appliance = front_.appliance;
     link.extra["depth_measured"] = front_.depth_measured;
@@ -303,10 +303,6 @@ bool is_front(const SemanticLink& link) {
          link.class_name == "flap";
 }
 
-Vector3d vector_of(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
-}
-
 std::string base_name(const std::string& link) {
   return link.ends_with(kSuffix) && link.size() > kSuffix.size()
              ? link.substr(0, link.size() - kSuffix.size())
@@ -322,9 +318,9 @@ class FrontReader {
     Front front;
     front.name = base_name(name);
     front.class_name = link.class_name;
-    front.centre = vector_of(link.geometry.at("centre"));
-    front.normal = vector_of(link.geometry.at("normal"));
-    front.up = vector_of(link.geometry.at("up"));
+    front.centre = vector_from_json(link.geometry.at("centre"));
+    front.normal = vector_from_json(link.geometry.at("normal"));
+    front.up = vector_from_json(link.geometry.at("up"));
     front.width = link.geometry.at("width").get<double>();
     front.height = link.geometry.at("height").get<double>();
     front.depth = link.geometry.value("depth", front.depth);
@@ -394,8 +390,8 @@ class FrontReader {
   static Fixture read_fixture(const SemanticLink& link, const Front& front) {
     Fixture fixture;
     fixture.kind = link.class_name == "knob" ? Fixture::Kind::knob : Fixture::Kind::handle;
-    fixture.centre = vector_of(link.geometry.at("centre"));
-    fixture.axis = link.geometry.contains("axis") ? vector_of(link.geometry.at("axis")) : front.normal;
+    fixture.centre = vector_from_json(link.geometry.at("centre"));
+    fixture.axis = link.geometry.contains("axis") ? vector_from_json(link.geometry.at("axis")) : front.normal;
     fixture.length = link.geometry.value("length", 0.0);
     fixture.radius = link.geometry.value("radius", fixture.radius);
     fixture.protrusion = link.geometry.value("protrusion", front.normal.dot(fixture.centre - front.centre));

@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "mapping/base/math/polygon.h"
+#include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/parameters.h"
 #include "mapping/world/furniture_classes.h"
@@ -195,20 +196,16 @@ std::vector<NamedLink> named_links(const SemanticMap& semantics) {
   return links;
 }
 
-Vector3d vector_of(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
-}
-
 /// 1 for equal planes that share all of the shorter one's length.
 double wall_similarity(const Json& a, const Json& b) {
-  const Vector3d normal = vector_of(a.at("normal"));
-  if (normal.dot(vector_of(b.at("normal"))) < 0.985) return 0;
+  const Vector3d normal = vector_from_json(a.at("normal"));
+  if (normal.dot(vector_from_json(b.at("normal"))) < 0.985) return 0;
   const Vector3d direction(-normal.y(), normal.x(), 0);
   const auto span = [&](const Json& wall, Vector3d& middle) {
     std::pair<double, double> range{1e9, -1e9};
     middle.setZero();
     for (const Json& corner : wall.at("outline")) {
-      const Vector3d at = vector_of(corner);
+      const Vector3d at = vector_from_json(corner);
       range = {std::min(range.first, direction.dot(at)), std::max(range.second, direction.dot(at))};
       middle += at / static_cast<double>(wall.at("outline").size());
     }
@@ -248,12 +245,13 @@ double support_similarity(const Json& a, const Json& b) {
 
 /// 1 for fronts in the same place, 0 when they are more than half a front apart.
 double front_similarity(const Json& a, const Json& b) {
-  if (vector_of(a.at("normal")).dot(vector_of(b.at("normal"))) < 0.9) return 0;
+  if (vector_from_json(a.at("normal")).dot(vector_from_json(b.at("normal"))) < 0.9) return 0;
   const auto smallest = [](const Json& front) {
     return std::min(front.at("width").get<double>(), front.at("height").get<double>());
   };
   const double far = std::clamp((smallest(a) + smallest(b)) / 4, 0.05, 0.3);
-  return std::max(0.0, 1 - (vector_of(a.at("centre")) - vector_of(b.at("centre"))).norm() / far);
+  return std::max(0.0,
+                  1 - (vector_from_json(a.at("centre")) - vector_from_json(b.at("centre"))).norm() / far);
 }
 
 double similarity(const NamedLink& a, const NamedLink& b) {

@@ -1,12 +1,9 @@
 #include "mapping/interpretation/supports/supports.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <opencv2/imgproc.hpp>
 #include <set>
 #include <vector>

@@ -123,7 +123,7 @@ std::vector<Vector3d> up_hints(const ScanSet& scans) {
   Vector3d sum = Vector3d::Zero();
   for (const Scan& scan : scans.scans) sum -= scan.map_from_scan.linear().col(1);
   // Recordings were turned upright as far as they show what is up, however the camera was held.
-  if (scans.sensor == "kinect" && sum.norm() > 1e-6) return {Vector3d::UnitZ(), sum.normalized()};
+  if (scans.sensor == kDepthCameraSensor && sum.norm() > 1e-6) return {Vector3d::UnitZ(), sum.normalized()};
   return {Vector3d::UnitZ(), -Vector3d::UnitY(), Vector3d::UnitY()};
 }
 

@@ -1,7 +1,6 @@
 #include "mapping/interpretation/surfaces/openings.h"
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 

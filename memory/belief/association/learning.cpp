@@ -1,7 +1,6 @@
 // Stages of SceneUpdate that learn interaction, similarity and noise.
 
 #include <algorithm>
-#include <map>
 
 #include "memory/belief/association/scene_update.h"
 #include "memory/belief/evidence/proximity.h"

@@ -9,13 +9,6 @@
 #include "memory/belief/parameters.h"
 
 namespace loci::memory::belief {
-namespace {
-
-double probability_of(double log_odds) {
-  return 1 / (1 + std::exp(-log_odds));
-}
-
-}  // namespace
 
 double SceneUpdate::detection_rate() const {
   return timing_.snapshot ? state_.detection.value(options_) : options_.detection;
@@ -38,7 +31,7 @@ void SceneUpdate::update_observed(size_t o, size_t k) {
   const std::string place_before = object.place;
   const bool was_hidden = object.hidden_reported;
   const TimeNs seen_before = object.last_seen;
-  const double seconds_unobserved = double(scene_.time - object.last_seen) / double(kSecond);
+  const double seconds_unobserved = in_seconds(scene_.time - object.last_seen);
 
   if (timing_.independent && object.status == Status::gone)
     state_.interaction.learn_returns(timing_.exposure_s - object.last_seen_exposure_s, 1, options_);
@@ -89,7 +82,7 @@ void SceneUpdate::update_box_and_views(size_t o, size_t k, const Observation& ob
     fuse_box(object, predicted_[o], observation, scene_, options_);
   if (!observation.place.empty()) set_place(object, observation.place, scene_);
   // Views that follow each other at once repeat each other's errors: what was kept first stays.
-  const bool rested = double(scene_.time - object.last_seen) / double(kSecond) >= options_.snapshot_gap_s;
+  const bool rested = in_seconds(scene_.time - object.last_seen) >= options_.snapshot_gap_s;
   if (rested || elsewhere) store_surface(object, surfaces_[k], predicted_[o].surface, scene_, elsewhere);
   // An object that moved was recognised by its appearance alone: a dissimilar view may be another object's.
   if (!piece) {
@@ -113,7 +106,7 @@ void SceneUpdate::mark_observed(ProtoObject& object, const Observation& observat
 void SceneUpdate::create_object(size_t k) {
   ObservationOutcome& outcome = update_.observations[k];
   const Observation& observation = scene_.observations[k];
-  const double clutter = 1 / (1 + std::exp(weights_.appear[k] - weights_.clutter[k]));
+  const double clutter = probability_from_log_odds(weights_.clutter[k] - weights_.appear[k]);
   // Where clutter is usual, another view decides, unless this one is stronger evidence than that.
   const double usual =
       timing_.snapshot
@@ -166,7 +159,7 @@ void SceneUpdate::confirm(ProtoObject& object, std::optional<size_t> k) {
                             object.id,
                             object.first_seen,
                             now ? state_.last_scene : std::nullopt,
-                            probability_of(object.exists_log_odds),
+                            probability_from_log_odds(object.exists_log_odds),
                             {},
                             object.place,
                             std::nullopt,
@@ -298,7 +291,7 @@ void SceneUpdate::delete_clutter() {
     if (object.status != Status::tentative) return false;
     if (object.alternative_of != 0)
       return probability_here(object, state_, options_) < kParameters.min_alternative_hypothesis;
-    const double unobserved = double(scene_.time - object.last_seen) / double(kSecond);
+    const double unobserved = in_seconds(scene_.time - object.last_seen);
     const double patience =
         options_.snapshot_gap_s * (object.exists_log_odds > unrefuted ? kParameters.patience : 1.0);
     return object.exists_log_odds <= min_log_odds || 1 - object.probability_here >= options_.gone ||

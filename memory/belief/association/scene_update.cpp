@@ -160,8 +160,7 @@ Explanation SceneUpdate::pair_explanation(size_t o, size_t k) const {
                newview = weights_.newview(row, column);
   if (stay >= move && stay >= newview) return Explanation::stay;
   // Somebody who moves what was seen just now would have been seen, too.
-  const bool watched =
-      double(scene_.time - state_.objects[o].last_seen) / double(kSecond) < options_.snapshot_gap_s;
+  const bool watched = in_seconds(scene_.time - state_.objects[o].last_seen) < options_.snapshot_gap_s;
   if (watched && covered_share(predicted_[o], scene_.observations[k].box) > kParameters.covered)
     return Explanation::stay;
   return move >= newview ? Explanation::move : Explanation::newview;

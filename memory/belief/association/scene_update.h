@@ -1,16 +1,12 @@
 #pragma once
 
-#include <cmath>
 #include <optional>
 #include <vector>
 
+#include "mapping/base/math/log_odds.h"
 #include "memory/belief/belief.h"
 
 namespace loci::memory::belief {
-
-inline double log_odds(double probability) {
-  return std::log(probability / (1 - probability));
-}
 
 /// Updates the belief with one scene. run() is the algorithm; stages share the members.
 class SceneUpdate {

@@ -8,7 +8,7 @@
 namespace loci::memory::belief {
 
 SceneTiming::SceneTiming(const BeliefState& state, const Scene& scene, const BeliefOptions& options) {
-  if (state.last_scene) seconds = double(scene.time - *state.last_scene) / double(kSecond);
+  if (state.last_scene) seconds = in_seconds(scene.time - *state.last_scene);
   const double after = scene.seconds_to_next.value_or(std::numeric_limits<double>::infinity());
   snapshot = std::min(seconds, after) >= options.snapshot_gap_s;
   independent = seconds >= options.snapshot_gap_s;
@@ -153,7 +153,7 @@ std::vector<Prediction> predict(const BeliefState& state, const Scene& scene,
       p.seen.visibility = {.out_of_view = 1};
       std::ranges::fill(p.seen.occupied_by, 0.0);
     }
-    const double unobserved_s = double(scene.time - object.last_seen) / double(kSecond);
+    const double unobserved_s = in_seconds(scene.time - object.last_seen);
     if (unobserved_s >= options.snapshot_gap_s && !object.surface.empty()) {
       const double pose_variance =
           view_noise * view_change_variance(object.surface_camera, scene.view.map_from_camera, 0, options);

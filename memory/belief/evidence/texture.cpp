@@ -137,7 +137,7 @@ TextureMatch match_of(const Pairs& pairs, const Members& members) {
 }  // namespace
 
 TextureMatch match_textures(const Texture& a, const Texture& b, double tolerance_m) {
-  constexpr size_t kFewest = 3;
+  constexpr size_t kMinMembers = 3;
   TextureMatch best;
   if (a.size() < kMinKeypoints || b.size() < kMinKeypoints) return best;
   const auto tolerance = static_cast<float>(tolerance_m);
@@ -149,9 +149,9 @@ TextureMatch match_textures(const Texture& a, const Texture& b, double tolerance
                            [&](size_t i) { return std::ranges::count(together[i], true); });
   for (size_t s = 0; s < std::min(kSeeds, order.size()); ++s) {
     Members members = clique(order[s], order, together);
-    for (int round = 0; round < 3 && members.size() >= kFewest; ++round)
+    for (int round = 0; round < 3 && members.size() >= kMinMembers; ++round)
       members = carried(pairs, members, tolerance);
-    if (members.size() < kFewest) continue;
+    if (members.size() < kMinMembers) continue;
     const TextureMatch match = match_of(pairs, members);
     if (match.agreeing > best.agreeing) best = match;
   }
@@ -160,8 +160,8 @@ TextureMatch match_textures(const Texture& a, const Texture& b, double tolerance
 
 double texture_tolerance(double range_m) {
   constexpr double kLocalisation = 0.005;  // m: of a key point in the image
-  constexpr double kMost = 3;              // standard deviations
-  return kLocalisation + kMost * std::sqrt(2.0) * mapping::depth_noise(range_m);
+  constexpr double kMaxSigmas = 3;         // standard deviations
+  return kLocalisation + kMaxSigmas * std::sqrt(2.0) * mapping::depth_noise(range_m);
 }
 
 double texture_log_ratio(const TextureMatch& match, const Texture& a, const Texture& b) {

@@ -141,8 +141,7 @@ const Record<Reply>& reply_record() {
           .value("probability", &Reply::probability)
           .value("seconds",
                  [](const Reply& reply) {
-                   return reply.duration ? std::optional(static_cast<double>(*reply.duration) / kSecond)
-                                         : std::nullopt;
+                   return reply.duration ? std::optional(in_seconds(*reply.duration)) : std::nullopt;
                  })
           .value("time",
                  [](const Reply& reply) {

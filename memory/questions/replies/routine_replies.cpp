@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <set>
 
 #include "memory/questions/contents.h"
 #include "memory/questions/environment_parts.h"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <list>
-#include <optional>
 #include <set>
 
 #include "mapping/base/math/pose.h"

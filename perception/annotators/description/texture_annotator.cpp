@@ -67,10 +67,10 @@ std::optional<size_t> point_at(const cv::Mat& point, const cv::Point2f& pixel) {
 
 /// In four bits per value. `descriptor`: RootSIFT, one row.
 void append_packed(const cv::Mat& descriptor, std::vector<uint8_t>& bytes) {
-  constexpr float kUnit = 32, kMost = 15;  // Few values are above half of the descriptor's length.
+  constexpr float kUnit = 32, kMax = 15;  // Few values are above half of the descriptor's length.
   for (int i = 0; i < descriptor.cols; ++i) {
     const auto level =
-        static_cast<unsigned>(std::min(kMost, std::floor(kUnit * descriptor.at<float>(i) + 0.5F)));
+        static_cast<unsigned>(std::min(kMax, std::floor(kUnit * descriptor.at<float>(i) + 0.5F)));
     if (i % 2 == 0)
       bytes.push_back(static_cast<uint8_t>(level));
     else

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 
 #include "mapping/recording/gravity.h"
 #include "perception/annotators/frame_outcome.h"

@@ -1,7 +1,6 @@
 #include "perception/annotators/structure/furniture.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 

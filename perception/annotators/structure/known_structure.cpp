@@ -8,6 +8,7 @@
 #include <limits>
 #include <mutex>
 
+#include "mapping/base/math/log_odds.h"
 #include "mapping/base/parallel.h"
 #include "mapping/world/free_standing.h"
 #include "perception/annotators/scene_data.h"
@@ -18,6 +19,7 @@
 namespace loci::perception {
 namespace {
 
+constexpr const char* kStructureFilter = "KnownStructureFilter";
 constexpr double kAround = 0.15;  ///< metres
 
 /// A region as its test needs it, prepared once for all points.
@@ -164,7 +166,7 @@ void add_region(const types::SceneCas& scene, const Region& region, const cv::Ma
   scene.scene().regions.push_back(roi);
 
   const auto mask = types::SegmentationLocationAnnotation::create(cas);
-  mask.source.set("KnownStructureFilter");
+  mask.source.set(kStructureFilter);
   mask.frame_id.set(surface.link);
   mask.mask.set(types::to(cas, cv::Mat(labels == label)));
   mask.add_to_index(kRegionsView);
@@ -186,7 +188,7 @@ void add_region(const types::SceneCas& scene, const Region& region, const cv::Ma
 
 void annotate_joint(const types::SceneCas& scene, const FrontState& front) {
   const auto annotation = types::JointAnnotation::create(scene.cas());
-  annotation.source.set("KnownStructureFilter");
+  annotation.source.set(kStructureFilter);
   annotation.joint.set(front.joint);
   annotation.given.set(front.given);
   annotation.position.set(front.position);
@@ -198,7 +200,7 @@ void annotate_joint(const types::SceneCas& scene, const FrontState& front) {
 
 void annotate_obstacle(const types::SceneCas& scene, const Obstacle& obstacle) {
   const auto annotation = types::ObstacleAnnotation::create(scene.cas());
-  annotation.source.set("KnownStructureFilter");
+  annotation.source.set(kStructureFilter);
   annotation.joint.set(obstacle.joint);
   annotation.distance.set(obstacle.distance_m);
   annotation.share.set(obstacle.share);
@@ -211,7 +213,7 @@ void annotate_furniture(const types::SceneCas& scene, const MovedFurniture& furn
     const FurnitureState& state = furniture.states()[k];
     if (!state.moved && state.log_odds <= mapping::kFurnitureMotion.prior_log_odds) continue;
     const auto annotation = types::FurnitureAnnotation::create(scene.cas());
-    annotation.source.set("KnownStructureFilter");
+    annotation.source.set(kStructureFilter);
     annotation.name.set(state.name);
     annotation.links.set(furniture.pieces()[k].links);
     annotation.moved.set(state.moved);
@@ -221,7 +223,7 @@ void annotate_furniture(const types::SceneCas& scene, const MovedFurniture& furn
     annotation.turn.set(state.turn);
     annotation.motion.set(types::to(scene.cas(), furniture.motion(k)));
     annotation.log_odds.set(state.log_odds);
-    annotation.confidence.set(1 / (1 + std::exp(-state.log_odds)));
+    annotation.confidence.set(probability_from_log_odds(state.log_odds));
     scene.scene().annotations.push_back(annotation);
   }
 }
@@ -313,7 +315,7 @@ KnownStructure find_known_structure(const cv::Mat& points, const cv::Mat& normal
 }
 
 AnnotatorDescriptor KnownStructureFilter::descriptor() const {
-  return {"KnownStructureFilter",
+  return {kStructureFilter,
           "Removes map-explained points (walls, floor, sides of furniture) and keeps the regions of interest "
           "above supports.",
           {"Scene", "view:cloud", "view:normals", "CameraInfo"},
@@ -359,7 +361,7 @@ void KnownStructureFilter::find_furniture(const types::SceneCas& scene, const Fu
   if (!furniture_) return;
   if (has_measured_pose(scene.scene()) && furniture_->update(frame, threads)) {
     fronts_ = std::make_unique<ArticulatedFronts>(map_->world, map_->meshes);
-    for (const std::string& text : furniture_->texts()) scene.log("KnownStructureFilter", "info", text);
+    for (const std::string& text : furniture_->texts()) scene.log(kStructureFilter, "info", text);
   }
   annotate_furniture(scene, *furniture_);
 }
@@ -384,7 +386,7 @@ Isometry3d KnownStructureFilter::refined_pose(const types::SceneCas& facade, con
   const PoseRefinement refinement =
       refine_pose(points, cloud_normals(facade), camera, given, map_->scene, refinement_, context.threads);
   facade.log(
-      "KnownStructureFilter", "info",
+      kStructureFilter, "info",
       fmt::format("pose of the camera: {} ({:.0f} % of the points on the map, {:.0f} % before)",
                   refinement.verdict, 100 * refinement.explained_after, 100 * refinement.explained_before));
   if (!refinement.moved) return given;
@@ -409,7 +411,7 @@ void KnownStructureFilter::fit_joints(const types::SceneCas& scene, const cv::Ma
     if (joints.contains(front.joint)) continue;
     fitted[front.joint] = front.position;  // Also where it is assumed: that a drawer is shut again is seen.
     if (!front.moved) continue;
-    scene.log("KnownStructureFilter", "info",
+    scene.log(kStructureFilter, "info",
               fmt::format("{} stands at {:.3f}: {} of {} points of its front", front.joint, front.position,
                           front.on, front.in_view));
   }
@@ -445,7 +447,7 @@ void KnownStructureFilter::remove_robots(const types::SceneCas& facade, const ma
   set_cloud_points(facade, points);
   set_cloud_normals(facade, normals);
   types::set_view_image(facade, kStructureView, known.kind);
-  facade.log("KnownStructureFilter", "info", fmt::format("{} points on robots", known.known));
+  facade.log(kStructureFilter, "info", fmt::format("{} points on robots", known.known));
 }
 
 void KnownStructureFilter::annotate_obstacles(const types::SceneCas& scene, const cv::Mat& points,
@@ -461,7 +463,7 @@ void KnownStructureFilter::annotate_obstacles(const types::SceneCas& scene, cons
   }
   for (const Obstacle& obstacle : fronts_->obstacles(points, unknown, camera, pose, joints)) {
     annotate_obstacle(scene, obstacle);
-    scene.log("KnownStructureFilter", "info",
+    scene.log(kStructureFilter, "info",
               fmt::format("something stands {:.2f} m before {} and hides {:.0f} % of it", obstacle.distance_m,
                           obstacle.joint, 100 * obstacle.share));
   }
@@ -471,7 +473,7 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
   const types::SceneCas facade(cas);
   const types::Scene scene = facade.scene();
   if (!map_) {
-    facade.log("KnownStructureFilter", "info", "no map: nothing is known, nothing is removed");
+    facade.log(kStructureFilter, "info", "no map: nothing is known, nothing is removed");
     return;
   }
   const mapping::PinholeCamera camera = types::cameras(facade).depth;
@@ -480,7 +482,7 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
     return;
   }
   if (!scene.map_from_camera.is_set()) {
-    facade.log("KnownStructureFilter", "warning", "without a pose the map cannot be compared");
+    facade.log(kStructureFilter, "warning", "without a pose the map cannot be compared");
     return;
   }
   const JointState all_joints = joints_of(scene, *map_, context.warnings);
@@ -511,7 +513,7 @@ void KnownStructureFilter::process(cas::Cas& cas, Context& context) {
   types::set_view_image(facade, kMapDepthView, known.map_depth);
   types::set_view_image(facade, kBareView, known.bare);
   facade.log(
-      "KnownStructureFilter", "info",
+      kStructureFilter, "info",
       fmt::format("{} points known, {} in no region, {} regions in view", known.known, known.outside, next));
 }
 

@@ -38,7 +38,7 @@ struct Region {
 };
 
 /// View of the scene with the kind of each pixel: CV_8U, mapping::PixelKind.
-inline constexpr std::string_view kStructureView = "structure";
+inline constexpr std::string_view kStructureView = types::SceneCas::kStructure;
 
 struct KnownStructure {
   cv::Mat region;     ///< CV_16U: 1 + index into regions; 0 = known structure, or in no region

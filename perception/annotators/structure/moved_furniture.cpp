@@ -68,13 +68,6 @@ Agreement agreement_of(const cv::Mat& points, const cv::Mat& rest, int stride) {
   return agreement;
 }
 
-mapping::PinholeCamera coarse(mapping::PinholeCamera camera) {
-  camera.width /= kSearch.stride;
-  camera.height /= kSearch.stride;
-  for (double* value : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) *value /= kSearch.stride;
-  return camera;
-}
-
 }  // namespace
 
 struct MovedFurniture::View {
@@ -289,7 +282,7 @@ bool MovedFurniture::camera_may_be_wrong(const Isometry3d& now_from_before, cons
   if (shift > kSearch.pose_errors * pose_errors_.pose_error_m ||
       turn > kSearch.pose_errors * pose_errors_.pose_error_deg)
     return false;
-  const mapping::PinholeCamera camera = coarse(view.frame.camera);
+  const mapping::PinholeCamera camera = subsampled(view.frame.camera, kSearch.stride);
   const auto agreement = [&](const Isometry3d& map_from_camera) {
     return agreement_of(view.frame.points, map_.scene.render(camera, map_from_camera, {}, threads).depth,
                         kSearch.stride)

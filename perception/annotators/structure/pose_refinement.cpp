@@ -37,13 +37,7 @@ class Fit {
  public:
   Fit(const cv::Mat& points, const cv::Mat& normals, const mapping::PinholeCamera& camera,
       const mapping::RenderScene& scene, int threads)
-      : scene_(scene), threads_(threads), coarse_(camera) {
-    coarse_.width = camera.width / kStride;
-    coarse_.height = camera.height / kStride;
-    coarse_.fx = camera.fx / kStride;
-    coarse_.fy = camera.fy / kStride;
-    coarse_.cx = camera.cx / kStride;
-    coarse_.cy = camera.cy / kStride;
+      : scene_(scene), threads_(threads), coarse_(subsampled(camera, kStride)) {
     for (int v = 0; v < coarse_.height; ++v)
       for (int u = 0; u < coarse_.width; ++u) {
         const Vector3d point = vector(points, v, u), normal = vector(normals, v, u);

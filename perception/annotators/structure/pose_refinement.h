@@ -10,6 +10,12 @@
 
 namespace loci::perception {
 
+/// The camera of an image of which every `stride`-th pixel is taken, in both directions.
+inline mapping::PinholeCamera subsampled(const mapping::PinholeCamera& camera, int stride) {
+  return {camera.width / stride, camera.height / stride, camera.fx / stride,
+          camera.fy / stride,    camera.cx / stride,     camera.cy / stride};
+}
+
 /// How the pose of the camera is fitted to the map, frame by frame (§4.2.2: a localisation error turns walls
 /// into objects).
 struct PoseRefinementOptions {

@@ -174,6 +174,10 @@ TEST(Track, GivenNoiseIsUsed) {
   EXPECT_LT(probability(coarse, ArticulationType::revolute), probability(fine, ArticulationType::revolute));
 }
 
+TEST(Track, OptionsOutOfBoundsAreRefused) {
+  EXPECT_THROW(fit_track(record(door(0.5, 10), {}), {.outlier_probability = 2}), Error);
+}
+
 TEST(Track, ProbabilitiesOfTheReportSumToOne) {
   for (const double arc : {0.0, 5.0, 60.0}) {
     double sum = 0;

@@ -1,4 +1,5 @@
 #include "mapping/exchange/comparison/compare.h"
+#include "mapping/base/temporary_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -156,13 +157,13 @@ TEST(Compare, ReadsTruthJsonWithRegions) {
 }
 
 TEST(Compare, RefusesJsonThatIsNoTruth) {
-  const std::filesystem::path path = std::filesystem::temp_directory_path() / "loci_no_truth.json";
+  const TemporaryFolder folder("loci_test");
+  const std::filesystem::path path = folder.path() / "no_truth.json";
   write_json(path, {{"something", 1}});
   Warnings warnings;
   EXPECT_THROW(read_structure(path, {}, warnings), Error);
   EXPECT_THROW(structure_from_truth(Json::parse(R"({"support_surfaces": [{"name": "x"}]})"), "t.json"),
                Error);
-  std::filesystem::remove(path);
 }
 
 }  // namespace

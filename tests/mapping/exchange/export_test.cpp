@@ -8,6 +8,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/base/text/json.h"
 #include "mapping/exchange/formats/gltf.h"
 #include "mapping/exchange/formats/occupancy_grid.h"
@@ -264,7 +265,8 @@ TEST(Grid, MapServersImageHasTheHighestRowFirst) {
 
 TEST(Octomap, HoldsEverySurfaceOfTheMap) {
   const FurnishedMap map;
-  const std::filesystem::path path = std::filesystem::temp_directory_path() / "loci_export_test.bt";
+  const TemporaryFolder folder("loci_test");
+  const std::filesystem::path path = folder.path() / "surfaces.bt";
   const std::vector<WorldTriangle> triangles = triangles_of(map.world);
   write_surface_tree(triangles, 0.05, path);
   octomap::OcTree tree(0.1);
@@ -280,7 +282,6 @@ TEST(Octomap, HoldsEverySurfaceOfTheMap) {
     EXPECT_TRUE(occupied(middle + 1e-3 * triangle.normal) || occupied(middle - 1e-3 * triangle.normal));
   }
   EXPECT_EQ(tree.search(0.0, 0.0, 0.5), nullptr);  // nobody said that it is free
-  std::filesystem::remove(path);
 }
 
 TEST(Octomap, ColumnsOfATreeAreAGrid) {

@@ -243,15 +243,21 @@ TEST(RoomMesh, WhatWasTakenAwayIsCleared) {
 
 TEST(RoomMesh, LittleMemoryGivesLargerVoxels) {
   MeshOptions options;
-  options.mesh_voxel_m = 0.005;
-  options.mesh_memory_mb = 4;
+  options.mesh_voxel_m = 0.0025;
+  options.mesh_memory_mb = 16;
   const RoomMesh room = meshed(SmallRecording(10), options);
-  EXPECT_GT(room.voxel_m, 0.009);
+  EXPECT_GT(room.voxel_m, 0.0045);
   ASSERT_FALSE(room.mesh.positions.empty());
   for (const Eigen::Vector3f& at : room.mesh.positions) {
     const bool is_near_box = std::abs(at.x()) < 0.3F && std::abs(at.y()) < 0.3F;
     EXPECT_NEAR(is_near_box ? 0 : at.z(), 0, 0.006);
   }
+}
+
+TEST(RoomMesh, OptionsOutOfBoundsAreRefused) {
+  MeshOptions options;
+  options.mesh_memory_mb = -1;
+  EXPECT_THROW(meshed(SmallRecording(2), options), Error);
 }
 
 TEST(RoomMesh, SameMeshOnAnyNumberOfThreads) {

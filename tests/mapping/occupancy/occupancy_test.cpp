@@ -1,4 +1,5 @@
 #include "mapping/occupancy/occupancy.h"
+#include "mapping/base/temporary_folder.h"
 
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
@@ -202,11 +203,11 @@ TEST(OccupancyMap, VoxelsAndFileSayWhatTheTreeSays) {
   for (const size_t count : counts) EXPECT_GT(count, 100U);
   EXPECT_EQ(voxels.at({-1, 0, 0}), Occupancy::unknown);
 
-  const fs::path path = fs::temp_directory_path() / "loci_occupancy_test.bt";
+  const TemporaryFolder folder("loci_test");
+  const fs::path path = folder.path() / "map.bt";
   map.write_bt(path);
   octomap::OcTree read(0.05);
   ASSERT_TRUE(read.readBinary(path.string()));
-  fs::remove(path);
   for (auto leaf = map.tree().begin_leafs(); leaf != map.tree().end_leafs(); ++leaf) {
     const octomap::OcTreeNode* node = read.search(leaf.getCoordinate());
     ASSERT_NE(node, nullptr);

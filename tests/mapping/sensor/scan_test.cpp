@@ -89,6 +89,15 @@ TEST_F(ScanSetFiles, BareCloudHasNoFreeSpace) {
   EXPECT_EQ(set.scans[0].points.size(), 100U);
 }
 
+TEST_F(ScanSetFiles, WithoutOriginsThereIsNoFreeSpace) {
+  ScanSet set = small_set();
+  set.scans[1].origins.clear();
+  write_scan_set(set, folder_);
+  const ScanSet read = read_scan_set(folder_);
+  EXPECT_FALSE(read.free_space);
+  EXPECT_TRUE(read.scans[1].origins.empty());
+}
+
 TEST_F(ScanSetFiles, TruncatedAndMalformedPcdIsRefused) {
   write_scan_set(small_set(), folder_);
   const std::string whole = read_file(folder_ / "scan_000.pcd");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/json.h"
 #include "mapping/simulation/simulated_robot.h"
 #include "mapping/world/kinematics.h"
@@ -14,10 +15,6 @@ namespace loci::mapping {
 namespace {
 
 namespace fs = std::filesystem;
-
-Vector3d vector_of(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
-}
 
 bool is_fixture(const SemanticLink& link) {
   return link.class_name == "handle" || link.class_name == "knob";
@@ -57,19 +54,20 @@ TEST_P(SampleKitchen, SidecarSaysWhatTheLinksFramesSay) {
       EXPECT_NEAR(pose(name).linear()(2, 2), 1, 1e-9) << name;
     }
     if (link.class_name == "wall") {
-      const Vector3d normal = vector_of(link.geometry["normal"]);
+      const Vector3d normal = vector_from_json(link.geometry["normal"]);
       EXPECT_LT((pose(name).linear().col(0) - normal).norm(), 1e-6) << name;
       EXPECT_NEAR(normal.dot(pose(name).translation()), link.geometry["offset"].get<double>(), 1e-6) << name;
     }
     if (is_front(link)) {
       const bool hinged = world_.find_link(name + "_front") != nullptr;
       const Isometry3d& front = pose(hinged ? name + "_front" : name);
-      EXPECT_LT((front.translation() - vector_of(link.geometry["centre"])).norm(), 1e-5) << name;
-      EXPECT_LT((front.linear().col(0) - vector_of(link.geometry["normal"])).norm(), 1e-5) << name;
+      EXPECT_LT((front.translation() - vector_from_json(link.geometry["centre"])).norm(), 1e-5) << name;
+      EXPECT_LT((front.linear().col(0) - vector_from_json(link.geometry["normal"])).norm(), 1e-5) << name;
     }
     if (is_fixture(link)) {  // The bar or the head is drawn first, then what holds it.
       const Isometry3d map_from_bar = pose(name) * world_.find_link(name)->visuals.front().link_from_visual;
-      EXPECT_LT((map_from_bar.translation() - vector_of(link.geometry["centre"])).norm(), 1e-5) << name;
+      EXPECT_LT((map_from_bar.translation() - vector_from_json(link.geometry["centre"])).norm(), 1e-5)
+          << name;
     }
   }
 }
@@ -83,7 +81,7 @@ TEST_P(SampleKitchen, EveryHandleOpensItsFrontIntoTheRoom) {
   int pulled = 0;
   for (const auto& [name, link] : map_.links) {
     if (!is_fixture(link)) continue;
-    const PullResult result = robot.pull(vector_of(link.geometry["centre"]), 0.2);
+    const PullResult result = robot.pull(vector_from_json(link.geometry["centre"]), 0.2);
     EXPECT_EQ(result.link, name);
     const std::string front = name.substr(0, name.rfind('_'));
     EXPECT_TRUE(result.joint == front + "_joint" || result.joint == front + "_front_joint")
@@ -91,7 +89,7 @@ TEST_P(SampleKitchen, EveryHandleOpensItsFrontIntoTheRoom) {
     ASSERT_GE(result.hand_path.size(), 2u) << name;
     const Isometry3d way = result.hand_path.front().inverse() * result.hand_path.back();
     const SemanticLink& moved = map_.links.at(map_.links.contains(front) ? front : front + "_front");
-    const Vector3d normal = vector_of(moved.geometry["normal"]);
+    const Vector3d normal = vector_from_json(moved.geometry["normal"]);
     const Vector3d out = result.hand_path.back().translation() - result.hand_path.front().translation();
     EXPECT_GT(normal.dot(out), 0.15) << name;
     EXPECT_EQ(way.linear().isIdentity(0.05), moved.class_name == "drawer") << name;
@@ -111,7 +109,8 @@ TEST_P(SampleKitchen, FrontsOfOnePlaneKeepTheirSeams) {
   for (const auto& [name, link] : map_.links)
     if (is_front(link)) fronts.emplace_back(name, &link);
   const auto rectangle = [](const SemanticLink& link, const Vector3d& normal) {
-    const Vector3d up = vector_of(link.geometry["up"]), centre = vector_of(link.geometry["centre"]);
+    const Vector3d up = vector_from_json(link.geometry["up"]),
+                   centre = vector_from_json(link.geometry["centre"]);
     const Eigen::Vector2d middle(up.cross(normal).dot(centre), up.dot(centre));
     const Eigen::Vector2d half(link.geometry["width"].get<double>() / 2,
                                link.geometry["height"].get<double>() / 2);
@@ -119,10 +118,10 @@ TEST_P(SampleKitchen, FrontsOfOnePlaneKeepTheirSeams) {
   };
   for (size_t i = 0; i < fronts.size(); ++i)
     for (size_t j = i + 1; j < fronts.size(); ++j) {
-      const Vector3d normal = vector_of(fronts[i].second->geometry["normal"]);
-      const Vector3d between =
-          vector_of(fronts[i].second->geometry["centre"]) - vector_of(fronts[j].second->geometry["centre"]);
-      if (normal.dot(vector_of(fronts[j].second->geometry["normal"])) < 0.999) continue;
+      const Vector3d normal = vector_from_json(fronts[i].second->geometry["normal"]);
+      const Vector3d between = vector_from_json(fronts[i].second->geometry["centre"]) -
+                               vector_from_json(fronts[j].second->geometry["centre"]);
+      if (normal.dot(vector_from_json(fronts[j].second->geometry["normal"])) < 0.999) continue;
       if (std::abs(normal.dot(between)) > 0.02) continue;
       const Rectangle a = rectangle(*fronts[i].second, normal), b = rectangle(*fronts[j].second, normal);
       const Eigen::Vector2d gap = (a.low - b.high).cwiseMax(b.low - a.high);
@@ -156,7 +155,7 @@ TEST(Apartment, EveryVisibleHandleOpensWhatItHangsOn) {
   int opened = 0;
   for (const Json& handle : truth["handles"]) {
     if (!handle["visible_when_closed"].get<bool>()) continue;
-    const PullResult result = robot.pull(vector_of(handle["bar_centre"]), 0.2);
+    const PullResult result = robot.pull(vector_from_json(handle["bar_centre"]), 0.2);
     const Joint* joint = robot.world().parent_joint(handle["front_link"].get<std::string>());
     ASSERT_NE(joint, nullptr);
     // The lower half of a folding door follows the upper one, which is what opens.

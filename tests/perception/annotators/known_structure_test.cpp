@@ -1,5 +1,6 @@
 #include "perception/annotators/structure/known_structure.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -341,8 +342,8 @@ const char* const kArm =
     "<axis xyz=\"0 1 0\"/><limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint></robot>";
 
 TEST(KnownRobot, ItsBodyIsKnownWhereverItsJointsAndTheCameraAre) {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "loci_known_robot_test";
-  std::filesystem::create_directories(folder);
+  const TemporaryFolder temporary("loci_test");
+  const std::filesystem::path& folder = temporary.path();
   std::ofstream(folder / "arm.urdf") << kArm;
   std::ofstream(folder / "joints.csv") << "time_ns,joint,position\n100,reach,0\n200,reach,0.3\n";
   Warnings warnings;
@@ -379,7 +380,6 @@ TEST(KnownRobot, ItsBodyIsKnownWhereverItsJointsAndTheCameraAre) {
     EXPECT_EQ(cup_kept, cup_seen) << angle;
     map->hide_robots();
   }
-  std::filesystem::remove_all(folder);
 }
 
 TEST(KnownRobot, JointsAreThoseOfTheLatestRow) {

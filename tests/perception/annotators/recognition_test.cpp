@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "mapping/base/config.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/base/text/json.h"
 #include "mapping/image/image_io.h"
 #include "perception/annotators/annotators.h"
@@ -45,7 +46,8 @@ types::Cluster annotated(const std::string& name, const Json& options, const cv:
 }
 
 TEST(RecognitionAnnotators, AProductComesWithWhatTheCatalogueSays) {
-  const fs::path index = fs::temp_directory_path() / "loci_recognition_annotators.index";
+  const TemporaryFolder folder("loci_test");
+  const fs::path index = folder.path() / "products.index";
   NoProgress progress;
   Warnings warnings;
   ProductIndex::build(read_catalogue(kTestData / "products"), 2, progress, warnings).save(index);
@@ -57,7 +59,6 @@ TEST(RecognitionAnnotators, AProductComesWithWhatTheCatalogueSays) {
   ASSERT_TRUE(product);
   EXPECT_EQ(product.name.get(), "Alpro-Blueberry-Soyghurt");
   EXPECT_EQ(cluster.annotations.first<types::ClassificationAnnotation>().label.get(), "soyghurt");
-  fs::remove(index);
 }
 
 TEST(RecognitionAnnotators, AProductNeedsAnIndex) {

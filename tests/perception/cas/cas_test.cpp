@@ -179,17 +179,11 @@ TEST_F(CasTest, SelectionsIncludeSubtypesInOrderOfIndexing) {
   EXPECT_THROW(cas.select("Nothing"), Error);
 }
 
-TEST_F(CasTest, SelectionsAreSortedAndFiltered) {
+TEST_F(CasTest, SelectionsAreFiltered) {
   for (const double size : {3., 1., std::numeric_limits<double>::quiet_NaN(), 2.}) thing(size).add_to_index();
-  cas.create("Thing").add_to_index();
-  const Selection sorted = cas.select("Thing").sorted_by("size");
-  EXPECT_FALSE(sorted[0].is_set("size"));
-  EXPECT_EQ(sorted[1].get<double>("size"), 1);
-  EXPECT_EQ(sorted[3].get<double>("size"), 3);
   const auto large =
       cas.select("Thing").filter([](const auto& each) { return each.template get<double>("size") > 1.5; });
   EXPECT_THAT(sizes(large), ElementsAre(3, 2));
-  EXPECT_THROW(sorted.sorted_by("other"), Error);
 }
 
 TEST_F(CasTest, IndexingTwiceIsAsOnceAndCanBeUndone) {

@@ -6,6 +6,7 @@
 
 #include "mapping/base/files.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/base/text/json.h"
 #include "perception/classification/ensemble.h"
 
@@ -270,13 +271,13 @@ TEST(Ensemble, answers_the_same_after_saving_and_on_any_number_of_threads) {
   NoProgress progress;
   const Ensemble one = Ensemble::train(examples, experts, 2, Random(7), 1, progress);
   const Ensemble two = Ensemble::train(examples, experts, 2, Random(7), 4, progress);
-  const std::filesystem::path path = std::filesystem::temp_directory_path() / "loci_ensemble_test.model";
+  const TemporaryFolder folder("loci_test");
+  const std::filesystem::path path = folder.path() / "ensemble.model";
   one.save(path);
   const std::string bytes = read_file(path);
   two.save(path);
   EXPECT_EQ(read_file(path), bytes);
   const Ensemble loaded = Ensemble::load(path);
-  std::filesystem::remove(path);
   EXPECT_EQ(loaded.classes(), (std::vector<std::string>{"box", "cylinder"}));
   for (const TrainingSample& thing : examples)
     EXPECT_EQ(loaded.classify(thing.features).probabilities, one.classify(thing.features).probabilities);
@@ -290,10 +291,10 @@ TEST(Ensemble, refuses_what_it_cannot_learn_or_read) {
   EXPECT_THROW(parse_expert("VFH"), Error);
   EXPECT_THROW(parse_expert("VFH:tree"), Error);
   EXPECT_THROW(parse_expert("VFH:knn:L9"), Error);
-  const std::filesystem::path path = std::filesystem::temp_directory_path() / "loci_no_ensemble.model";
+  const TemporaryFolder folder("loci_test");
+  const std::filesystem::path path = folder.path() / "no_ensemble.model";
   write_file_atomically(path, "{\"kind\": \"loci classifier\", \"version\": 1}");
   EXPECT_THROW(Ensemble::load(path), Error);
-  std::filesystem::remove(path);
   EXPECT_THROW(trained(examples, {"VFH:knn"}).classify({}), Error);
 }
 

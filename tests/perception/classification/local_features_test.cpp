@@ -1,4 +1,5 @@
 #include "perception/classification/local_features.h"
+#include "mapping/base/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -108,10 +109,10 @@ TEST(Ensemble, learns_words_of_key_points_and_keeps_them) {
   for (const std::string& name : names) experts.push_back(parse_expert(name + ":svm"));
   NoProgress progress;
   const Ensemble model = Ensemble::train(examples, experts, 3, Random(1), 1, progress);
-  const std::filesystem::path path = std::filesystem::temp_directory_path() / "loci_bags_test.model";
+  const TemporaryFolder folder("loci_test");
+  const std::filesystem::path path = folder.path() / "bags.model";
   model.save(path);
   const Ensemble loaded = Ensemble::load(path);
-  std::filesystem::remove(path);
   int right = 0;
   for (const TrainingSample& thing : tests) {
     const Classification result = model.classify(thing.features, thing.local);

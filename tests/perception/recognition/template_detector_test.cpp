@@ -1,4 +1,5 @@
 #include "perception/recognition/template_detector.h"
+#include "mapping/base/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -78,7 +79,8 @@ TEST(TemplateDetector, answers_the_same_after_saving_and_refuses_other_files) {
   Shown scene;
   scene.put(true, {150, 300}, 60);
   const TemplateDetector detector = learned();
-  const std::filesystem::path path = std::filesystem::temp_directory_path() / "loci_templates_test";
+  const TemporaryFolder folder("loci_test");
+  const std::filesystem::path path = folder.path() / "templates";
   detector.save(path);
   const TemplateDetector loaded = TemplateDetector::load(path);
   EXPECT_EQ(loaded.templates(), detector.templates());
@@ -90,7 +92,6 @@ TEST(TemplateDetector, answers_the_same_after_saving_and_refuses_other_files) {
     write_file_atomically(path, text);
     EXPECT_THROW(TemplateDetector::load(path), Error) << text;
   }
-  std::filesystem::remove(path);
 }
 
 }  // namespace

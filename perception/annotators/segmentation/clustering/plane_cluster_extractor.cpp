@@ -16,7 +16,7 @@ namespace {
 constexpr double kMapHeightError = 0.015;
 /// What is smaller may be a plate or a tray rather than the support.
 constexpr double kMinSupportArea = 0.1;  ///< m²
-/// In a frame named "map" the floor is at z = 0 (docs/architecture.md, "Conventions").
+/// In a frame named "map" the floor is at z = 0 (docs/file-formats.md).
 constexpr double kFloorHeight = 0.15;
 
 /// The plane of a region of interest as the map has it, but for `raised` metres.

@@ -7,6 +7,7 @@
 #include <span>
 #include <tuple>
 
+#include "mapping/base/math/log_odds.h"
 #include "mapping/base/math/math.h"
 #include "mapping/sensor/depth_noise.h"
 #include "perception/annotators/segmentation/clustering/color_contrast.h"
@@ -414,7 +415,7 @@ double stack_probability(const StackStep& step, const StackOptions& options) {
   // Prints change the colour alone, lids and handles the outline alone: two kinds of evidence are needed.
   const float log_odds = -4.6f + 0.48f * outline + 0.89f * std::sqrt(outline * color) +
                          0.87f * std::sqrt(front * color) - 0.3f * std::sqrt(outline * front);
-  return 1 / (1 + std::exp(-static_cast<double>(log_odds)));
+  return probability_from_log_odds(static_cast<double>(log_odds));
 }
 
 std::vector<std::vector<size_t>> split_stack(const StackCloud& cloud, std::vector<size_t> members,

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "mapping/base/files.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/simulation/scenario.h"
 
 namespace loci::apps::changes {
@@ -21,11 +22,10 @@ class RandomDay : public ::testing::TestWithParam<const char*> {
 
 TEST_P(RandomDay, IsAScenarioInWhichTheMiddleCupGoesAwayAndComesBack) {
   for (const uint64_t seed : {1U, 2U, 3U}) {
-    const auto file =
-        std::filesystem::temp_directory_path() / (std::string("loci_day_") + GetParam() + ".yaml");
+    const TemporaryFolder folder("loci_test");
+    const auto file = folder.path() / "day.yaml";
     write_file_atomically(file, day(seed));
     const mapping::Scenario scenario = mapping::read_scenario(file);
-    std::filesystem::remove(file);
     EXPECT_EQ(scenario.scenes.size(), 18U);
     EXPECT_EQ(scenario.objects.size(), 16U);
     size_t moves = 0, actions = 0;
@@ -45,13 +45,13 @@ TEST_P(RandomDay, IsTheSameForTheSameSeed) {
 }
 
 /// A room with a counter against a wall, a box that belongs to the room on it, and a board over the floor.
-std::filesystem::path small_room() {
+std::filesystem::path small_room(const TemporaryFolder& folder) {
   const auto box = [](const std::string& name, const char* at, const char* size) {
     return "<link name='" + name + "'><visual><origin xyz='" + at + "'/><geometry><box size='" + size +
            "'/></geometry></visual></link><joint name='" + name +
            "_joint' type='fixed'><parent link='map'/><child link='" + name + "'/></joint>";
   };
-  const auto file = std::filesystem::temp_directory_path() / "loci_small_room.urdf";
+  const auto file = folder.path() / "small_room.urdf";
   write_file_atomically(
       file, "<robot name='room'><link name='map'/>" + box("floor", "2 2 -0.05", "4 4 0.1") +
                 box("wall_1", "2 4.05 1.25", "4 0.1 2.5") + box("wall_2", "2 -0.05 1.25", "4 0.1 2.5") +
@@ -62,8 +62,10 @@ std::filesystem::path small_room() {
 }
 
 TEST(FoundDayWorld, HasFreeStretchesOfTopsAndPlacesThatSeeThem) {
+  const TemporaryFolder folder("loci_test");
+  const std::filesystem::path room = small_room(folder);
   Warnings warnings;
-  const DayWorld world = find_day_world(small_room(), {}, 1, warnings);
+  const DayWorld world = find_day_world(room, {}, 1, warnings);
   ASSERT_EQ(world.supports.size(), 2U) << "the counter in two parts; nothing is put on what is so low";
   for (const Support& support : world.supports) {
     EXPECT_EQ(support.link, "counter_1");
@@ -81,11 +83,12 @@ TEST(FoundDayWorld, HasFreeStretchesOfTopsAndPlacesThatSeeThem) {
   const auto& left = world.supports[world.supports[0].middle.x() < 0 ? 0 : 1];
   EXPECT_TRUE(is_blocked(left, {-0.5, 0})) << "the kettle stands there";
   EXPECT_FALSE(is_blocked(left, {-0.2, 0}));
-  EXPECT_EQ(random_day(world, small_room(), 3), random_day(world, small_room(), 3));
+  EXPECT_EQ(random_day(world, room, 3), random_day(world, room, 3));
 }
 
 TEST(FoundDayWorld, NeedsRoomForObjects) {
-  const auto file = std::filesystem::temp_directory_path() / "loci_bare_room.urdf";
+  const TemporaryFolder folder("loci_test");
+  const auto file = folder.path() / "bare_room.urdf";
   write_file_atomically(file, "<robot name='room'><link name='map'/></robot>");
   Warnings warnings;
   EXPECT_THROW(find_day_world(file, {}, 1, warnings), Error);

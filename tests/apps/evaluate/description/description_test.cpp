@@ -8,6 +8,7 @@
 #include "apps/evaluate/description/service.h"
 #include "apps/evaluate/description/words.h"
 #include "mapping/base/files.h"
+#include "mapping/base/temporary_folder.h"
 
 namespace loci::apps::description_evaluation {
 namespace {
@@ -25,7 +26,8 @@ TEST(DescriptionEvaluation, WordsAreComparedWithoutCaseAndSigns) {
 }
 
 TEST(DescriptionEvaluation, CodesThatAreReadMissedAndWrongAreCounted) {
-  const fs::path folder = fs::temp_directory_path() / "loci_codes_evaluation";
+  const TemporaryFolder temporary("loci_test");
+  const fs::path& folder = temporary.path();
   fs::create_directories(folder / "images");
   fs::copy_file(kData / "images/ean13.png", folder / "images/right.png",
                 fs::copy_options::overwrite_existing);
@@ -40,7 +42,6 @@ TEST(DescriptionEvaluation, CodesThatAreReadMissedAndWrongAreCounted) {
   EXPECT_EQ(result.codes.at("EAN-13").right, 1);
   EXPECT_EQ(result.wrong, 1);
   EXPECT_THAT(result.missed, ElementsAre("other.png"));
-  fs::remove_all(folder);
 }
 
 TEST(DescriptionEvaluation, DrawnCodesAreReadAsDistorted) {

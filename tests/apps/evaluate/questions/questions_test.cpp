@@ -1,6 +1,7 @@
 #include <fstream>
 
 #include "apps/evaluate/questions/judge.h"
+#include "mapping/base/temporary_folder.h"
 #include "mapping/base/text/json.h"
 #include "tests/memory/questions/day_fixture.h"
 
@@ -91,10 +92,10 @@ TEST_F(QuestionTables, OutcomesTellWrongFromUndecided) {
 }
 
 TEST(QuestionTable, AnUnknownKeyIsRefused) {
-  const auto file = std::filesystem::temp_directory_path() / "loci_question_table.yaml";
+  const TemporaryFolder folder("loci_test");
+  const auto file = folder.path() / "table.yaml";
   std::ofstream(file) << "- {memory: day, ask: \"Where is it?\", plcae: table_1}\n";
   EXPECT_THROW(read_table(file), Error);
-  std::filesystem::remove(file);
 }
 
 }  // namespace
