@@ -199,12 +199,9 @@ void add_near(const Snapshot& snapshot, const NearQuestion& question,
     if (!belief.position || object_name(object) == answer.around) continue;
     Vector3d offset = *belief.position - answer.point;
     if (answer.level) offset.z() = 0;
-    // What is asked for is next to it in any case, what is asked about only within the radius.
-    const bool is_far = offset.norm() > answer.radius_m;
-    if (is_far && (meant || answer.relation != Relation::next_to)) continue;
+    if (offset.norm() > answer.radius_m) continue;
     const NearObject near{snapshot.object_belief(belief), offset.norm()};
     if (relation.is_at_place(belief) && (!nearest || near.distance_m < nearest->distance_m)) nearest = near;
-    if (is_far) continue;
     if (is_meant(object) && relation.holds(belief, offset)) answer.objects.push_back(near);
   }
   if (answer.relation == Relation::next_to && answer.objects.empty() && nearest &&

@@ -45,10 +45,6 @@ TEST_F(CoOccurrenceQuestions, NextToIsWithoutRoomInBetween) {
   };
   EXPECT_THAT(found(Relation::next_to), testing::ElementsAre(3)) << "in any case the nearest";
   EXPECT_THAT(found(Relation::next_to, "yellow"), testing::IsEmpty());
-  NearQuestion far{.subject = "red", .radius_m = 0.2, .relation = Relation::next_to};
-  EXPECT_EQ(ask(*store_, far).objects.at(0).object.object.id, 3) << "however far it is";
-  far.only = "green";
-  EXPECT_THAT(ask(*store_, far).objects, testing::IsEmpty());
   store_.reset();
   {
     Store store = Store::open_write(file_, {});
