@@ -544,6 +544,7 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
     const auto indices = cluster_indices(cluster);
     clusters.emplace_back(indices.begin(), indices.end());
   }
+  const cv::Mat points = cloud_points(scene);
   const cv::Mat map_depth = scene.has(kMapDepthView) ? types::view_image(scene, kMapDepthView) : cv::Mat();
   const cv::Mat bare = scene.has(kBareView) ? types::view_image(scene, kBareView) : cv::Mat();
   size_t found = 0;
@@ -555,7 +556,9 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
       leave_out_what_the_map_shows(map_depth, bare, surface.normal, surface.offset, camera.depth,
                                    surface.inside);
     surface.empty_depth = empty_depth_;
-    for (const FlatObject& object : find_flat_objects(depth, color, camera, surface, options_)) {
+    for (FlatObject& object : find_flat_objects(depth, color, camera, surface, options_)) {
+      // The points of people and robots were taken out of the cloud.
+      std::erase_if(object.pixels, [&](int pixel) { return std::isnan(points.ptr<cv::Vec3f>()[pixel][2]); });
       if (object.pixels.empty() || is_part_of_cluster(object, clusters, depth, color, camera)) continue;
       add_cluster(object, support, scene, pose);
       // Of two supports that overlap in the image one has it.

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "perception/annotators/annotators.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/conversions/opencv.h"
@@ -108,6 +110,66 @@ TYPED_TEST(TinyClusters, NoAnnotatorStumblesOverThem) {
     EXPECT_NO_THROW(pipeline.run(context, types::type_system(), progress, [&](cas::Cas&) { ++scenes; }));
     EXPECT_EQ(scenes, 1U);
   }
+}
+
+/// A table from above on which a thin box lies; `taken`: its points were taken out of the cloud.
+template <bool taken>
+class ThinBox : public TinyReader {
+ public:
+  void read_next(cas::Cas& cas, Context& context) override {
+    constexpr int kWidth = 160, kHeight = 120;
+    TinyReader::read_next(cas, context);
+    const types::SceneCas scene(cas);
+    mapping::RgbdCamera camera;
+    camera.depth = camera.color = {kWidth, kHeight, 150, 150, kWidth / 2.0, kHeight / 2.0};
+    types::set_cameras(scene, camera);
+    const cv::Rect box(70, 50, 20, 20);
+    cv::Mat depth(kHeight, kWidth, CV_32F, cv::Scalar(1)),
+        color(kHeight, kWidth, CV_8UC3, cv::Scalar(200, 200, 200)), points(kHeight, kWidth, CV_32FC3);
+    depth(box).setTo(0.98);
+    color(box).setTo(cv::Scalar(20, 20, 200));
+    for (int v = 0; v < kHeight; ++v)
+      for (int u = 0; u < kWidth; ++u)
+        points.at<cv::Vec3f>(v, u) = point_at(camera.depth, u, v, depth.at<float>(v, u));
+    if (taken) points(box).setTo(cv::Scalar::all(std::numeric_limits<double>::quiet_NaN()));
+    types::set_view_image(scene, types::SceneCas::kDepth, depth);
+    types::set_view_image(scene, types::SceneCas::kColor, color);
+    set_cloud_points(scene, points);
+    set_cloud_normals(scene, cv::Mat(kHeight, kWidth, CV_32FC3, cv::Scalar(0, 0, -1)));
+    for (const types::PlanarSupport& support : scene.supports())
+      support.outline.set(types::values_from_points(
+          {{-0.45, -0.35, 1}, {0.45, -0.35, 1}, {0.45, 0.35, 1}, {-0.45, 0.35, 1}}));
+  }
+
+ private:
+  static cv::Vec3f point_at(const mapping::PinholeCamera& camera, int u, int v, float z) {
+    const Eigen::Vector3f p = camera.unproject(u, v, static_cast<double>(z)).cast<float>();
+    return {p.x(), p.y(), p.z()};
+  }
+};
+
+template <class Box>
+size_t clusters_of() {
+  AnnotatorRegistry registry;
+  add_annotators(registry);
+  registry.add_reader<Box>();
+  Pipeline pipeline =
+      Pipeline::parse("reader: TinyReader\nflow:\n  - FlatObjectExtractor\n", "test", registry);
+  Resources resources;
+  Warnings warnings;
+  NoProgress progress;
+  Context context{resources, warnings, 1, {}};
+  size_t clusters = 0;
+  pipeline.run(context, types::type_system(), progress, [&](cas::Cas& cas) {
+    for (const types::Cluster& cluster : types::SceneCas(cas).clusters())
+      clusters += cluster_indices(cluster).empty() ? 0 : 1;
+  });
+  return clusters;
+}
+
+TEST(FlatObjectExtractor, FindsNothingWhereThePointsAreTakenOut) {
+  EXPECT_EQ(clusters_of<ThinBox<false>>(), 1U);
+  EXPECT_EQ(clusters_of<ThinBox<true>>(), 0U) << "a person is no object";
 }
 
 }  // namespace
