@@ -343,14 +343,13 @@ memory::MemoryRunResult run_pipeline(std::unique_ptr<mapping::Recording> recordi
   for (const perception::AnnotatorDescriptor& one : own) check_outputs(one, *types);
   perception::Context context{resources, warnings, options.threads, {}};
   if (options.memory.empty()) return {pipeline.run(context, types, progress, done), 0};
-  memory::MemorySessionOptions session{.memory = options.memory,
-                                       .program = "loci.run",
-                                       .configuration = {},
-                                       .resume = options.resume,
-                                       .map = options.map,
-                                       .belief = {},
-                                       .write = {.now = options.now, .time_zone = ""},
-                                       .default_time_zone = user_time_zone(std::getenv("TZ")).name()};
+  memory::MemorySessionOptions session;
+  session.memory = options.memory;
+  session.program = "loci.run";
+  session.resume = options.resume;
+  session.map = options.map;
+  session.write.now = options.now;
+  session.default_time_zone = user_time_zone(std::getenv("TZ")).name();
   memory::add_memory_session(session, pipeline, registry, resources);
   return memory::run_with_memory(pipeline, context, types, progress, done);
 }
@@ -361,18 +360,17 @@ std::string run(const std::filesystem::path& path, const std::string& pipeline,
                 const std::filesystem::path& memory, bool resume, bool fixed_camera, int threads, int every,
                 const py::object& done, const ProgressCallable& progress, const TimeArgument& now,
                 const py::kwargs& keywords) {
-  RunOptions options{.reading = {},
-                     .map = map,
-                     .memory = memory,
-                     .pipeline = pipeline,
-                     .pipeline_file = pipeline_file,
-                     .annotators = {},
-                     .types = types,
-                     .resume = resume,
-                     .fixed_camera = fixed_camera,
-                     .threads = threads,
-                     .every = every,
-                     .now = time_or_none(now)};
+  RunOptions options;
+  options.map = map;
+  options.memory = memory;
+  options.pipeline = pipeline;
+  options.pipeline_file = pipeline_file;
+  options.types = types;
+  options.resume = resume;
+  options.fixed_camera = fixed_camera;
+  options.threads = threads;
+  options.every = every;
+  options.now = time_or_none(now);
   for (const py::handle& type : annotators)
     options.annotators.push_back(hold(py::reinterpret_borrow<py::object>(type)));
   read_keywords(options.reading, keywords, "loci.run");

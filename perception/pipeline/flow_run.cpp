@@ -82,12 +82,6 @@ void run_condition(FlowNode& node, cas::Cas& cas, Context& context) {
   run_split(node, assignment, cas, context);
 }
 
-std::string place_of(const types::Cluster& cluster) {
-  if (cluster.place.is_set()) return cluster.place.get();
-  const types::PlanarSupport support = cluster.support.get();
-  return support ? support.name.get() : std::string();
-}
-
 void run_regions(FlowNode& node, cas::Cas& cas, Context& context) {
   const auto branch_of = [&](const std::string& place) {
     const auto matches = [&](const std::string& pattern) {
@@ -99,7 +93,7 @@ void run_regions(FlowNode& node, cas::Cas& cas, Context& context) {
   const types::SceneCas scene(cas);
   Assignment assignment;
   for (const types::Cluster& cluster : scene.clusters())
-    assignment.emplace_back(cluster, branch_of(place_of(cluster)));
+    assignment.emplace_back(cluster, branch_of(types::place_of(cluster)));
   for (const types::PlanarSupport& support : scene.supports())
     assignment.emplace_back(support, branch_of(support.name.get()));
   run_split(node, assignment, cas, context);
