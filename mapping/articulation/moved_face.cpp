@@ -152,8 +152,11 @@ bool on_fixture(const Vector3d& p, const Front& front) {
 /// a slant, nor on its fixture.
 bool on_panel(const Vector3d& p, const Front& front) {
   const Vector3d off = p - front.centre;
-  return std::abs(off.dot(front.right())) < kFaceMotion.inner * front.width &&
-         std::abs(off.dot(front.up)) < kFaceMotion.inner * front.height && !on_fixture(p, front);
+  const auto is_inside = [&](const Vector3d& direction, double extent) {
+    return std::abs(off.dot(direction)) <
+           std::min(kFaceMotion.inner * extent, extent / 2 - kFaceMotion.edge_m);
+  };
+  return is_inside(front.right(), front.width) && is_inside(front.up, front.height) && !on_fixture(p, front);
 }
 
 /// Points on a front's rectangle by cells of 3 cm: their number and distance from its face.

@@ -19,7 +19,8 @@ struct FaceMotionParameters {
   double cell_m = 0.03;          ///< of the raster over a front
   double fit_cell_m = 0.05;      ///< of the raster that tells whether scans fit a map
   double min_fit = 0.3;          ///< of a front's raster, to be there or to be looked through
-  double inner = 0.45;           ///< of a front's extent, from its middle: edges are seen at a slant
+  double inner = 0.45;           ///< of a front's extent, from its middle: edges are seen at a slant …
+  double edge_m = 0.02;          ///< … and may lie so far inside: beyond is the top of a counter
   double fixture_gap_m = 0.015;  ///< beams still touch the fixture
   double normal_sd = 0.01;       ///< radians, of a front's normal in the map
   double near_face_m = 0.05;     ///< points that may be the closed face …

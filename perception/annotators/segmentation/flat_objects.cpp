@@ -557,8 +557,10 @@ void FlatObjectExtractor::process(cas::Cas& cas, Context& /*context*/) {
                                    surface.inside);
     surface.empty_depth = empty_depth_;
     for (FlatObject& object : find_flat_objects(depth, color, camera, surface, options_)) {
-      // The points of people and robots were taken out of the cloud.
+      // The points of people and robots were taken out of the cloud, most often not to the last pixel.
+      const size_t measured = object.pixels.size();
       std::erase_if(object.pixels, [&](int pixel) { return std::isnan(points.ptr<cv::Vec3f>()[pixel][2]); });
+      if (2 * object.pixels.size() < measured) continue;
       if (object.pixels.empty() || is_part_of_cluster(object, clusters, depth, color, camera)) continue;
       add_cluster(object, support, scene, pose);
       // Of two supports that overlap in the image one has it.

@@ -388,5 +388,21 @@ TEST(Articulation, HingeFarOutsideAFrontIsNotItsHinge) {
   EXPECT_FALSE(other.reason.empty());
 }
 
+TEST(ClosedFace, ACounterAboveALowDrawerDoesNotTiltIt) {
+  Front front;
+  front.centre = Vector3d(3, 0, 0.73);
+  front.normal = -Vector3d::UnitX();
+  front.up = Vector3d::UnitZ();
+  front.width = 0.8;
+  front.height = 0.18;  // 1 cm too high
+  std::vector<Vector3d> points;
+  for (double y = -0.4; y <= 0.4; y += 0.01) {
+    for (double z = 0.64; z < 0.81; z += 0.01) points.emplace_back(3, y, z);
+    for (double x = 3; x < 3.04; x += 0.001) points.emplace_back(x, y, 0.81);  // the counter's top
+  }
+  const FittedPlane face = closed_face(points, front);
+  EXPECT_LT(std::acos(std::min(1.0, face.normal.dot(front.normal))) / kDegree, 0.1);
+}
+
 }  // namespace
 }  // namespace loci::mapping
