@@ -3,6 +3,7 @@
 // Private to this module: the database through SQLiteCpp, whose types no other module sees.
 
 #include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <map>
