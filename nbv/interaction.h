@@ -23,7 +23,7 @@ struct InteractionOptions {
 /// Result of pulling one front.
 struct Interaction {
   std::string pulled_as;             ///< name of the front when it was pulled, as in `interaction/`
-  std::optional<std::string> front;  ///< its name in the map; unset where what was pulled is no front
+  std::optional<std::string> front;  ///< its name in the map; unset where what was pulled is not a front
   size_t base_pose = 0;              ///< number of the pose that it was pulled from
   bool held = false;                 ///< whether the hand found something to hold
   mapping::DifferenceResult difference;
@@ -33,9 +33,8 @@ struct Interaction {
 /// Pulls at every front of the explored region that has a fixture, scans again, and puts what the motion
 /// shows (joint, rectangle, class) in the place of what was assumed. A fixture on which the hand closes in
 /// vain is taken out, with its front where no seam shows one. Fronts whose bars are in line and that come out
-/// together are one drawer. The fronts keep the names under which they were
-/// pulled. Checkpoints in `folder`/interaction: on resume,
-/// a front that was pulled is not pulled again.
+/// together are one drawer. The fronts keep the names under which they were pulled. Checkpoints in
+/// `folder`/interaction: on resume, a front that was pulled is not pulled again.
 std::vector<Interaction> interact(mapping::Robot& robot, const Exploration& exploration,
                                   std::vector<mapping::Front>& fronts, const std::filesystem::path& folder,
                                   bool resume, const ExplorationOptions& explored,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "mapping/articulation/moved_face.h"
 #include "mapping/update/parameters.h"
 
 namespace loci::mapping {
@@ -11,10 +12,8 @@ namespace {
 
 /// From where a part is with its joint at a position to where it is with the joint closed.
 Isometry3d closed_from_open(const JointEstimate& joint, double position) {
-  if (joint.type == ArticulationType::prismatic)
-    return Isometry3d(Eigen::Translation3d(-position * joint.axis.normalized()));
-  return Eigen::Translation3d(joint.origin) * Eigen::AngleAxisd(-position, joint.axis.normalized()) *
-         Eigen::Translation3d(-joint.origin);
+  const Motion motion{joint.type, joint.axis.normalized(), joint.origin, position};
+  return motion.moved_from_closed().inverse();
 }
 
 /// The part of a front that moves farthest per unit of its joint, metres.

@@ -137,13 +137,7 @@ void MemoryReader::read_next(perception::cas::Cas& cas, perception::Context& con
     if (annotation && kept.observation) clusters.at(*kept.observation).annotations.push_back(*annotation);
     if (annotation && !kept.observation) made.annotations.push_back(*annotation);
   }
-  if (row.camera && !scene.has_camera("depth")) {
-    // The colour camera is not stored.
-    mapping::RgbdCamera camera;
-    camera.depth = pinhole_of(*row.camera);
-    camera.color = camera.depth;
-    perception::types::set_cameras(scene, camera);
-  }
+  if (row.camera && !scene.has_camera("depth")) perception::types::set_cameras(scene, cameras_of(store, row));
   for (const auto& [id, cluster] : clusters) {
     if (const auto location = cluster.annotations.first<perception::types::TFLocationAnnotation>())
       cluster.place.set(location.frame_id.get());

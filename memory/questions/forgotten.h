@@ -16,7 +16,7 @@ struct ForgottenTime {
   TimeSpan period = {};  ///< that was forgotten, from the first part of it to the last
   bool all = false;      ///< it leaves nothing of the time asked about
   /// When what is known of a moment in it was seen: the last scene before it. Unset for a period, for what
-  /// looks showed, and where there is no such scene.
+  /// looks showed, and where no scene came before.
   std::optional<TimeNs> before = {};
 };
 

@@ -77,7 +77,10 @@ class SearchPlanner {
       const double count = counts.contains(place.id) ? counts[place.id] : 0;
       // The belief about the current place includes the views since; elsewhere they are accounted for here.
       one.probability = current ? there : (count + kPriorSightings) * views.missed_since;
-      if (!current) elsewhere += one.probability, sightings += count + kPriorSightings;
+      if (!current) {
+        elsewhere += one.probability;
+        sightings += count + kPriorSightings;
+      }
       one.reason = current && there > 0 ? "it is believed to be there"
                    : count > 0
                        ? fmt::format("it was seen there in {}", counted(static_cast<size_t>(count), "scene"))

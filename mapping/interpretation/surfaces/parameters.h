@@ -59,7 +59,7 @@ struct WallParameters {
   size_t min_refine_points = 200;    ///< fewer do not improve the fit
   double min_fixture_m = 0.02;       ///< before the plane; nearer is noise
   double max_fixture_m = 0.08;       ///< before the plane; no handle protrudes farther
-  double fixture_inset_m = 0.03;     ///< the side of a neighbouring cupboard is no fixture
+  double fixture_inset_m = 0.03;     ///< the side of a neighbouring cupboard is not a fixture
   double max_reach_m = 2;            ///< no handle is higher
   size_t min_fixture_points = 40;    ///< about one knob at the resolution of a scan
   double column_m = 0.05;            ///< of a plane's length

@@ -204,7 +204,7 @@ double depth_before_wall(const VerticalPlane& plane, const std::vector<WallCandi
   return before;
 }
 
-/// The height up to which a room's walls are seen where there is no ceiling: that of its long walls, where
+/// The height up to which a room's walls are seen without a ceiling: that of its long walls, where
 /// they agree. Tops that only the view ends at differ from wall to wall.
 std::optional<double> top_of_room(const std::vector<WallCandidate>& walls) {
   std::vector<double> tops;
@@ -216,7 +216,7 @@ std::optional<double> top_of_room(const std::vector<WallCandidate>& walls) {
   return tops.front();
 }
 
-/// Why a plane of full height is no wall; empty when it is one. `top`: of the room.
+/// Why a plane of full height is not a wall; empty when it is one. `top`: of the room.
 std::string why_no_wall(const VerticalPlane& plane, const std::vector<WallCandidate>& walls,
                         const Surface& surface, double floor_height, std::optional<double> top,
                         const InterpretationOptions& options) {

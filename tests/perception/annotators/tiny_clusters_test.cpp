@@ -169,7 +169,7 @@ size_t clusters_of() {
 
 TEST(FlatObjectExtractor, FindsNothingWhereThePointsAreTakenOut) {
   EXPECT_EQ(clusters_of<ThinBox<false>>(), 1U);
-  EXPECT_EQ(clusters_of<ThinBox<true>>(), 0U) << "a person is no object";
+  EXPECT_EQ(clusters_of<ThinBox<true>>(), 0U) << "a person is not an object";
 }
 
 }  // namespace
