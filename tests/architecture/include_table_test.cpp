@@ -165,9 +165,9 @@ std::optional<std::string> library_of(const std::string& header) {
 
 bool is_standard_or_system(const std::string& header) {
   static const std::set<std::string> kSystem = {
-      "malloc.h",   "stdio_ext.h",  "poll.h",      "unistd.h",     "fcntl.h",     "sys/file.h",
-      "sys/stat.h", "sys/wait.h",   "signal.h",    "fnmatch.h",    "sys/types.h", "sys/resource.h",
-      "dlfcn.h",    "sys/socket.h", "sys/xattr.h", "netinet/in.h", "arpa/inet.h"};
+      "malloc.h",   "stdio_ext.h", "poll.h",       "unistd.h",    "fcntl.h",      "sys/file.h",
+      "sys/stat.h", "sys/wait.h",  "signal.h",     "fnmatch.h",   "sys/types.h",  "sys/resource.h",
+      "dlfcn.h",    "regex.h",     "sys/socket.h", "sys/xattr.h", "netinet/in.h", "arpa/inet.h"};
   return kSystem.contains(header) || header.find_first_of("./") == std::string::npos;
 }
 
