@@ -60,6 +60,12 @@ const std::vector<Pattern>& meanings() {
        "what was on <p> <t> that is gone now"},
       {"^ what|which is|are missing|gone from|on|in <p:name> compared with|to <t> $",
        "what was on <p> at <t> that is gone now"},
+      {"^ what|which objects|items|things? was|were? present|here|there at? <t> that|and? is|are|has|have "
+       "gone|vanished|disappeared|missing now? $",
+       "what disappeared since <t>"},
+      {"^ what|which objects|items|things? was|were? present|here|there at? <t> that|and? is|are not|no "
+       "longer|more? present|here|there any? more|anymore|now? $",
+       "what disappeared since <t>"},
       // What is there now and was not then.
       {"^ what|which <x> on|in|at <p:name> that|which was|were not there|here <t> $",
        "what newsince is on <p> <t>"},
@@ -125,11 +131,21 @@ const std::vector<Pattern>& meanings() {
       {"^ where should|could|can i|we look|search|check $", "where should i look for it"},
       {"^ since when do|have|had i|we have|had|got? a|an|any|some <x:name> $", "when was the <x> first seen"},
       {"^ since when is|are there a|an|any <x:name> $", "when was the <x> first seen"},
-      {"^ from which|what <n:noun> did|has|was <x:name> come|came|taken|moved|go $",
+      {"^ from which|what <n:noun> did|has|had|was|were <x:name> been? "
+       "come|came|taken|moved|brought|carried|fetched|go over? $",
        "where did <x> come from"},
-      {"^ which|what <n:noun> did|has|was <x:name> come|came|taken from $", "where did <x> come from"},
+      {"^ from where|whence did|has|had|was|were|is <x:name> been? "
+       "come|came|coming|taken|moved|brought|carried|fetched over? $",
+       "where did <x> come from"},
+      {"^ which|what <n:noun> did|has|had|was|were <x:name> been? "
+       "come|came|taken|moved|brought|carried|fetched from $",
+       "where did <x> come from"},
       {"moved|handled|used|touched the? most $", "moved most often"},
       {"opened the? most $", "opened most often"},
+      {"^ how many <n:noun> did someone|somebody|anyone|anybody|i|we|you|they see? open|opened $",
+       "how many <n> were opened"},
+      {"^ how many <n:noun> did someone|somebody|anyone|anybody|i|we|you|they see? open|opened <t> $",
+       "how many <n> were opened <t>"},
       {"^ when was the? last time that? anything|something <x>", "when did something <x> last"},
       {"^ how long has|have|had|was|were <x:name> been? out $", "how long was <x> there"},
       {"^ next to|beside|near which object|objects|thing|things is|are|was|were <x:name> $",
@@ -144,7 +160,13 @@ const std::vector<Pattern>& meanings() {
       {"^ is there still? any|enough|some? space|room left|free? in|inside <p:name> $", "what is in <p>"},
       {"^ which|what place|places|surface|surfaces|spot|spots is|are empty|free|clear|unused $",
        "what furniture is empty"},
-      {"^ has|have|was|were <x:name> been? anywhere|somewhere else $", "where has <x> been"},
+      {"^ has|have|was|were <x:name> ever? been? anywhere|somewhere else $", "where has <x> been"},
+      {"^ has|have|was|were <x:name> ever? been? anywhere|somewhere but|other|else|except than? on|in|at? "
+       "<p:name> $",
+       "where has <x> been"},
+      {"^ has|have|was|were <x:name> ever? been? anywhere|somewhere but|other|else|except than? on|in|at? "
+       "<p:name> <t> $",
+       "where has <x> been <t>"},
       // Telegrams.
       {"^ objects|things|items that|which <x>", "what <x>"},
       {"^ objects|things|items within <x>", "what is within <x>"},
