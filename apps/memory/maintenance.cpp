@@ -13,6 +13,7 @@
 #include "mapping/base/text/json.h"
 #include "mapping/base/text/text.h"
 #include "memory/edits/edits.h"
+#include "memory/edits/forget.h"
 #include "memory/identity/vector_file.h"
 #include "memory/questions/snapshot.h"
 #include "memory/reasoning/reason.h"
@@ -329,7 +330,7 @@ Command forget_command() {
           }();
           OutputOptions secret = session.outputs();
           secret.mode = 0600;
-          const memory::ForgetResult result = memory::forget(arguments->memory, request, arguments->output);
+          const memory::ForgetResult result = memory::forget(arguments->memory, request, arguments->output, session.progress());
           if (!arguments->tokens.empty())
             write_output(arguments->tokens, Json{{"loci_forgotten", to_json(result.tokens)}}.dump(1) + "\n",
                          secret);

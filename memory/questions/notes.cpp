@@ -22,10 +22,12 @@ void note_times(const Snapshot& snapshot, const Query& query, std::vector<std::s
     const std::optional<TimeSpan> span = text.empty() ? std::nullopt : times.try_read(text);
     if (!span) continue;
     const bool end = name == std::string("at") || name == std::string("to");
-    const bool is_both = text == query.argument("from") && text == query.argument("to");
-    const std::string taken = is_both ? "both are" : writer.text(end ? span->last : span->first) + " is";
-    if (times.is_repeated(text, end) && !(is_both && text == noted))
-      notes.push_back(fmt::format("clocks showed '{}' twice; {} taken", text, taken));
+    const bool is_moment =
+        name == std::string("at") || (text == query.argument("from") && text == query.argument("to"));
+    const TimeSpan taken = is_moment ? read_moment(snapshot.store(), text) : *span;
+    if (times.is_repeated(text, end) && text != noted)
+      notes.push_back(fmt::format("clocks showed '{}' twice; {} is taken", text,
+                                  writer.text(end ? taken.last : taken.first)));
     else if (text != noted && times.may_be_other_half(text))
       notes.push_back(fmt::format("'{}' is taken as {}", text, writer.text(span->first)));
     noted = text;

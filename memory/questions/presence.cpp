@@ -1,7 +1,7 @@
 // An object that no scene of a period saw at a place is only a "no" where the looks of the period exclude
 // that it was there all along: they saw it elsewhere, or the place without it, and in between there was
-// hardly a chance that somebody put it there. What `where` says at the time of a look counts as well, so that
-// the two agree.
+// hardly a chance that somebody put it there. What `where` says at the time of a look counts as well. Of a
+// moment that no look shows, what `where` says of it decides.
 
 #include "memory/questions/presence.h"
 
@@ -19,6 +19,7 @@
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
+#include "memory/questions/smoothing.h"
 #include "memory/questions/snapshot.h"
 
 namespace loci::memory {
@@ -142,6 +143,8 @@ class Coverage {
 constexpr double kMaxChance = 0.2;
 /// Of what is handled, the share that is put on a certain other place.
 constexpr double kPutHere = 0.5;
+/// So short a period is a moment.
+constexpr TimeNs kMoment = 120 * kSecond;
 
 /// What the belief says of an object at the places asked about, in the period and around it.
 class PresenceChance {
@@ -153,7 +156,8 @@ class PresenceChance {
         from_(question.from),
         to_(std::min(question.to, as_of.at.value_or(question.to))),
         as_of_(as_of),
-        places_(places) {
+        places_(places),
+        is_moment_(question.to - question.from <= kMoment) {
     AsOf then = as_of;
     then.at = to_;
     rows_ = store.belief_history(object, then, from_);
@@ -174,7 +178,7 @@ class PresenceChance {
     const auto next =
         std::ranges::upper_bound(rows_, time, {}, [](const BeliefRow& row) { return row.clock.valid_from; });
     if (next == rows_.begin() || !is_there(*std::prev(next))) return 0;
-    const std::optional<BeliefRow> then = store_.belief(object_, {time, as_of_.known_at});
+    const std::optional<BeliefRow> then = belief(time);
     return then && is_there(*then) ? then->probability : 0;
   }
 
@@ -183,7 +187,7 @@ class PresenceChance {
     const auto next =
         std::ranges::upper_bound(rows_, time, {}, [](const BeliefRow& row) { return row.clock.valid_from; });
     if (next == rows_.begin()) return 1;
-    const std::optional<BeliefRow> then = store_.belief(object_, {time, as_of_.known_at});
+    const std::optional<BeliefRow> then = belief(time);
     return !then || then->status == ObjectStatus::gone ? 1 : 1 - then->probability;
   }
 
@@ -209,6 +213,13 @@ class PresenceChance {
   }
 
  private:
+  /// Of a period its looks are the evidence, of a moment also what was seen afterwards.
+  std::optional<BeliefRow> belief(TimeNs time) const {
+    const AsOf then{time, as_of_.known_at};
+    std::optional<BeliefRow> row = store_.belief(object_, then);
+    if (row && is_moment_) row->probability = smoothed_probability(store_, *row, then);
+    return row;
+  }
   bool is_there(const BeliefRow& row) const {
     return row.status != ObjectStatus::gone && row.place && is_asked(*row.place);
   }
@@ -251,6 +262,7 @@ class PresenceChance {
   TimeNs from_, to_;
   AsOf as_of_;
   const std::vector<PlaceRow>& places_;
+  const bool is_moment_;
   std::vector<BeliefRow> rows_;  ///< that hold in the period
   std::optional<BeliefRow> fading_;
   std::optional<TimeNs> seen_next_;  ///< anywhere, after the period
@@ -359,13 +371,40 @@ class Judge {
             PresenceChance(snapshot_.store(), object, question_, snapshot_.as_of(), places_), result);
     } else if (const auto part = forgotten_part(snapshot_.store(), {question_.from, question_.to})) {
       result.reason = forgotten_text(*part, TimeWriter(snapshot_.store()));
-    } else if (coverage_.scenes().empty()) {
-      result.reason = "there is no scene in that time";
-    } else if (!coverage_.has_places()) {
-      decide_anywhere(result);
     } else {
-      decide_at_place(object, result);
+      if (coverage_.scenes().empty())
+        result.reason = "there is no scene in that time";
+      else if (!coverage_.has_places())
+        decide_anywhere(result);
+      else
+        decide_at_place(object, result);
+      if (coverage_.has_places() && question_.to - question_.from <= kMoment)
+        decide_by_belief(object, result);
     }
+  }
+
+  /// Of a moment: as `where` has it.
+  void decide_by_belief(Id object, WasObject& result) const {
+    const Store& store = snapshot_.store();
+    const AsOf known{{}, snapshot_.as_of().known_at};
+    const Snapshot moment(store, {question_.from, known.known_at});
+    const BeliefRow* then = moment.belief(object);
+    if (then == nullptr || !then->place) return;
+    const bool there = is_asked(then->place);
+    const double elsewhere = kPutHere * (1 - then->probability);
+    if (there) result.probability = then->probability;
+    if (then->status == ObjectStatus::gone || result.verdict != Verdict::not_observed) return;
+    if (there ? then->probability < 0.5 : elsewhere > kMaxChance) return;
+    const auto before = store.last_observation_before(object, question_.from, {}, known);
+    if (!before || before->observation.place != then->place) return;
+    if (!there) result.probability = elsewhere;
+    result.verdict = there ? Verdict::yes : Verdict::no;
+    result.unseen = {.place = *snapshot_.place_ref(then->place),
+                     .there = there,
+                     .probability = then->probability,
+                     .before = before->time};
+    const auto after = store.first_observation_after(object, question_.to, {}, known);
+    if (after && after->observation.place == then->place) result.unseen->after = after->time;
   }
 
   static bool spot_was(const WasObject& result, SpotStatus status) {

@@ -28,6 +28,14 @@ struct PlaceView {
   double fraction = 0;                      ///< of the place that it saw
   SpotStatus spot = SpotStatus::no_camera;  ///< where the object stood
 };
+/// What the belief says of a moment at which no look shows the object.
+struct UnseenMoment {
+  PlaceRef place = {};               ///< where it was
+  bool there = false;                ///< that is the place asked about
+  double probability = 0;            ///< of that
+  TimeNs before = 0;                 ///< when it was seen there last before
+  std::optional<TimeNs> after = {};  ///< when it was seen next, if that was there
+};
 struct WasObject {
   ObjectRef object = {};
   Verdict verdict = Verdict::not_observed;
@@ -36,9 +44,10 @@ struct WasObject {
   std::vector<SceneRef> seen_there = {};
   std::vector<std::pair<SceneRef, std::string>> seen_elsewhere = {};  ///< with the place's name, or ""
   std::vector<PlaceView> views = {};                                  ///< that saw any of the place
-  std::vector<TimeNs> absent = {};      ///< looks that exclude that it was there
-  std::optional<SceneRef> before = {};  ///< last time it was seen there before
-  std::optional<SceneRef> after = {};   ///< first time it was seen there after
+  std::vector<TimeNs> absent = {};          ///< looks that exclude that it was there
+  std::optional<SceneRef> before = {};      ///< last time it was seen there before
+  std::optional<SceneRef> after = {};       ///< first time it was seen there after
+  std::optional<UnseenMoment> unseen = {};  ///< decides the verdict
 };
 struct WasAnswer {
   std::string asked = {};

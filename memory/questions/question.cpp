@@ -7,6 +7,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "mapping/base/error.h"
@@ -194,8 +195,29 @@ std::string Query::text() const {
   return text;
 }
 
+namespace {
+
+/// From a time to the nearest scene.
+TimeNs distance_to_scene(const Store& store, const TimeSpan& time) {
+  TimeNs nearest = std::numeric_limits<TimeNs>::max();
+  if (const auto before = store.latest_scene({.at = time.last}))
+    nearest = std::max(TimeNs{0}, time.first - before->time);
+  const std::vector<SceneRow> after = store.scenes({}, time.last + 1, time.last + kDay);
+  return after.empty() ? nearest : std::min(nearest, after.front().time - time.last);
+}
+
+}  // namespace
+
+TimeSpan read_moment(const Store& store, const std::string& text) {
+  const TimeReader times(store);
+  const auto both = times.repeated(text);
+  if (!both) return times.read(text);
+  const bool is_first = distance_to_scene(store, both->first) < distance_to_scene(store, both->second);
+  return is_first ? both->first : both->second;
+}
+
 AsOf read_as_of(const Store& store, const std::string& at, const std::string& known_at, AsOf as_of) {
-  if (!at.empty()) as_of.at = TimeReader(store).read(at).last;
+  if (!at.empty()) as_of.at = read_moment(store, at).last;
   // Transaction times are times of the machine's clock: "yesterday" is the day before today, not before the
   // last scene.
   if (!known_at.empty()) as_of.known_at = TimeReader(now(), store.time_zone()).read(known_at).last;
@@ -213,9 +235,16 @@ std::optional<TimeNs> Arguments::time(const std::string& name) const {
   return value.empty() ? std::nullopt : std::optional(times_.read(value).first);
 }
 
+TimeSpan Arguments::end_of_period(const char* name) const {
+  return text("from") == text("to") ? read_moment(store_, text(name)) : times_.read(text(name));
+}
+
+std::optional<TimeNs> Arguments::from() const {
+  return text("from").empty() ? std::nullopt : std::optional(end_of_period("from").first);
+}
+
 std::optional<TimeNs> Arguments::to() const {
-  const std::string value = text("to");
-  return value.empty() ? std::nullopt : std::optional(times_.read(value).last);
+  return text("to").empty() ? std::nullopt : std::optional(end_of_period("to").last);
 }
 
 std::optional<double> Arguments::length(const std::string& name) const {

@@ -107,6 +107,10 @@ void check_arguments(const std::string& asked, const std::vector<Parameter>& par
 /// question.
 void check_period(const std::optional<TimeNs>& from, const std::optional<TimeNs>& to);
 
+/// A moment as people write it. Of two that clocks showed by one name it is the one nearer to a scene, the
+/// second where both are as near.
+TimeSpan read_moment(const Store& store, const std::string& text);
+
 /// `as_of` with the times of --at and --known-at, where they are not empty.
 AsOf read_as_of(const Store& store, const std::string& at, const std::string& known_at, AsOf as_of = {});
 
@@ -123,13 +127,16 @@ class Arguments {
   std::string text(const std::string& name) const { return query_.argument(name); }
   /// When the time given begins.
   std::optional<TimeNs> time(const std::string& name) const;
-  std::optional<TimeNs> from() const { return time("from"); }
+  std::optional<TimeNs> from() const;
   std::optional<TimeNs> to() const;  ///< the end of the time given
   std::optional<double> length(const std::string& name) const;
   std::optional<Id> number(const std::string& name) const;
   std::optional<Vector2d> point(const std::string& name) const;
 
  private:
+  /// A period that is one time by its name is that moment.
+  TimeSpan end_of_period(const char* name) const;
+
   const Store& store_;
   const Query& query_;
   TimeReader times_;

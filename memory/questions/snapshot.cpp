@@ -4,6 +4,7 @@
 
 #include "memory/questions/environment_parts.h"
 #include "memory/questions/names/seen_colors.h"
+#include "memory/questions/smoothing.h"
 
 namespace loci::memory {
 
@@ -67,8 +68,15 @@ Snapshot::Snapshot(const Store& store, const AsOf& as_of)
     : store_(store), as_of_(as_of), reads_(reads_of(store, as_of)) {}
 
 const std::vector<BeliefRow>& Snapshot::beliefs() const& {
-  if (!reads_->beliefs) reads_->beliefs = store_.beliefs(as_of_);
+  if (!reads_->beliefs) {
+    reads_->beliefs = store_.beliefs(as_of_);
+    for (BeliefRow& row : *reads_->beliefs) smooth(row);
+  }
   return *reads_->beliefs;
+}
+
+void Snapshot::smooth(BeliefRow& row) const {
+  row.probability = smoothed_probability(store_, row, as_of_);
 }
 
 Isometry3d Snapshot::place_motion(const PlaceRow& place, const SceneRow& scene) const {
@@ -100,7 +108,10 @@ const BeliefRow* Snapshot::belief(Id object) const {
     return found != reads_->beliefs->end() && found->object == object ? &*found : nullptr;
   }
   const auto [slot, fresh] = reads_->belief_of.try_emplace(object);
-  if (fresh) slot->second = store_.belief(object, as_of_);
+  if (fresh) {
+    slot->second = store_.belief(object, as_of_);
+    if (slot->second) smooth(*slot->second);
+  }
   return slot->second ? &*slot->second : nullptr;
 }
 

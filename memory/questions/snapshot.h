@@ -29,8 +29,9 @@ class UnknownName : public Error {
 
 struct EnvironmentPart;  // environment_parts.h
 
-/// What the memory believes as of a valid time and a transaction time, with names in place of ids. A
-/// consistent read of only what the question needs. Not for several threads at once.
+/// What the memory believes as of a valid time and a transaction time, with names in place of ids; of a past
+/// moment by what was seen after it, too (smoothed_probability()). A consistent read of only what the
+/// question needs. Not for several threads at once.
 class Snapshot {
  public:
   Snapshot(const Store& store, const AsOf& as_of);
@@ -114,6 +115,8 @@ class Snapshot {
   std::vector<std::string> names_related_to(const std::string& word) const;
 
  private:
+  /// Gives a row its probability by what was seen later, too.
+  void smooth(BeliefRow& row) const;
   FileLocation file() const { return {store_.name(), 0, {}}; }
   /// The product that most of the latest observations of an object are annotated with, else its
   /// class_verdict().

@@ -364,6 +364,13 @@ bool TimeReader::is_repeated(std::string_view text, bool end) const {
   return zone_.first_moment(moment) < zone_.last_moment(moment);
 }
 
+std::optional<std::pair<TimeSpan, TimeSpan>> TimeReader::repeated(std::string_view text) const {
+  if (!is_repeated(text, false) || !is_repeated(text, true)) return std::nullopt;
+  const TimeSpan local = *read_local(text);
+  return std::pair(TimeSpan{zone_.first_moment(local.first), zone_.first_moment(local.last)},
+                   TimeSpan{zone_.last_moment(local.first), zone_.last_moment(local.last)});
+}
+
 std::optional<TimeSpan> TimeReader::afternoon_of(std::string_view text) const {
   const TimeNs now = zone_.local(std::clamp(last_scene_, kEarliest, kLatest));
   std::vector<std::string> words = time_words(text);

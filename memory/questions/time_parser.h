@@ -43,6 +43,8 @@ class TimeReader {
   /// by, and the text has no offset ("02:30+02:00") that says which is meant. A beginning is the first of the
   /// two, an end the second: a period covers both.
   bool is_repeated(std::string_view text, bool end) const;
+  /// The two times by one name; unset for one that clocks showed once.
+  std::optional<std::pair<TimeSpan, TimeSpan>> repeated(std::string_view text) const;
 
  private:
   /// In local time, as it is written; unset for what names a moment whatever clocks show.

@@ -52,6 +52,26 @@ void copy_place_facts(const Store& from, const std::vector<PlaceRow>& places, St
   }
 }
 
+/// A scene of a forgotten period stays, empty.
+void copy_forgotten(SceneRow scene, const Numbers& numbers, Store& to, Id run) {
+  scene.recording = translated(numbers.recordings, scene.recording);
+  scene.map = translated(numbers.maps, scene.map);
+  scene.map_from_camera.reset();
+  scene.joints.clear();
+  for (std::optional<Id>* image : {&scene.depth, &scene.pixel_kinds, &scene.image}) image->reset();
+  scene.depth_width = scene.depth_height = 0;
+  SceneTransaction row(to, run);
+  row.add_scene(scene);
+  row.commit();
+}
+
+/// The belief after a forgotten scene is the one before it.
+void keep_belief_after(Store& to, Id run, const Recorder& recorder, const belief::BeliefOptions& options) {
+  SceneTransaction checkpoint(to, run);
+  BeliefCheckpoint(options).save(checkpoint, to.last_scene()->id, recorder.belief());
+  checkpoint.commit();
+}
+
 SceneRecord record_of(const Store& from, const SceneRow& row, const SceneReasoning& reasoning,
                       const std::vector<PlaceRow>& places, const Numbers& numbers) {
   SceneRecord record = stored_scene(from, row, reasoning, places);
@@ -164,10 +184,16 @@ void reason_into(const Store& from, const std::vector<SceneRow>& scenes, const s
   std::vector<PlaceRow> places = from.places();
   for (PlaceRow& place : places) place.map = translated(numbers.maps, place.map);
   copy_place_facts(from, places, to, run);
+  to.add_tombstones(from, run);
+  const std::vector<ForgottenRow> forgotten = from.forgotten();
   Recorder recorder(to, run, options);
   Translation translation(known);
   for (const SceneRow& scene : scenes) {
     progress.check(double(result.scenes + result.skipped) / double(scenes.size()), "reasoning anew");
+    if (was_forgotten(forgotten, scene.time)) {
+      copy_forgotten(scene, numbers, to, run);
+      continue;
+    }
     const std::optional<SceneReasoning> reasoning = load_reasoning(from, scene.id);
     if (!reasoning) {
       ++result.skipped;
@@ -181,6 +207,8 @@ void reason_into(const Store& from, const std::vector<SceneRow>& scenes, const s
     ++result.scenes;
     result.observations += recorded.observations.size();
   }
+  if (!scenes.empty() && was_forgotten(forgotten, scenes.back().time))
+    keep_belief_after(to, run, recorder, options);
   copy_object_facts(from, translation, to, run, result);
   to.finish_run(run);
   if (!known.empty()) to.finish_run(to.begin_run(kReasonProgram, identity_json(translation.groups()).dump()));

@@ -24,8 +24,9 @@ struct ReasonResult {
 
 /// Runs the identity reasoning again over everything that a memory observed, into a new memory. Depth is that
 /// of the thumbnails. Observations, images, searchable annotations, places and what is said of them come
-/// along, and what people stated of objects goes with the object that has most of their observations. Feature
-/// structures stay behind. `known`: what corrections say of identities; it holds in the new memory, too.
+/// along, and what people stated of objects goes with the object that has most of their observations. What
+/// was forgotten stays forgotten: tombstones and forgotten scenes come along, too. Feature structures stay
+/// behind. `known`: what corrections say of identities; it holds in the new memory, too.
 /// Where evidence was let go it begins with what is left, which the result says. Error when `other` exists,
 /// or when no evidence is left; `other` is there as a whole or not at all.
 ReasonResult reason(const Store& from, const std::filesystem::path& other,

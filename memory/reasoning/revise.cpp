@@ -124,6 +124,7 @@ class Reviser {
         revision_(revision),
         options_(load_options(store)),
         place_rows_(store.places()),
+        forgotten_(store.forgotten()),
         known_(revision.known),
         probabilities_(revision.probabilities),
         next_object_(store.max_object_id() + 1) {
@@ -146,7 +147,7 @@ class Reviser {
         PartialProgress within(progress, done, done);  // short against the scenes that follow
         look_back(std::span(scenes).subspan(i), within);
       }
-      if (resumed) add(scenes[i]);
+      if (resumed && !was_forgotten(forgotten_, scenes[i].time)) add(scenes[i]);
       resumed = resumed || scenes[i].id == revision_.resume_after;
     }
     write_closed(std::nullopt);
@@ -175,7 +176,8 @@ class Reviser {
   void look_back(std::span<const SceneRow> scenes, Progress& progress) {
     if (scenes.size() > kLookBack) return;
     std::vector<belief::Scene> evidence;
-    for (const SceneRow& row : scenes) evidence.push_back(scene_of(row, record_of(row)));
+    for (const SceneRow& row : scenes)
+      if (!was_forgotten(forgotten_, row.time)) evidence.push_back(scene_of(row, record_of(row)));
     state_.next_id = std::max(state_.next_id, next_object_);
     for (const auto& [observation, supposed] : belief::hindsight(state_, evidence, options_, progress)) {
       known_[observation] = supposed.object;
@@ -297,6 +299,7 @@ class Reviser {
   const Revision& revision_;
   const belief::BeliefOptions options_;
   const std::vector<PlaceRow> place_rows_;
+  const std::vector<ForgottenRow> forgotten_;
   std::map<std::string, Id> places_;
   KnownIdentities known_;
   std::map<Id, double> probabilities_;
@@ -346,7 +349,9 @@ StoredEvidence evidence_after(const Store& store, Id after) {
   StoredEvidence evidence;
   if (rows.size() > kLookBack) return evidence;
   const std::vector<PlaceRow> places = store.places();
+  const std::vector<ForgottenRow> forgotten = store.forgotten();
   for (const SceneRow& row : rows) {
+    if (was_forgotten(forgotten, row.time)) continue;
     const std::optional<SceneReasoning> reasoning = load_reasoning(store, row.id);
     if (!reasoning) return {};
     const SceneRecord record = stored_scene(store, row, *reasoning, places);

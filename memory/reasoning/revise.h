@@ -34,8 +34,8 @@ struct Revision {
 /// ones (belief::hindsight(), where at most kLookBack scenes are reasoned about anew), and adds the rows that
 /// differ from those known now, each in place of one that it supersedes or retracts. The belief after the
 /// last scene becomes the new checkpoint. Objects keep their numbers as long as they keep the observation
-/// that they were founded on. The derived tables are left to Store::derive(). Error when a scene has no
-/// evidence (Store::scenes_without_reasoning()).
+/// that they were founded on. Scenes that were forgotten are passed over. The derived tables are left to
+/// Store::derive(). Error when another scene has no evidence (Store::scenes_without_reasoning()).
 void revise(const Store& store, SceneTransaction& transaction, const Revision& revision, Progress& progress);
 
 constexpr size_t kLookBack = 500;  ///< scenes

@@ -65,9 +65,7 @@ class BeliefCheckpoint {
   belief::BeliefOptions options_;
 };
 
-/// Erases what a request names from a memory, its belief and its reasoning, by rewrite_memory(): in its
-/// place, or at `output` where one is given. Error for an unknown object.
-ForgetResult forget(const std::filesystem::path& memory, const ForgetRequest& request,
-                    const std::filesystem::path& output = {});
+/// Erases what a request names from a memory, its belief and its reasoning, as `run`.
+ForgetResult forget(Store& store, const ForgetRequest& request, Id run);
 
 }  // namespace loci::memory

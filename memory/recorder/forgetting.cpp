@@ -5,7 +5,6 @@
 
 #include "memory/belief/serialization.h"
 #include "memory/recorder/checkpoint.h"
-#include "memory/store/erasure/retention.h"
 
 namespace loci::memory {
 namespace {
@@ -180,29 +179,20 @@ void forget_in(belief::BeliefState& state, const Store& store, const ForgetReque
 
 }  // namespace
 
-ForgetResult forget(const std::filesystem::path& memory, const ForgetRequest& request,
-                    const std::filesystem::path& output) {
-  ForgetResult result;
-  rewrite_memory(memory, output, [&](Store& store) {
-    if (request.object && !store.belief(*request.object))
-      throw Error("there is no " + object_name(*request.object), {memory.string(), 0, {}},
-                  "loci-memory objects lists them");
-    std::optional<belief::BeliefState> state = if_readable<belief::BeliefState>(store, load_belief);
-    const auto options = if_readable<belief::BeliefOptions>(store, load_options);
-    const Id run = store.begin_run("loci-memory forget", "{}");
-    result = store.forget(request, run, reasoning_filter(store));
-    if (const std::optional<SceneRow> last = store.last_scene()) {
-      if (state) forget_in(*state, store, request, result);
-      SceneTransaction transaction(store, run);
-      if (state)
-        BeliefCheckpoint(options.value_or(belief::BeliefOptions())).save(transaction, last->id, *state);
-      else if (drop_unreadable_belief(transaction, store))
-        result.erased[kUnreadableBelief] = 1;
-      transaction.drop_checkpoints(kKeptBeliefs);
-      transaction.commit();
-    }
-    store.finish_run(run);
-  });
+ForgetResult forget(Store& store, const ForgetRequest& request, Id run) {
+  std::optional<belief::BeliefState> state = if_readable<belief::BeliefState>(store, load_belief);
+  const auto options = if_readable<belief::BeliefOptions>(store, load_options);
+  ForgetResult result = store.forget(request, run, reasoning_filter(store));
+  if (const std::optional<SceneRow> last = store.last_scene()) {
+    if (state) forget_in(*state, store, request, result);
+    SceneTransaction transaction(store, run);
+    if (state)
+      BeliefCheckpoint(options.value_or(belief::BeliefOptions())).save(transaction, last->id, *state);
+    else if (drop_unreadable_belief(transaction, store))
+      result.erased[kUnreadableBelief] = 1;
+    transaction.drop_checkpoints(kKeptBeliefs);
+    transaction.commit();
+  }
   return result;
 }
 

@@ -161,7 +161,7 @@ class Recorder::SceneWriter {
       const ObservationRecord& observation = record_.observations[i];
       ObservationRow row = observation.row;
       row.scene = result_.scene;
-      row.number = static_cast<int64_t>(i);
+      if (row.id == 0) row.number = static_cast<int64_t>(i);  // else it keeps the one of another memory
       row.place = place(observation.evidence.place);
       row.crop = blob(observation.crop);
       row.mask = blob(observation.mask);

@@ -160,6 +160,12 @@ class Store {
   /// objects and facts by their signatures. An object is the forgotten one if most of its observations in
   /// scenes that both memories have are; of another one only these observations go. Writes no tombstone.
   ForgetResult honour_tombstones(const Store& other);
+  /// After forget() and reasoning anew as `run`: events, beliefs and visibility that rows of the run replace
+  /// were computed from what was forgotten. They go, and those of the run stand in their place, as if known
+  /// since then.
+  void replace_forgotten(Id run);
+  /// Takes over the tombstones of a memory whose observations this one has, as rows of `run`.
+  void add_tombstones(const Store& other, Id run);
   /// Discards images, crops and reasoning by age; what was observed, believed and decided remains.
   RetentionResult retain(const RetentionRules& rules);
   std::vector<ForgottenRow> forgotten() const;
@@ -336,7 +342,7 @@ class Store {
   std::optional<std::string> reasoning(Id scene) const;
   /// Whether a rule of retention discarded it.
   bool reasoning_discarded(Id scene) const;
-  /// How many scenes have none.
+  /// How many scenes have none, though they were not forgotten.
   size_t scenes_without_reasoning() const;
   /// What SceneTransaction::set_checkpoint stored, and after which scene.
   struct Checkpoint {

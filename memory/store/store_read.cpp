@@ -292,7 +292,8 @@ bool Store::reasoning_discarded(Id scene) const {
 size_t Store::scenes_without_reasoning() const {
   return *connection_->value<size_t>(
       "SELECT count(*) FROM scene WHERE NOT EXISTS (SELECT 1 FROM reasoning WHERE reasoning.scene = scene.id "
-      "AND length(content) > 0)");
+      "AND length(content) > 0) AND NOT EXISTS (SELECT 1 FROM forgotten f WHERE scene.time BETWEEN "
+      "f.valid_from AND f.valid_to)");
 }
 
 std::optional<Store::Checkpoint> Store::checkpoint(const std::string& name) const {

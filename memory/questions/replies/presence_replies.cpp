@@ -21,73 +21,6 @@ using namespace replies;
 
 namespace {
 
-/// The probability that an object was at a place between two sightings there. `believed` is the probability
-/// `since` the first of them that it has not left; it leaves and comes back at constant rates (a two-state
-/// Markov chain).
-double between_sightings(double believed, TimeNs since, TimeNs until) {
-  constexpr double kBack = 0.2;  // of the time after it left, it is at that same place again
-  if (believed <= kBack || since <= 0) return believed;
-  const double stays = std::min(1.0, (believed - kBack) / (1 - kBack));
-  const auto back = [](double share) { return kBack + (1 - kBack) * share; };
-  const double stays_on = std::pow(stays, static_cast<double>(until) / static_cast<double>(since));
-  return back(stays) * back(stays_on) / back(stays * stays_on);
-}
-
-/// What the belief says of a moment that no look shows.
-struct UnseenMoment {
-  const WasObject* object = nullptr;
-  PlaceRef place;          ///< where it was
-  bool there = false;      ///< that is the place asked about
-  double probability = 0;  ///< of that
-  TimeNs before = 0;       ///< when it was seen there last before
-  std::optional<TimeNs>
-      after;  ///< when it was seen there first afterwards, unless it was seen elsewhere first
-};
-
-/// Unset where the question is not about a moment, looks decide it, or no place is likely enough.
-std::optional<UnseenMoment> unseen_moment(const WasAnswer& answer, const WasObject& object,
-                                          const Snapshot& snapshot, const ReplyContext& context) {
-  constexpr TimeNs kMoment = 120 * kSecond;
-  if (answer.verdict != Verdict::not_observed || answer.place.empty() || answer.to - answer.from > kMoment)
-    return std::nullopt;
-  const Store& store = context.store;
-  const Id id = object.object.id;
-  const AsOf known{{}, context.as_of.known_at};
-  const auto then = store.belief(id, {answer.from, known.known_at});
-  if (!then || !then->place || then->status == ObjectStatus::gone) return std::nullopt;
-  const auto before = store.last_observation_before(id, answer.from, {}, known);
-  if (!before || before->observation.place != then->place) return std::nullopt;
-  const std::vector<PlaceRow> places = snapshot.find_places(answer.place);
-  UnseenMoment moment{.object = &object,
-                      .place = *snapshot.place_ref(then->place),
-                      .there = std::ranges::count(places, *then->place, &PlaceRow::id) > 0,
-                      .probability = then->probability,
-                      .before = before->time,
-                      .after = {}};
-  const auto after = store.first_observation_after(id, answer.to, {}, known);
-  if (after && after->observation.place == then->place) {
-    moment.after = after->time;
-    moment.probability =
-        between_sightings(then->probability, answer.from - moment.before, after->time - answer.from);
-  }
-  // Without a sighting afterwards the belief has to be good.
-  constexpr double kGood = 0.7;
-  return moment.probability >= (moment.after ? kLikely : kGood) ? std::optional(moment) : std::nullopt;
-}
-
-/// That one of the objects was there decides, and so does that the only one was elsewhere.
-std::optional<UnseenMoment> unseen_moment(const WasAnswer& answer, const Snapshot& snapshot,
-                                          const ReplyContext& context) {
-  std::optional<UnseenMoment> told;
-  for (const WasObject& object : answer.objects) {
-    const auto moment = unseen_moment(answer, object, snapshot, context);
-    if (moment && (moment->there || answer.objects.size() == 1) &&
-        (!told || moment->probability > told->probability))
-      told = moment;
-  }
-  return told;
-}
-
 /// Whether an object was there all the time of a period, as looks show it.
 struct Lasting {
   Verdict verdict = Verdict::not_observed;
@@ -352,11 +285,12 @@ void when_seen(const WasAnswer& answer, const std::string& name, const std::stri
 }
 
 /// Whether it was there at a moment at which nobody looked.
-void write_unseen(const UnseenMoment& unseen, TimeNs moment, const std::string& name,
-                  const Snapshot& snapshot, const ReplyContext& context, Reply& reply) {
-  reply.verdict = unseen.there ? Verdict::yes : Verdict::no;
-  reply.probability = unseen.there ? unseen.probability : 1 - unseen.probability;
-  const std::optional<Change> left = left_around(unseen.object->object.id, moment, snapshot);
+void write_unseen(const WasObject& object, TimeNs moment, const std::string& name, const Snapshot& snapshot,
+                  const ReplyContext& context, Reply& reply) {
+  const UnseenMoment& unseen = *object.unseen;
+  reply.verdict = object.verdict;
+  reply.probability = object.probability;
+  const std::optional<Change> left = left_around(object.object.id, moment, snapshot);
   reply.text = fmt::format(
       "{}: {} was {}, seen there at {}{}.", with_probability(unseen.there, unseen.probability), name,
       in_words(unseen.place), context.times.text(unseen.before),
@@ -368,7 +302,7 @@ void write_unseen(const UnseenMoment& unseen, TimeNs moment, const std::string& 
 void write_verdict(Verdict verdict, const WasObject& object, const std::string& name,
                    const std::string& where, const ReplyContext& context, Reply& reply) {
   reply.verdict = verdict;
-  reply.probability = object.verdict == Verdict::yes ? 1 : object.probability;
+  reply.probability = object.probability;
   if (verdict == Verdict::yes)
     reply.text =
         fmt::format("Yes: {} was {}, seen {}.", name, where,
@@ -396,11 +330,10 @@ void add_other_sightings(const WasObject& object, const ReplyContext& context, R
 void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& reply) {
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
-  const auto of_verdict = std::ranges::find(answer.objects, answer.verdict, &WasObject::verdict);
-  const std::optional<UnseenMoment> unseen = unseen_moment(answer, snapshot, context);
-  const WasObject& object = unseen                               ? *unseen->object
-                            : of_verdict == answer.objects.end() ? answer.objects.front()
-                                                                 : *of_verdict;
+  // One that decides, the most probable of them.
+  const WasObject& object = *std::ranges::max_element(answer.objects, {}, [&](const WasObject& one) {
+    return std::pair(one.verdict == answer.verdict, one.verdict == Verdict::yes ? one.probability : 0);
+  });
   const std::string name = bare_subject(object.object, names);
   const std::string where =
       answer.place.empty() ? "seen" : (answer.container ? "in " : "on ") + name_in_words(answer.place);
@@ -414,8 +347,8 @@ void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& re
       break;
     case Asks::verdict:
     case Asks::reason:
-      if (unseen)
-        write_unseen(*unseen, answer.from, name, snapshot, context, reply);
+      if (object.unseen)
+        write_unseen(object, answer.from, name, snapshot, context, reply);
       else
         write_verdict(answer.verdict, object, name, where, context, reply);
       break;
@@ -423,7 +356,7 @@ void write_reply(const WasAnswer& answer, const ReplyContext& context, Reply& re
       when_seen(answer, name, where, context, reply);
   }
   if (!object.seen_there.empty()) reply.evidence.push_back("seen there in " + scenes_text(object.seen_there));
-  if (object.verdict != Verdict::yes && !unseen) add_other_sightings(object, context, reply);
+  if (object.verdict != Verdict::yes && !object.unseen) add_other_sightings(object, context, reply);
 }
 
 }  // namespace loci::memory

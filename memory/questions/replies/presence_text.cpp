@@ -13,8 +13,15 @@ using namespace format;
 
 namespace {
 
-std::string verdict_text(const WasObject& object, const std::string& where, const std::string& period) {
+std::string verdict_text(const WasObject& object, const std::string& where, const std::string& period,
+                         const TimeWriter& times) {
   const std::string name = to_text(object.object);
+  if (object.unseen)
+    return fmt::format("{}: {} was {} {} ({}), seen there at {}{}.",
+                       object.verdict == Verdict::yes ? "Yes" : "No", name,
+                       spot_text(object.unseen->place, std::nullopt), period,
+                       percent(object.unseen->probability), times.text(object.unseen->before),
+                       object.unseen->after ? " and " + times.text(*object.unseen->after) : "");
   if (object.verdict == Verdict::yes)
     return fmt::format("Yes: {} was {} {}, seen in {}.", name, where, period, scenes_text(object.seen_there));
   if (object.verdict == Verdict::no)
@@ -90,7 +97,7 @@ std::string to_text(const WasAnswer& answer, const TimeWriter& times) {
                        : answer.verdict == Verdict::no ? "No, none of them was."
                                                        : "Nobody saw one of them there.");
   for (const WasObject& object : answer.objects) {
-    lines.push_back(verdict_text(object, where, period));
+    lines.push_back(verdict_text(object, where, period, times));
     add_evidence(object, times, lines);
   }
   return lines_text(lines);

@@ -67,6 +67,43 @@ ForgetResult Eraser::erase(const ReasoningFilter& filter) {
   return std::move(result_);
 }
 
+void Eraser::replace_superseded() {
+  ErasureTables tables(db_);
+  for (const char* table : {"event", "belief"}) replace_superseded_rows(table);
+  replace_visibility();
+  derive_tables(database_);
+  tables.restore();
+}
+
+void Eraser::replace_superseded_rows(const std::string& table) {
+  const std::string gone = fmt::format("(SELECT id FROM temp.gone_{})", table);
+  change(fmt::format("INSERT INTO temp.gone_{0} SELECT DISTINCT supersedes FROM {0} WHERE run = ?1 AND "
+                     "supersedes IS NOT NULL;"
+                     "UPDATE {0} AS n SET (known_from, supersedes) = (SELECT o.known_from, o.supersedes FROM "
+                     "{0} o WHERE o.id = n.supersedes) WHERE run = ?1 AND supersedes IN {1};"
+                     "DELETE FROM {0} WHERE id IN {1};"
+                     "DELETE FROM temp.gone_{0};"
+                     "INSERT INTO temp.gone_{0} SELECT id FROM {0} WHERE run = ?1 AND known_to IS NOT NULL;",
+                     table, gone),
+         {sql(run_)});
+  retract_superseded(table);
+  change(fmt::format("DELETE FROM {} WHERE id IN {};", table, gone));
+}
+
+/// Of an object and a scene the newest row holds, and one with out_of_view stands for none.
+void Eraser::replace_visibility() {
+  const std::string older =
+      "FROM visibility o WHERE o.run <> ?1 AND o.scene = n.scene AND o.object = n.object";
+  change(fmt::format(
+             "UPDATE visibility AS n SET known_from = coalesce((SELECT min(o.known_from) {0}), known_from) "
+             "WHERE run = ?1 AND object IS NOT NULL;"
+             "DELETE FROM visibility WHERE id IN (SELECT o.id FROM visibility n JOIN visibility o ON o.scene "
+             "= n.scene AND o.object = n.object AND o.run <> ?1 WHERE n.run = ?1);"
+             "DELETE FROM visibility WHERE run = ?1 AND object IS NOT NULL AND status = 'out_of_view';",
+             older),
+         {sql(run_)});
+}
+
 void Eraser::erase_images() {
   if (targets_.interval) {
     change("INSERT INTO temp.gone_image SELECT id FROM temp.gone_scene;");

@@ -21,6 +21,8 @@ class Eraser {
   Eraser(Store& store, Store::Connection& db, Targets targets, Id run)
       : store_(store), db_(db), database_(*db.database), targets_(std::move(targets)), run_(run) {}
   ForgetResult erase(const ReasoningFilter& filter);
+  /// Rows of the run, which reasoned anew, take the place of those that they supersede.
+  void replace_superseded();
 
   /// Of what was erased, before.
   const std::vector<std::string>& identities() const { return identities_; }
@@ -84,6 +86,9 @@ class Eraser {
   void delete_rows();
   /// Runs that nothing refers to go; of others what they were configured with.
   void delete_runs();
+
+  void replace_superseded_rows(const std::string& table);
+  void replace_visibility();
 
   // ---- Objects of which some observations remain.
   void restore_remaining_objects();

@@ -1,10 +1,12 @@
 // What remains of what was forgotten: a tombstone, which merges with other copies honour.
 
 #include <random>
+#include <tuple>
 
 #include "mapping/base/text/hash.h"
 #include "memory/store/erasure/erased_images.h"
 #include "memory/store/erasure/erasure.h"
+#include "memory/store/scene_transaction.h"
 
 namespace loci::memory {
 namespace {
@@ -31,21 +33,44 @@ std::string signature(const std::string& salt, const std::string& identity) {
   return content_hash(salt + content_hash(salt + identity));
 }
 
-void add_tombstone(Store::Connection& db, const Targets& targets, const std::vector<std::string>& identities,
-                   Id run) {
+struct Tombstone {
+  Id id = 0;
+  std::string salt = {};
+  std::optional<TimeNs> from = {}, to = {};
+  TimeNs known_from = 0;
+  std::set<std::string> signatures = {};
+};
+
+Tombstone tombstone_of(const Targets& targets, const std::vector<std::string>& identities, TimeNs known) {
   std::random_device random;
-  const Id id = static_cast<Id>((uint64_t{random()} << 31 ^ random()) & 0x3fffffffffffffff) + 1;
-  const std::string salt = unguessable_hex(8);
-  const auto time = [&](bool last) {
-    return targets.interval ? sql(last ? targets.interval->second : targets.interval->first) : SqlValue();
-  };
+  const uint64_t high = random(), low = random();
+  Tombstone made{.id = static_cast<Id>((high << 31 ^ low) & 0x3fffffffffffffff) + 1,
+                 .salt = unguessable_hex(8),
+                 .known_from = known};
+  if (targets.interval) std::tie(made.from, made.to) = *targets.interval;
+  for (const std::string& identity : identities) made.signatures.insert(signature(made.salt, identity));
+  return made;
+}
+
+std::vector<Tombstone> read_tombstones(Store::Connection& db) {
+  std::vector<Tombstone> tombstones;
+  db.query("SELECT * FROM forgotten ORDER BY known_from, id", {}, [&](const SqlRow& row) {
+    tombstones.push_back({row.get<Id>("id"), row.get<std::string>("salt"),
+                          row.get<std::optional<TimeNs>>("valid_from"),
+                          row.get<std::optional<TimeNs>>("valid_to"), row.get<TimeNs>("known_from")});
+  });
+  for (Tombstone& one : tombstones)
+    for (std::string& keyed : db.values<std::string>(
+             "SELECT signature FROM forgotten_signature WHERE forgotten = ?", {sql(one.id)}))
+      one.signatures.insert(std::move(keyed));
+  return tombstones;
+}
+
+void insert(Store::Connection& db, const Tombstone& one, Id run) {
   db.run("INSERT INTO forgotten (id, salt, valid_from, valid_to, known_from, run) VALUES (?, ?, ?, ?, ?, ?)",
-         {sql(id), sql(salt), time(false), time(true), sql(db.known_time()), sql(run)});
-  for (const std::string& identity : identities) {
-    const std::string keyed = signature(salt, identity);
-    db.run("INSERT OR IGNORE INTO forgotten_signature (forgotten, signature) VALUES (?, ?)",
-           {sql(id), sql(keyed)});
-  }
+         {sql(one.id), sql(one.salt), sql(one.from), sql(one.to), sql(one.known_from), sql(run)});
+  for (const std::string& keyed : one.signatures)
+    db.run("INSERT INTO forgotten_signature (forgotten, signature) VALUES (?, ?)", {sql(one.id), sql(keyed)});
 }
 
 /// Runs `body` in a transaction in which rows may refer to ones that are gone already, then overwrites them.
@@ -140,24 +165,34 @@ ForgetResult Store::forget(const ForgetRequest& request, Id run, const Reasoning
   return erasing(db, [&] {
     Eraser eraser(*this, db, targets, run);
     ForgetResult result = eraser.erase(filter);
-    add_tombstone(db, targets, eraser.identities(), run);
+    insert(db, tombstone_of(targets, eraser.identities(), db.known_time()), run);
     return result;
   });
 }
 
+void Store::replace_forgotten(Id run) {
+  auto& db = *connection_;
+  db.require_writable();
+  erasing(db, [&] {
+    Eraser(*this, db, {}, run).replace_superseded();
+    return true;
+  });
+}
+
+void Store::add_tombstones(const Store& other, Id run) {
+  connection_->require_writable();
+  const std::vector<Tombstone> tombstones =
+      other.connection_->guarded([&] { return read_tombstones(*other.connection_); });
+  ChangeTransaction all(*this);
+  connection_->guarded([&] {
+    for (const Tombstone& one : tombstones) insert(*connection_, one, run);
+  });
+  all.commit();
+}
+
 ForgetResult Store::honour_tombstones(const Store& younger) {
   Connection &db = *connection_, &other = *younger.connection_;
-  struct Tombstone {
-    Id id = 0;
-    std::string salt = {};
-    std::optional<TimeNs> from = {}, to = {};
-  };
-  std::vector<Tombstone> tombstones;
-  other.query("SELECT * FROM forgotten ORDER BY known_from, id", {}, [&](const SqlRow& row) {
-    tombstones.push_back({row.get<Id>("id"), row.get<std::string>("salt"),
-                          row.get<std::optional<TimeNs>>("valid_from"),
-                          row.get<std::optional<TimeNs>>("valid_to")});
-  });
+  const std::vector<Tombstone> tombstones = read_tombstones(other);
   ForgetResult result;
   if (tombstones.empty()) return result;
   const std::set<std::string> common_scenes = scene_identities(other);
@@ -168,9 +203,7 @@ ForgetResult Store::honour_tombstones(const Store& younger) {
     if (tombstone.from) {
       targets.interval = {*tombstone.from, *tombstone.to};
     } else {
-      const auto signatures = other.values<std::string>(
-          "SELECT signature FROM forgotten_signature WHERE forgotten = ?", {sql(tombstone.id)});
-      targets = targets_of(db, tombstone.salt, {signatures.begin(), signatures.end()}, common_scenes);
+      targets = targets_of(db, tombstone.salt, tombstone.signatures, common_scenes);
       if (targets.observations.empty() && targets.facts.empty()) continue;
     }
     if (!run) run = begin_run("loci-memory merge", "{}");

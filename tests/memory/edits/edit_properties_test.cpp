@@ -13,6 +13,7 @@
 #include "mapping/base/text/json.h"
 #include "memory/belief/serialization.h"
 #include "memory/edits/edits.h"
+#include "memory/edits/forget.h"
 #include "memory/ingest/ingest.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/events.h"
@@ -22,6 +23,8 @@
 #include "memory/questions/presence.h"
 #include "memory/reasoning/reason.h"
 #include "memory/recorder/checkpoint.h"
+#include "memory/store/erasure/forgotten_tokens.h"
+#include "memory/store/rows/merge.h"
 
 namespace loci::memory {
 namespace {
@@ -89,9 +92,14 @@ class EditProperties : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   void add_scenes(RandomHome& home, int count, const std::filesystem::path& memory) {
+    std::vector<std::string> looks;
+    for (int i = 0; i < count; ++i) looks.push_back(home.look());
+    add_lines(looks, memory);
+  }
+  void add_lines(const std::vector<std::string>& looks, const std::filesystem::path& memory) {
     const std::filesystem::path lines = folder_ / fmt::format("{}.jsonl", ++files_);
     std::ofstream out(lines);
-    for (int i = 0; i < count; ++i) out << home.look();
+    for (const std::string& look : looks) out << look;
     out.close();
     IngestOptions options;
     options.noise_m = 0.01;
@@ -378,6 +386,103 @@ TEST_F(EditProperties, ForgettingLeavesEditsOfOthers) {
     }
   }
   EXPECT_GT(left_edits, 5U);
+}
+
+/// What is believed of objects at a time, without their numbers.
+std::multiset<std::string> believed(const Store& store, const AsOf& as_of) {
+  std::multiset<std::string> all;
+  std::map<Id, std::string> place_of;
+  for (const PlaceRow& place : store.places()) place_of[place.id] = place.name;
+  for (const BeliefRow& row : store.beliefs(as_of))
+    all.insert(fmt::format("{} {:.2f} {} {:.2f}", to_text(row.status), row.probability,
+                           row.place ? place_of[*row.place] : "",
+                           row.position.value_or(Vector3d::Zero()).x()));
+  return all;
+}
+
+/// The looks that follow a forgotten period are believed as if nothing had been seen in it, and rows that
+/// were computed from it are gone, not only superseded.
+TEST_F(EditProperties, WhatFollowsAForgottenPeriodIsReasonedAnew) {
+  size_t compared = 0;
+  for (const unsigned seed : {71U, 72U, 73U, 74U}) {
+    SCOPED_TRACE(seed);
+    std::filesystem::remove(file_);
+    RandomHome home(seed);
+    std::vector<std::string> looks;
+    for (int i = 0; i < 20; ++i) looks.push_back(home.look());
+    add_lines(looks, file_);
+    looks.erase(looks.begin() + 5, looks.begin() + 11);
+    const std::filesystem::path never = folder_ / "never.loci";
+    std::filesystem::remove(never);
+    add_lines(looks, never);
+    const std::vector<SceneRow> scenes = Store::open_read(file_).scenes();
+    const ForgetResult result = forget(file_, {.from = scenes[5].time, .to = scenes[10].time});
+    EXPECT_GT(result.observations, 0);
+    expect_sound();
+    EXPECT_THAT(find_forgotten(file_, result.tokens, silent_), IsEmpty());
+    const Store store = Store::open_read(file_), other = Store::open_read(never);
+    EXPECT_EQ(store.scenes_without_reasoning(), 0U) << "edits reason about what is left";
+    for (size_t i = 11; i < scenes.size(); ++i) {
+      EXPECT_EQ(believed(store, {.at = scenes[i].time}), believed(other, {.at = scenes[i].time})) << i;
+      EXPECT_EQ(believed(store, {.at = scenes[i].time, .known_at = scenes[i].known_from}),
+                believed(other, {.at = scenes[i].time}))
+          << i << ", as it was known before";
+      ++compared;
+    }
+    EXPECT_EQ(believed(store, {}), believed(other, {}));
+    const belief::BeliefState now = load_belief(store), as_if = load_belief(other);
+    EXPECT_EQ(now.objects.size(), as_if.objects.size());
+  }
+  EXPECT_GT(compared, 30U);
+}
+
+/// What was forgotten does not come back by reasoning anew into another memory, and merging that with an
+/// older copy.
+TEST_F(EditProperties, WhatWasForgottenStaysForgottenInAMemoryReasonedAnew) {
+  for (const unsigned seed : {81U, 82U, 83U}) {
+    SCOPED_TRACE(seed);
+    for (const char* name : {"memory", "older", "anew", "merged_1", "merged_2"})
+      std::filesystem::remove(folder_ / fmt::format("{}.loci", name));
+    const std::filesystem::path older = folder_ / "older.loci", anew = folder_ / "anew.loci";
+    RandomHome home(seed);
+    add_scenes(home, 16, file_);
+    std::filesystem::copy_file(file_, older);
+    const std::vector<SceneRow> scenes = Store::open_read(file_).scenes();
+    std::vector<ForgetResult> results = {
+        forget(file_, {.object = Store::open_read(file_).beliefs().front().object}),
+        forget(file_, {.from = scenes[4].time, .to = scenes[7].time})};
+    {
+      const Store store = Store::open_read(file_);
+      reason(store, anew, {}, {}, silent_, known_identities(store));
+    }
+    const auto expect_forgotten = [&](const std::filesystem::path& memory) {
+      EXPECT_THAT(Store::open_read(memory).verify(silent_).problems, IsEmpty());
+      for (const ForgetResult& result : results)
+        EXPECT_THAT(find_forgotten(memory, result.tokens, silent_), IsEmpty());
+      const Store store = Store::open_read(memory);
+      EXPECT_EQ(store.forgotten().size(), 2U);
+      const std::vector<SceneRow> there = store.scenes();
+      ASSERT_EQ(there.size(), scenes.size());
+      size_t observations = 0;
+      for (const SceneRow& scene : there) {
+        const bool gone = scene.time >= scenes[4].time && scene.time <= scenes[7].time;
+        EXPECT_EQ(was_forgotten(store.forgotten(), scene.time), gone);
+        observations += store.observations(scene.id).size();
+        if (gone) EXPECT_THAT(store.observations(scene.id), IsEmpty());
+      }
+      size_t remaining = 0;
+      for (const SceneRow& scene : scenes) remaining += Store::open_read(file_).observations(scene.id).size();
+      EXPECT_EQ(observations, remaining);
+    };
+    expect_forgotten(file_);
+    expect_forgotten(anew);
+    const ScenesAnswer listed = ask(Store::open_read(anew), ScenesQuestion{});
+    EXPECT_EQ(std::ranges::count_if(listed.scenes, [](const auto& scene) { return scene.forgotten; }), 4);
+    merge(anew, older, folder_ / "merged_1.loci", std::nullopt, silent_);
+    merge(older, anew, folder_ / "merged_2.loci", std::nullopt, silent_);
+    expect_forgotten(folder_ / "merged_1.loci");
+    expect_forgotten(folder_ / "merged_2.loci");
+  }
 }
 
 TEST_F(EditProperties, AMergeThatStaysIsUndoneAfterAnotherObjectWasForgotten) {

@@ -7,6 +7,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/text/json.h"
 #include "memory/edits/edits.h"
+#include "memory/edits/forget.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/events.h"
 #include "memory/questions/facts.h"

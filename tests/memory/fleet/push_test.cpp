@@ -7,6 +7,7 @@
 
 #include "mapping/base/stopwatch.h"
 #include "memory/edits/edits.h"
+#include "memory/edits/forget.h"
 #include "memory/recorder/checkpoint.h"
 #include "memory/store/erasure/forgotten_tokens.h"
 #include "memory/store/erasure/retention.h"

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "memory/edits/edits.h"
+#include "memory/edits/forget.h"
 #include "memory/questions/location.h"
 #include "memory/recorder/checkpoint.h"
 #include "memory/store/erasure/forgotten_tokens.h"

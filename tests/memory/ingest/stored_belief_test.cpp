@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "mapping/base/files.h"
+#include "memory/edits/forget.h"
 #include "memory/ingest/ingest.h"
 #include "memory/questions/location.h"
 #include "memory/recorder/checkpoint.h"

@@ -1,4 +1,5 @@
-// where, on, history and objects are several views of one belief: they agree at the time of every scene.
+// was, where, on, history and objects are several views of one belief: they agree at the time of every scene,
+// and in between.
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -9,6 +10,7 @@
 #include "memory/questions/contents.h"
 #include "memory/questions/location.h"
 #include "memory/questions/objects.h"
+#include "memory/questions/presence.h"
 #include "memory/questions/snapshot.h"
 #include "tests/memory/questions/generated_day.h"
 
@@ -22,6 +24,7 @@ class Agreement : public testing_support::GeneratedDay, public testing::WithPara
     return fmt::format("{} {} {:.6f} {}", belief.object.name, to_text(belief.status), belief.probability,
                        belief.place ? belief.place->name : "nowhere");
   }
+  static TimeNs scenes_end(const Store& store) { return *store.last_scene_time() + 3600 * kSecond; }
   static std::multiset<std::string> texts_of(const std::vector<ObjectBelief>& beliefs) {
     std::multiset<std::string> texts;
     for (const ObjectBelief& belief : beliefs) texts.insert(text_of(belief));
@@ -70,6 +73,85 @@ TEST_P(Agreement, HoldsAtTheTimeOfEveryScene) {
       EXPECT_EQ(on.places[0].gone_in_all, gone[place.name].size()) << place.name;
     }
   }
+}
+
+/// The questions about one moment, at a scene and between two of them, have one probability and contradict
+/// each other nowhere.
+TEST_P(Agreement, OfOneMomentAllQuestionsSayTheSame) {
+  generate(GetParam());
+  const Store store = Store::open_read(file_);
+  const std::vector<SceneRow> scenes = store.scenes();
+  std::vector<TimeNs> moments;
+  for (size_t i = 0; i < scenes.size(); ++i) {
+    moments.push_back(scenes[i].time);
+    if (i + 1 < scenes.size())
+      for (const double share : {0.2, 0.5, 0.8})
+        moments.push_back(scenes[i].time +
+                          static_cast<TimeNs>(share * double(scenes[i + 1].time - scenes[i].time)));
+  }
+  size_t yes = 0, no = 0;
+  for (const TimeNs moment : moments) {
+    SCOPED_TRACE(format_time(moment));
+    const AsOf as_of{.at = moment};
+    for (const ObjectBelief& object : ask(store, ObjectsQuestion{.as_of = as_of}).objects) {
+      SCOPED_TRACE(object.object.name);
+      const std::string& name = object.object.name;
+      EXPECT_EQ(text_of(ask(store, WhereQuestion{name, as_of}).objects.at(0)), text_of(object));
+      EXPECT_EQ(text_of(ask(store, HistoryQuestion{.subject = name, .as_of = as_of}).objects.at(0).now),
+                text_of(object));
+      for (const PlaceRow& place : store.places()) {
+        const WasAnswer was =
+            ask(store, WasQuestion{.subject = name, .place = place.name, .from = moment, .to = moment});
+        const ContentsAnswer on =
+            ask(store, ContentsQuestion{.place = place.name, .as_of = as_of, .subject = name});
+        const bool here = object.place && object.place->id == place.id;
+        if (here && object.status != ObjectStatus::gone) {
+          EXPECT_EQ(text_of(on.places.at(0).there.at(0)), text_of(object));
+          if (object.status != ObjectStatus::seen)
+            EXPECT_DOUBLE_EQ(was.objects.at(0).probability, object.probability) << place.name;
+          EXPECT_EQ(was.verdict == Verdict::yes, object.probability >= 0.5) << place.name;
+        }
+        EXPECT_EQ(was.verdict == Verdict::yes, on.verdict == Verdict::yes) << place.name;
+        if (was.verdict == Verdict::no) EXPECT_NE(on.verdict, Verdict::yes) << place.name;
+        yes += was.verdict == Verdict::yes ? 1 : 0;
+        no += was.verdict == Verdict::no ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(yes, 100U);
+  EXPECT_GT(no, 100U);
+}
+
+/// An object that is found again where it was seen before was there in between; one that is seen elsewhere
+/// next had perhaps left. Who knew only what was seen until then cannot say.
+TEST_P(Agreement, WhatIsSeenAfterwardsIsEvidence) {
+  generate(GetParam());
+  const Store store = Store::open_read(file_);
+  size_t again = 0, elsewhere = 0;
+  for (const ObjectRow& row : store.objects()) {
+    const std::vector<ObjectObservation> seen = store.observations_of(row.id);
+    for (size_t i = 0; i + 1 < seen.size(); ++i) {
+      const TimeNs from = seen[i].time, to = seen[i + 1].time, half = from + (to - from) / 2;
+      const std::optional<BeliefRow> then = store.belief(row.id, {.at = half});
+      const BeliefRow* smoothed = nullptr;
+      const Snapshot snapshot(store, {.at = half});
+      smoothed = snapshot.belief(row.id);
+      ASSERT_TRUE(then && smoothed);
+      if (then->status == ObjectStatus::seen || then->status == ObjectStatus::gone) continue;
+      const bool same = seen[i].observation.place == seen[i + 1].observation.place;
+      (same ? again : elsewhere) += 1;
+      if (same)
+        EXPECT_GT(smoothed->probability, then->probability);
+      else
+        EXPECT_LT(smoothed->probability, then->probability);
+    }
+    // Nothing was seen after the last look.
+    const AsOf now{.at = scenes_end(store)};
+    const Snapshot snapshot(store, now);
+    EXPECT_EQ(snapshot.belief(row.id)->probability, store.belief(row.id, now)->probability);
+  }
+  EXPECT_GT(again, 3U);
+  EXPECT_GT(elsewhere, 0U);
 }
 
 TEST_P(Agreement, NamesakesAreWhatTheNameFinds) {

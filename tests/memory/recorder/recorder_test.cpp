@@ -164,7 +164,10 @@ TEST_F(RecorderTest, PrintsOfObjectsAreStoredOnceAndForgottenWithThem) {
   ASSERT_GE(before.size(), 2U);
   EXPECT_LT(before.begin()->second, 3 * 40 * 96U)
       << "two places, from where the mug is seen, and no repetition";
-  forget(file, {.object = 1});
+  {
+    Store store = Store::open_write(file);
+    forget(store, {.object = 1}, store.begin_run("test", "{}"));
+  }
   const auto after = prints();
   EXPECT_FALSE(after.contains(before.begin()->first));
   EXPECT_TRUE(after.contains(before.rbegin()->first));
