@@ -156,20 +156,37 @@ Pose scaled(const Pose& given, double factor) {
   });
 }
 
-std::vector<Cause> causes_for(const Pose& given) {
-  return {{"from the world to the camera", "invert them: a pose takes the camera to the world",
-           changed(given, [](const Isometry3d& pose) { return pose.inverse(); })},
-          {"with qw before qx qy qz", "write quaternions as qx qy qz qw", changed(given, with_w_first)},
-          {"of a camera with y up and z backwards", "turn y and z of the camera over",
-           changed(given,
-                   [](Isometry3d pose) {
-                     pose.linear() = pose.linear() * Vector3d(1, -1, -1).asDiagonal();
-                     return pose;
-                   })},
-          {"right and depth five times as far: in millimetres, not in 1/5000 m",
-           "write a cameras.yaml with 'depth: {unit_m: 0.001}'", scaled(given, 0.2)},
-          {"right and depth a fifth of this: in 1/5000 m, not in millimetres",
-           "write a cameras.yaml with 'depth: {unit_m: 0.0002}'", scaled(given, 5)}};
+/// Depth that is in units `factor` times as long as it is read in.
+Cause in_other_unit(double factor, const RecordingInfo& info, const Pose& given) {
+  const std::string times =
+                        factor > 1 ? fmt::format("{:g} times", factor) : fmt::format("1/{:g} of", 1 / factor),
+                    unit = fmt::format("{:g}", info.depth_unit_m * factor);
+  return {"right and depth is " + times + " what is read",
+          info.format == "loci" ? fmt::format("write 'depth_scale: {}' into recording.yaml", unit)
+                                : fmt::format("write a cameras.yaml with 'depth: {{unit_m: {}}}'", unit),
+          scaled(given, 1 / factor)};
+}
+
+/// `given` are the poses as they were read.
+std::vector<Cause> causes_for(const Pose& given, const RecordingInfo& info) {
+  const auto of_camera_axes = [&](const Eigen::Matrix3d& given_from_camera) {
+    return changed(given, [=](Isometry3d pose) {
+      pose.linear() = pose.linear() * given_from_camera;
+      return pose;
+    });
+  };
+  const Eigen::Matrix3d body_from_camera{{0, 0, 1}, {-1, 0, 0}, {0, -1, 0}};
+  std::vector<Cause> causes = {
+      {"from the world to the camera", "invert them: a pose takes the camera to the world",
+       changed(given, [](const Isometry3d& pose) { return pose.inverse(); })},
+      {"with qw before qx qy qz", "write quaternions as qx qy qz qw", changed(given, with_w_first)},
+      {"of a camera with y up and z backwards", "turn y and z of the camera over",
+       of_camera_axes(Vector3d(1, -1, -1).asDiagonal())},
+      {"of a body with x forward and z up", "give poses of the camera: z forward, x to the right",
+       of_camera_axes(body_from_camera)}};
+  for (const double factor : {2.0, 4.0, 5.0, 10.0})
+    for (const double either : {factor, 1 / factor}) causes.push_back(in_other_unit(either, info, given));
+  return causes;
 }
 
 /// Poses of a clock that runs `shift` frames, of so many seconds, late.
@@ -232,7 +249,10 @@ std::string PoseAgreement::text() const {
         "does ({})",
         100 * share, hint);
   if (cause.empty())
-    return fmt::format("the poses do not fit the depth: {:.0f} % of it agrees between frames", 100 * share);
+    return fmt::format(
+        "the poses do not fit the depth: {:.0f} % of it agrees between frames (check poses and intrinsics; "
+        "without poses the camera is tracked)",
+        100 * share);
   return fmt::format("the poses do not fit the depth: {:.1f} times as much of it agrees if they are {} ({})",
                      gain, cause, hint);
 }
@@ -267,7 +287,9 @@ PoseAgreement check_poses(const Recording& recording) {
     return result;
   }
   if (!raises_doubt(now)) return result;
-  std::vector<Cause> causes = causes_for(given);
+  // What is wrong with poses shows in them as they were read, not as they were turned.
+  std::vector<Cause> causes = causes_for(
+      changed(given, [&](const Isometry3d& pose) { return info.map_from_input.inverse() * pose; }), info);
   const double frame_s = info.time_assumed
                              ? 0
                              : static_cast<double>(info.last_time - info.first_time) /

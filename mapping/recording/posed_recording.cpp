@@ -80,6 +80,7 @@ std::unique_ptr<Recording> with_poses(std::unique_ptr<Recording> recording,
       map_from_camera.begin(), map_from_camera.end(), [](const auto& pose) { return pose.has_value(); }));
   info.map_frame = std::move(map_frame);
   info.levelled = is_levelled;
+  info.map_from_input.setIdentity();
   const auto about_poses = [](const std::string& text) {
     return text.starts_with("no poses") || text.find("have no pose") != std::string::npos;
   };
@@ -97,6 +98,7 @@ std::unique_ptr<Recording> in_frame(std::unique_ptr<Recording> recording, const 
                                     std::string frame, const std::string& guess) {
   RecordingInfo info = recording->info();
   info.levelled = true;
+  info.map_from_input = frame_from_map * info.map_from_input;
   if (info.frames_with_pose > 0) info.map_frame = std::move(frame);
   if (!guess.empty()) info.guesses.push_back(guess);
   return std::make_unique<ChangedRecording>(std::move(recording), std::move(info),

@@ -23,7 +23,8 @@ struct RecordingInfo {
   /// Names of all depth cameras of a bag, the one that is read first; a recording is of one camera. Empty for
   /// layouts that hold only one.
   std::vector<std::string> camera_names = {};
-  bool levelled = true;                  ///< z of the map frame is known to be up
+  bool levelled = true;                                ///< z of the map frame is known to be up
+  Isometry3d map_from_input = Isometry3d::Identity();  ///< what moved the poses after they were read
   std::optional<Vector3d> up_in_camera;  ///< unit, in the first frame's camera, measured by an IMU
   size_t frames = 0;
   size_t frames_with_pose = 0;

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "mapping/base/math/eigenvalues.h"
+#include "mapping/base/math/math.h"
 
 namespace loci::mapping::tracking {
 namespace {
@@ -67,12 +68,19 @@ class NormalNoise {
   Eigen::Matrix3d second_ = Eigen::Matrix3d::Zero();
 };
 
+/// Differences of intensity between a frame and a keyframe.
+struct IntensitySum {
+  size_t count = 0;
+  double sum = 0, absolute = 0;  ///< the absolute ones without what the exposure explains
+};
+
 /// What one pass over the model points gives.
 struct Pass {
   NormalEquations equations;
   NormalNoise noise;
-  size_t compared = 0, inliers = 0, intensities = 0;
-  double squares = 0, intensity_sum = 0, intensity_absolute = 0;
+  size_t compared = 0, inliers = 0;
+  double squares = 0;
+  std::vector<IntensitySum> intensities;  ///< by reference
 };
 
 /// The frame at one level, with cameras as floats.
@@ -144,36 +152,67 @@ Match add_depth(const Target& target, const Eigen::Vector3f& point, const Eigen:
   return Match::same;
 }
 
-/// Compares the intensity at a model point, in the colour image, wherever that camera is.
+/// Differences of intensity that say by how much a frame is brighter.
+constexpr size_t kMinDifferences = 50;
+
+/// The intensity, with its gradient, where a point in the frame of the colour camera is seen; false where it
+/// is not, or where the image is saturated.
+bool sample_intensity(const Target& target, const Eigen::Vector3f& seen, cv::Vec3f& sample) {
+  if (seen.z() < 0.1F) return false;
+  const Eigen::Vector2f pixel(target.color_fx * seen.x() / seen.z() + target.color_cx,
+                              target.color_fy * seen.y() / seen.z() + target.color_cy);
+  return interpolated(target.level.intensity, pixel, sample) && !is_saturated(sample[0]);
+}
+
+/// Compares the intensity at a model point, in the colour image, wherever that camera is. `bias`: by how much
+/// the frame is brighter.
 void add_intensity(const Target& target, const Eigen::Vector3f& point, float expected, float bias,
-                   Pass& pass) {
+                   NormalEquations& equations, IntensitySum& sum) {
   const Eigen::Vector3f seen = target.color_from_depth * point;
-  if (seen.z() < 0.1F) return;
-  const float inverse = 1 / seen.z();
-  const Eigen::Vector2f pixel(target.color_fx * seen.x() * inverse + target.color_cx,
-                              target.color_fy * seen.y() * inverse + target.color_cy);
   cv::Vec3f sample;
-  if (!interpolated(target.level.intensity, pixel, sample)) return;
+  if (!sample_intensity(target, seen, sample)) return;
   const float difference = sample[0] - expected;
   const float residual = difference - bias;
   if (std::abs(residual) > 2 * kAlignment.intensity_gate) return;
-  ++pass.intensities;
-  pass.intensity_sum += static_cast<double>(difference);
-  pass.intensity_absolute += static_cast<double>(std::abs(residual));
+  ++sum.count;
+  sum.sum += static_cast<double>(difference);
+  sum.absolute += static_cast<double>(std::abs(residual));
   // Noise has slopes too, which would hold the pose where it is.
   if (squared(sample[1]) + squared(sample[2]) < squared(kAlignment.min_intensity_slope)) return;
+  const float inverse = 1 / seen.z();
   const float gx = sample[1] * target.color_fx * inverse, gy = sample[2] * target.color_fy * inverse;
   const Eigen::Vector3f slope = target.color_from_depth.rotation.transpose() *
                                 Eigen::Vector3f(gx, gy, -(gx * seen.x() + gy * seen.y()) * inverse);
-  pass.equations.add(row_of(-slope, slope.cross(point), residual),
-                     tukey(residual, kAlignment.intensity_gate) / squared(kAlignment.intensity_sigma));
+  equations.add(row_of(-slope, slope.cross(point), residual),
+                tukey(residual, kAlignment.intensity_gate) / squared(kAlignment.intensity_sigma));
+}
+
+/// By how much the frame is brighter than each keyframe, before it is aligned: cameras adapt their exposure.
+std::vector<float> brightness_over(const Target& target, std::span<const Reference> references,
+                                   const Isometry3d& map_from_camera) {
+  std::vector<float> biases(references.size(), 0.0F);
+  if (target.level.intensity.empty()) return biases;
+  for (size_t i = 0; i < references.size(); ++i) {
+    const Keyframe& keyframe = *references[i].keyframe;
+    const FloatMotion transform(map_from_camera.inverse() * references[i].map_from_keyframe);
+    std::vector<float> differences;
+    cv::Vec3f sample;
+    for (const ModelPoint& model : keyframe.points(std::min(target.number_of_level, keyframe.levels() - 1)))
+      if (!std::isnan(model.intensity) &&
+          sample_intensity(target, target.color_from_depth * (transform * model.position), sample))
+        differences.push_back(sample[0] - model.intensity);
+    if (differences.size() >= kMinDifferences) biases[i] = median(differences);
+  }
+  return biases;
 }
 
 Pass pass_over(const Target& target, std::span<const Reference> references, const Isometry3d& map_from_camera,
-               float bias) {
+               const std::vector<float>& biases) {
   Pass pass;
+  pass.intensities.resize(references.size());
   const bool colored = !target.level.intensity.empty();
-  for (const Reference& reference : references) {
+  for (size_t i = 0; i < references.size(); ++i) {
+    const Reference& reference = references[i];
     const FloatMotion transform(map_from_camera.inverse() * reference.map_from_keyframe);
     const size_t level = std::min(target.number_of_level, reference.keyframe->levels() - 1);
     for (const ModelPoint& model : reference.keyframe->points(level)) {
@@ -181,17 +220,17 @@ Pass pass_over(const Target& target, std::span<const Reference> references, cons
       if (point.z() < 0.1F) continue;
       const Match match = add_depth(target, point, transform.rotation * model.normal, pass);
       if (colored && (match == Match::same || match == Match::unmeasured) && !std::isnan(model.intensity))
-        add_intensity(target, point, model.intensity, bias, pass);
+        add_intensity(target, point, model.intensity, biases[i], pass.equations, pass.intensities[i]);
     }
   }
   pass.equations.close_block();
   return pass;
 }
 
-float bias_of(const Pass& pass, float fallback) {
-  return pass.intensities > 50
-             ? static_cast<float>(pass.intensity_sum / static_cast<double>(pass.intensities))
-             : fallback;
+void update_biases(const Pass& pass, std::vector<float>& biases) {
+  for (size_t i = 0; i < biases.size(); ++i)
+    if (const IntensitySum& sum = pass.intensities[i]; sum.count >= kMinDifferences)
+      biases[i] = static_cast<float>(sum.sum / static_cast<double>(sum.count));
 }
 
 Alignment result_of(const Pass& pass, const Isometry3d& pose) {
@@ -202,8 +241,12 @@ Alignment result_of(const Pass& pass, const Isometry3d& pose) {
   result.compared = pass.compared;
   result.inliers = pass.inliers;
   if (pass.inliers > 0) result.rms = std::sqrt(pass.squares / static_cast<double>(pass.inliers));
-  if (pass.intensities > 0)
-    result.intensity_error = pass.intensity_absolute / static_cast<double>(pass.intensities);
+  IntensitySum all;
+  for (const IntensitySum& sum : pass.intensities) {
+    all.count += sum.count;
+    all.absolute += sum.absolute;
+  }
+  if (all.count > 0) result.intensity_error = all.absolute / static_cast<double>(all.count);
   return result;
 }
 
@@ -285,13 +328,14 @@ std::optional<Matrix6d> Alignment::covariance() const {
 Alignment align(const FrameImages& frame, std::span<const Reference> references, const Isometry3d& guess,
                 const LevelRange& levels, const PosePrior* prior) {
   Isometry3d pose = guess;
-  float bias = 0;
+  const size_t coarsest = std::min(levels.coarsest, frame.levels.size() - 1);
+  std::vector<float> biases = brightness_over(Target(frame, coarsest), references, guess);
   Pass pass;
-  for (size_t level = std::min(levels.coarsest, frame.levels.size() - 1) + 1; level-- > levels.finest;) {
+  for (size_t level = coarsest + 1; level-- > levels.finest;) {
     const Target target(frame, level);
     for (int step = 0; step < kAlignment.max_steps[level]; ++step) {
-      pass = pass_over(target, references, pose, bias);
-      bias = bias_of(pass, bias);
+      pass = pass_over(target, references, pose, biases);
+      update_biases(pass, biases);
       Matrix6d hessian = pass.equations.hessian();
       hessian.diagonal() *= 1 + 1e-6;
       hessian.diagonal().array() += 1e-3;  // Where nothing determines the pose it stays.
@@ -314,8 +358,8 @@ Alignment align(const FrameImages& frame, std::span<const Reference> references,
 
 Alignment compare(const FrameImages& frame, std::span<const Reference> references, const Isometry3d& pose,
                   size_t level) {
-  return result_of(pass_over(Target(frame, std::min(level, frame.levels.size() - 1)), references, pose, 0),
-                   pose);
+  const Target target(frame, std::min(level, frame.levels.size() - 1));
+  return result_of(pass_over(target, references, pose, brightness_over(target, references, pose)), pose);
 }
 
 double overlap(const FrameImages& frame, const Reference& reference, const Isometry3d& map_from_camera) {

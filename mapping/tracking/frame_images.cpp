@@ -77,12 +77,11 @@ cv::Mat inverse_of(const cv::Mat& depth) {
   return inverse;
 }
 
-/// The logarithm of the intensity and its gradient, as three channels: they are interpolated together.
+/// log_intensity() and its gradient, as three channels: they are interpolated together.
 cv::Mat with_gradient(const cv::Mat& gray) {
   static const auto kLogarithm = [] {
     std::array<float, 256> table{};
-    for (size_t i = 0; i < table.size(); ++i)
-      table[i] = kImages.intensity_scale * std::log(1 + static_cast<float>(i) / kImages.intensity_offset);
+    for (size_t i = 0; i < table.size(); ++i) table[i] = log_intensity(static_cast<float>(i));
     return table;
   }();
   cv::Mat blurred;
@@ -114,6 +113,15 @@ int factor_to(int target_width, int width) {
 }
 
 }  // namespace
+
+float log_intensity(float intensity) {
+  return kImages.intensity_scale * std::log(1 + intensity / kImages.intensity_offset);
+}
+
+bool is_saturated(float logarithm) {
+  static const float kSaturated = log_intensity(kImages.saturated);
+  return logarithm >= kSaturated;
+}
 
 PinholeCamera coarser(const PinholeCamera& camera, int factor) {
   const auto f = static_cast<double>(factor);

@@ -58,4 +58,9 @@ bool interpolated(const cv::Mat& image, const Eigen::Vector2f& pixel, Value& val
 /// A camera whose pixels are `factor` times as wide.
 PinholeCamera coarser(const PinholeCamera& camera, int factor);
 
+/// On the logarithmic scale of ImageLevel::intensity.
+float log_intensity(float intensity);
+/// Whether an intensity on that scale says no more than that it is bright.
+bool is_saturated(float logarithm);
+
 }  // namespace loci::mapping::tracking

@@ -40,6 +40,7 @@ void Keyframe::rebuild_points() {
         const Vector3d from_color = color_from_depth_ * position;
         if (!logarithm.empty() && from_color.z() > 0.1)
           interpolated(logarithm, color.project(from_color).cast<float>(), point.intensity);
+        if (is_saturated(point.intensity)) point.intensity = std::numeric_limits<float>::quiet_NaN();
         points_[level].push_back(point);
       }
     }

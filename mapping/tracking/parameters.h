@@ -17,6 +17,7 @@ struct ImageParameters {
   int normal_step = 3;           ///< px; half of the base line of normals on the finest level
   float intensity_offset = 20;   ///< log(1 + I / offset): a gain becomes a shift, dark noise is not blown up
   float intensity_scale = 64;    ///< about 170 values between black and white
+  float saturated = 250;         ///< of 255; how much brighter it is than that is not known
 };
 inline constexpr ImageParameters kImages;
 

@@ -11,6 +11,7 @@
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
 #include "memory/questions/snapshot.h"
+#include "memory/questions/visits.h"
 
 namespace loci::memory {
 
@@ -47,9 +48,9 @@ PlaceContents contents_of(const Snapshot& snapshot, const PlaceRow& place,
   gone.objects.resize(std::min(gone.objects.size(), max_gone));
   for (const Id object : gone.objects) contents.gone.push_back(snapshot.object_belief(object));
   for (auto* list : {&contents.there, &contents.gone}) std::ranges::sort(*list, more_probable);
-  if (const std::optional<VisibilityRow> view = store.last_visibility(place.id, snapshot.as_of())) {
-    contents.last_view = snapshot.scene_ref(view->scene);
-    contents.fraction = view->fraction;
+  if (const std::optional<PlaceLook> look = last_look(snapshot, place)) {
+    contents.last_view = snapshot.scene_ref(look->scene);
+    contents.fraction = look->fraction;
   }
   return contents;
 }

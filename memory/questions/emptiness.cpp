@@ -161,20 +161,24 @@ void write_most(const EmptinessAnswer& answer, const ReplyContext& context, Repl
   reply.evidence.push_back(fmt::format("the fullest of {}", counted(place.looks, "look")));
 }
 
-/// Whether anybody looked.
+/// Whether anybody looked: a view of a corner is no look.
 void write_views(const EmptinessAnswer& answer, const ReplyContext& context, Reply& reply) {
-  const PlaceEmptiness& place = *std::ranges::max_element(
-      answer.places, {}, [](const PlaceEmptiness& one) { return one.views.size(); });
+  const PlaceEmptiness& place = *std::ranges::max_element(answer.places, {}, &PlaceEmptiness::looks);
   reply.places = {place.place.name};
-  reply.verdict = place.views.empty() ? Verdict::no : Verdict::yes;
-  if (place.views.empty()) {
+  if (place.looks > 0) {
+    reply.verdict = Verdict::yes;
+    reply.time = at_once(place.last->time);
+    reply.text = fmt::format("Yes: {} was looked at {}, last at {}.", place.place.name,
+                             place.looks == 1 ? "once" : counted(place.looks, "time"),
+                             context.times.text(place.last->time));
+  } else if (place.views.empty()) {
+    reply.verdict = Verdict::no;
     reply.text = fmt::format("No: nobody looked at {} then.", place.place.name);
-    return;
+  } else {
+    reply.verdict = Verdict::no;
+    reply.text = fmt::format("Hardly: less than half of {} was in view, last at {}.", place.place.name,
+                             context.times.text(place.views.back().time));
   }
-  reply.time = at_once(place.views.back().time);
-  reply.text = fmt::format("Yes: {} was looked at {}, last at {}.", place.place.name,
-                           place.views.size() == 1 ? "once" : counted(place.views.size(), "time"),
-                           context.times.text(place.views.back().time));
 }
 
 }  // namespace

@@ -155,6 +155,10 @@ class Snapshot {
   std::vector<Candidate> of_class(const std::string& word, const std::set<std::string>& meanings,
                                   Among among) const;
   bool is_named(const Candidate& candidate) const;
+  /// Whether one that is named has the word for its name: a can that some views take for a cup is meant by
+  /// "cup" only where there is no cup.
+  bool is_by_verdict(const Candidate& candidate, const std::string& word) const;
+  bool is_by_verdict(Id object, const std::string& word) const;
   const std::vector<Id>& present_candidates() const;
   std::vector<std::string> names_related_to(const std::string& word, bool known) const;
   /// The one that "biggest red" means; unset when no word is a superlative.

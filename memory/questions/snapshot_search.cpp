@@ -259,9 +259,11 @@ std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
   if (found.empty() && word.find(' ') != std::string::npos && places_called(word).empty())
     found = find_named(with_underscores(word));
   const std::vector<std::string> related = names_related_to(word, !found.empty());
+  const bool known = !found.empty();
   for (const std::string& name : related)
     for (const Id id : find_named(name))
-      if (!is_color_word(name) || is_labelled(id, name)) found.push_back(id);
+      if ((!is_color_word(name) || is_labelled(id, name)) && (!known || is_by_verdict(id, name)))
+        found.push_back(id);
   return related.empty() ? found : unique(std::move(found));
 }
 
@@ -315,7 +317,9 @@ bool Snapshot::has_namesake(const std::string& name, Id object,
   };
   try {
     const std::string word = phrase(significant_words(name), 0);
-    const auto named = [&](const Candidate& one) { return one.object == object && is_named(one); };
+    const auto named = [&](const Candidate& one) {
+      return one.object == object && is_named(one) && is_by_verdict(one, word);
+    };
     if (std::ranges::none_of(candidates_named(word, among), named))
       return std::ranges::any_of(find_objects(name), is_other);
     // Where it is called so itself, find_objects() goes no further than to others that are.
@@ -323,7 +327,7 @@ bool Snapshot::has_namesake(const std::string& name, Id object,
     words.push_back(word);
     return std::ranges::any_of(words, [&](const std::string& one) {
       return std::ranges::any_of(candidates_named(one, among), [&](const Candidate& candidate) {
-        return is_other(candidate.object) && is_named(candidate);
+        return is_other(candidate.object) && is_named(candidate) && is_by_verdict(candidate, one);
       });
     });
   } catch (const UnknownName&) {
@@ -345,10 +349,10 @@ std::vector<Id> Snapshot::present_objects() const {
 const std::vector<Id>& Snapshot::find_named(const std::string& word) const {
   const auto known = reads_->named.find(word);
   if (known != reads_->named.end()) return known->second;
-  std::vector<Id> found;
+  std::vector<Id> found, perhaps;
   for (const Candidate& candidate : candidates_named(word))
-    if (is_named(candidate)) found.push_back(candidate.object);
-  return reads_->named[word] = unique(std::move(found));
+    if (is_named(candidate)) (is_by_verdict(candidate, word) ? found : perhaps).push_back(candidate.object);
+  return reads_->named[word] = unique(found.empty() ? std::move(perhaps) : std::move(found));
 }
 
 bool Snapshot::is_named(const Candidate& candidate) const {
@@ -356,6 +360,18 @@ bool Snapshot::is_named(const Candidate& candidate) const {
   if (candidate.class_name.empty()) return true;
   const std::optional<ClassVerdict>& verdict = class_verdict(candidate.object);
   return verdict && verdict->calls_it(candidate.class_name);
+}
+
+bool Snapshot::is_by_verdict(Id object, const std::string& word) const {
+  return std::ranges::any_of(candidates_named(word), [&](const Candidate& candidate) {
+    return candidate.object == object && is_by_verdict(candidate, word);
+  });
+}
+
+bool Snapshot::is_by_verdict(const Candidate& candidate, const std::string& word) const {
+  if (candidate.class_name.empty()) return true;
+  const std::string name = lower_case(class_verdict(candidate.object)->name);
+  return name == lower_case(candidate.class_name) || reads_->taxonomy.meanings(word).contains(name);
 }
 
 const std::vector<Snapshot::Candidate>& Snapshot::candidates_named(const std::string& word,

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "memory/store/store.h"
+#include "memory/questions/snapshot.h"
 
 namespace loci::memory {
 
@@ -8,16 +8,16 @@ namespace loci::memory {
 inline constexpr TimeNs kVisitGap = 600 * kSecond;
 
 /// The first scene of the visit that ends with the last scene as of a time; unset without a scene.
-inline std::optional<TimeNs> last_visit_begin(const Store& store, const AsOf& as_of) {
-  const std::optional<SceneRow> last = store.latest_scene(as_of);
-  if (!last) return std::nullopt;
-  TimeNs begin = last->time;
-  while (true) {
-    const std::vector<SceneRow> before =
-        store.scenes({.known_at = as_of.known_at}, begin - kVisitGap, begin - 1);
-    if (before.empty()) return begin;
-    begin = before.front().time;
-  }
-}
+std::optional<TimeNs> last_visit_begin(const Store& store, const AsOf& as_of);
+
+/// What the views of one visit saw of a place, taken together.
+struct PlaceLook {
+  TimeNs from = 0, to = 0;              ///< the views that are counted
+  Id scene = 0;                         ///< the last of them
+  std::optional<double> fraction = {};  ///< of the place; unset where no view states it
+};
+/// The last visit that saw at least `min_fraction` of a place as of the moment of the snapshot; unset without
+/// one.
+std::optional<PlaceLook> last_look(const Snapshot& snapshot, const PlaceRow& place, double min_fraction = 0);
 
 }  // namespace loci::memory

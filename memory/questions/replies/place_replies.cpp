@@ -13,6 +13,7 @@
 #include "memory/questions/near.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
+#include "memory/questions/visits.h"
 
 namespace loci::memory {
 
@@ -244,23 +245,36 @@ void why_not_there(const ContentsAnswer& answer, const Contents& contents, const
                                  adverb(object.probability), spot_in_words(object.place, object.position));
 }
 
-void last_look(const Contents& contents, const ReplyContext& context, Reply& reply) {
-  reply.not_known = contents.seen_last == nullptr;
-  if (reply.not_known) {
+/// When the places were looked at last: at least half of one of them, or the little that was seen of it.
+void write_last_look(const ContentsAnswer& answer, const Contents& contents, const ReplyContext& context,
+                     Reply& reply) {
+  const Snapshot snapshot(context.store, context.as_of);
+  std::optional<PlaceLook> last;
+  std::string place;
+  for (const double min_fraction : {kMinSeenFraction, 0.0}) {
+    for (const PlaceRow& one : snapshot.find_places(answer.asked))
+      if (const auto look = last_look(snapshot, one, min_fraction); look && (!last || look->to > last->to)) {
+        last = look;
+        place = name_in_words(one.name);
+      }
+    if (last) break;
+  }
+  reply.not_known = !last;
+  if (!last) {
     reply.text = fmt::format("Nobody looked {} yet.", contents.where);
     return;
   }
-  const TimeNs time = contents.seen_last->last_view->time;
-  reply.time = at_once(time);
-  std::string when = "At " + context.times.text(time);
+  reply.time = at_once(last->to);
+  std::string when = "At " + context.times.text(last->to);
   if (context.query.asks == Asks::ago) {
     const auto latest = context.store.latest_scene(context.as_of);
-    reply.duration = std::max<TimeNs>(0, (latest ? latest->time : time) - time);
+    reply.duration = std::max<TimeNs>(0, (latest ? latest->time : last->to) - last->to);
     const std::string elapsed = duration_text(*reply.duration);
-    when = elapsed.empty() ? "Just now" : fmt::format("{} ago, at {}", elapsed, context.times.text(time));
+    when = elapsed.empty() ? "Just now" : fmt::format("{} ago, at {}", elapsed, context.times.text(last->to));
   }
-  reply.text =
-      fmt::format("{}: {} was last looked at then.", when, name_in_words(contents.seen_last->place.name));
+  const bool partly = last->fraction && *last->fraction < kMinSeenFraction;
+  reply.text = fmt::format("{}: {} was last looked at then{}.", when, place,
+                           partly ? fmt::format(", {:.0f} % of it", 100 * *last->fraction) : "");
 }
 
 /// What is there, or how many.
@@ -329,7 +343,7 @@ void write_reply(const ContentsAnswer& answer, const ReplyContext& context, Repl
       break;
     case Asks::last_time:
     case Asks::ago:
-      last_look(contents, context, reply);
+      write_last_look(answer, contents, context, reply);
       break;
     default:
       write_list(answer, contents, names_of(contents.sure, names), context, reply);

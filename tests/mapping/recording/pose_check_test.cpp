@@ -47,6 +47,24 @@ TEST_F(PoseCheck, TheCauseOfPosesThatDoNotFitIsNamed) {
                 pose.linear() = Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()).toRotationMatrix();
               })).text(),
               HasSubstr("qw before qx qy qz"));
+  EXPECT_THAT(check_poses(*with([](Isometry3d& pose) {
+                const Eigen::Matrix3d camera_from_body{{0, -1, 0}, {0, 0, -1}, {1, 0, 0}};
+                pose.linear() = pose.linear() * camera_from_body;
+              })).text(),
+              HasSubstr("of a body with x forward and z up"));
+}
+
+TEST_F(PoseCheck, TheCauseIsNamedAlsoWherePosesWereTurnedUpright) {
+  const Isometry3d turn(Eigen::AngleAxisd(1.2, Vector3d(0.8, 0, 0.6)));
+  EXPECT_THAT(
+      check_poses(*in_frame(with([](Isometry3d& pose) { pose = pose.inverse(); }), turn, "map")).text(),
+      HasSubstr("if they are from the world to the camera"));
+}
+
+TEST_F(PoseCheck, TheUnitOfDepthIsNamedWithTheKeyOfTheLayout) {
+  const std::string text = check_poses(*with([](Isometry3d& pose) { pose.translation() *= 0.25; })).text();
+  EXPECT_THAT(text, HasSubstr("depth is 1/4 of what is read"));
+  EXPECT_THAT(text, HasSubstr("unit_m: 0.00025"));
 }
 
 TEST_F(PoseCheck, LatePosesOfAVideoAreNamedWithTheirDelay) {

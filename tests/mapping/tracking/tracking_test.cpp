@@ -78,7 +78,8 @@ class Room : public Recording {
         const Isometry3d eye = poses_[i] * info_.camera.depth_from_color;
         const Vector3d ray = camera.unproject(u, v, 1);
         const double value = texture(eye * Vector3d(ray * depth_along(i, eye, ray))) + random.normal(2);
-        frame.color.at<cv::Vec3b>(v, u) = cv::Vec3b::all(static_cast<uint8_t>(value));
+        frame.color.at<cv::Vec3b>(v, u) =
+            cv::Vec3b::all(static_cast<uint8_t>(std::min(255.0, exposure_(i) * value)));
       }
     return frame;
   }
@@ -94,6 +95,7 @@ class Room : public Recording {
   bool textured_ = true;
   bool only_wall_ = false;
   double distortion_ = 0;  // of depth, times z².
+  std::function<double(size_t)> exposure_ = [](size_t) { return 1.0; };
   std::set<size_t> blind_;
   std::function<std::optional<Isometry3d>(const Isometry3d&, size_t)> given_;
 
@@ -167,6 +169,14 @@ TEST(Tracking, FollowsAWalkThroughARoom) {
   EXPECT_GT(result.keyframes, 1U);
   EXPECT_FALSE(result.still);
   EXPECT_THAT(result.summary(), HasSubstr("60 of 60 frames tracked"));
+}
+
+TEST(Tracking, CamerasAdaptTheirExposure) {
+  Room room(walk(60));
+  room.exposure_ = [](size_t i) { return i < 20 ? 1.0 : i < 40 ? 0.45 : 1.7; };
+  const TrackingResult result = tracked(room);
+  EXPECT_EQ(result.good(), 60U);
+  EXPECT_LT(max_error(room, result), 0.01);
 }
 
 TEST(Tracking, FastMotionStartsFromFeatures) {
