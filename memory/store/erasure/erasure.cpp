@@ -67,12 +67,26 @@ ForgetResult Eraser::erase(const ReasoningFilter& filter) {
   return std::move(result_);
 }
 
-void Eraser::replace_superseded() {
+std::set<Id> Eraser::replace_superseded() {
   ErasureTables tables(db_);
   for (const char* table : {"event", "belief"}) replace_superseded_rows(table);
   replace_visibility();
+  std::set<Id> emptied = hand_over_emptied_objects();
+  db_.statements.clear();
   derive_tables(database_);
   tables.restore();
+  return emptied;
+}
+
+std::set<Id> Eraser::hand_over_emptied_objects() {
+  std::set<Id> emptied;
+  for (const Id object :
+       db_.values<Id>("SELECT id FROM object WHERE id NOT IN (SELECT object FROM belief)")) {
+    emptied.insert(object);
+    if (const std::optional<Id> other = store_.object_instead_of(object))
+      change("UPDATE fact SET object = ?1 WHERE object = ?2;", {sql(*other), sql(object)});
+  }
+  return emptied;
 }
 
 void Eraser::replace_superseded_rows(const std::string& table) {

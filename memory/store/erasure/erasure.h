@@ -21,8 +21,9 @@ class Eraser {
   Eraser(Store& store, Store::Connection& db, Targets targets, Id run)
       : store_(store), db_(db), database_(*db.database), targets_(std::move(targets)), run_(run) {}
   ForgetResult erase(const ReasoningFilter& filter);
-  /// Rows of the run, which reasoned anew, take the place of those that they supersede.
-  void replace_superseded();
+  /// Rows of the run, which reasoned anew, take the place of those that they supersede. Objects of which
+  /// nothing is left then; what people stated of them is of those that they turned out to be.
+  std::set<Id> replace_superseded();
 
   /// Of what was erased, before.
   const std::vector<std::string>& identities() const { return identities_; }
@@ -89,6 +90,7 @@ class Eraser {
 
   void replace_superseded_rows(const std::string& table);
   void replace_visibility();
+  std::set<Id> hand_over_emptied_objects();
 
   // ---- Objects of which some observations remain.
   void restore_remaining_objects();

@@ -174,7 +174,8 @@ void Store::replace_forgotten(Id run) {
   auto& db = *connection_;
   db.require_writable();
   erasing(db, [&] {
-    Eraser(*this, db, {}, run).replace_superseded();
+    const std::set<Id> emptied = Eraser(*this, db, {}, run).replace_superseded();
+    if (!emptied.empty()) Eraser(*this, db, {.objects = emptied}, run).erase({});
     return true;
   });
 }
