@@ -36,7 +36,21 @@ QSize parse_size(const std::string& text) {
   std::smatch match;
   if (!std::regex_match(text, match, std::regex(R"((\d{3,5})x(\d{3,5}))")))
     throw Error("--size '" + text + "' is no size in pixels", {}, "write it as 1280x800");
-  return {std::stoi(match[1]), std::stoi(match[2])};
+  constexpr int kMaxSide = 8192;  // of what graphics drivers draw
+  const QSize size(std::stoi(match[1]), std::stoi(match[2]));
+  if (std::max(size.width(), size.height()) > kMaxSide)
+    throw Error("--size '" + text + "' is too large", {},
+                "images have up to " + std::to_string(kMaxSide) + " pixels a side");
+  return size;
+}
+
+/// Error where the parts of the window took more room.
+void check_size(const MainWindow& window, const QSize& wished) {
+  const QSize size = window.size();
+  if (size != wished)
+    throw Error("--size is too small for the window", {},
+                "give " + std::to_string(size.width()) + "x" + std::to_string(size.height()) +
+                    " or more, or --view map");
 }
 
 /// Images are drawn in memory where that is possible; a screen is the fallback. Error when neither
@@ -95,8 +109,10 @@ struct Target {
 Target find_target(const OpenMemory& data, const BrowseOptions& options) {
   Target target;
   if (!options.at.empty()) target.time = data.time_of(options.at);
-  if (!options.beside.empty() && !std::filesystem::exists(options.beside))
+  if (!options.beside.empty() && !std::filesystem::exists(options.beside)) {
+    if (options.beside.ends_with(".loci")) throw Error("no such memory", {options.beside, 0, {}});
     target.beside = data.time_of(options.beside);
+  }
   if (options.select.empty() || data.scenes().empty()) return target;
   target.found = data.find(options.select, target.time.value_or(data.scenes().back().time));
   return target;
@@ -156,6 +172,7 @@ void write_image(MainWindow& window, const BrowseOptions& options) {
   for (const std::string& name : options.hide) window.map().set_layer(layer_of(name), false);
   window.show();
   settle();
+  if (options.view != "map") check_size(window, parse_size(options.size));
   window.map().look_from(MapViewpoint::overview);  // what came first must not decide the view
   run_actions(window, options);                    // a viewpoint is of what is shown
   settle();

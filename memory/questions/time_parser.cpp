@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <chrono>
 #include <initializer_list>
 #include <vector>
 
@@ -77,6 +78,29 @@ std::optional<TimeSpan> part_of_day(const std::string& word) {
   for (const Part& part : parts)
     if (word == part.name) return TimeSpan{part.first, part.end - 1};
   return std::nullopt;
+}
+
+/// "october", "oct", "sept": 1 to 12.
+std::optional<unsigned> month_of(const std::string& word) {
+  static const std::array<std::string, 12> names = {"january",   "february", "march",    "april",
+                                                    "may",       "june",     "july",     "august",
+                                                    "september", "october",  "november", "december"};
+  for (unsigned i = 0; i < names.size(); ++i)
+    if (word == names[i] || word == names[i].substr(0, 3)) return i + 1;
+  return word == "sept" ? std::optional(9U) : std::nullopt;
+}
+
+/// "25", "25th": 1 to 31.
+std::optional<unsigned> day_of_month(std::string word) {
+  for (const char* ending : {"st", "nd", "rd", "th"})
+    if (word.size() > 2 && is_digit(word[0]) && word.ends_with(ending)) word.resize(word.size() - 2);
+  const auto number = word.size() <= 2 ? number_of(word) : std::nullopt;
+  return number && *number >= 1 && *number <= 31 ? std::optional(static_cast<unsigned>(*number))
+                                                 : std::nullopt;
+}
+
+TimeNs midnight_of(const std::chrono::year_month_day& date) {
+  return std::chrono::sys_days(date).time_since_epoch().count() * kDay;
 }
 
 bool is_date(const std::string& word) {
@@ -207,6 +231,7 @@ class TimePhrase {
         return std::nullopt;
       }
     }
+    if (const auto date = read_date()) return date;
     const bool last = word() == "last";
     const auto day = weekday_of(word(last ? 1 : 0));
     if (!day) return std::nullopt;
@@ -214,6 +239,25 @@ class TimePhrase {
     int back = (local_weekday(midnight_, TimeZone()) - *day + 7) % 7;
     if (last && back == 0) back = 7;
     return midnight_ - back * kDay;
+  }
+
+  /// "25 October", "October 25th, 2026", "the 25th of October"; without a year the last one.
+  std::optional<TimeNs> read_date() {
+    size_t at = word() == "the" ? 1 : 0;
+    const bool month_first = month_of(word(at)).has_value();
+    const auto day = day_of_month(word(month_first ? at + 1 : at));
+    const size_t of = !month_first && word(at + 1) == "of" ? 1 : 0;
+    const auto month = month_of(word(month_first ? at : at + 1 + of));
+    if (!day || !month) return std::nullopt;
+    at += 2 + of;
+    const auto given = word(at).size() == 4 ? number_of(word(at)) : std::nullopt;
+    const std::chrono::year_month_day today(std::chrono::sys_days(std::chrono::days(midnight_ / kDay)));
+    std::chrono::year_month_day date(given ? std::chrono::year(*given) : today.year(),
+                                     std::chrono::month(*month), std::chrono::day(*day));
+    if (!given && date > today) date -= std::chrono::years(1);
+    if (!date.ok()) return std::nullopt;
+    next_ += at + (given ? 1 : 0);
+    return midnight_of(date);
   }
 
   std::optional<TimeSpan> read_time_of_day() {
@@ -307,10 +351,10 @@ TimeReader::TimeReader(const Store& store) : last_scene_(0), zone_(store.time_zo
 TimeSpan TimeReader::read(std::string_view text) const {
   const auto span = try_read(text);
   if (!span)
-    throw Error(
-        fmt::format("'{}' is not a time", text), {},
-        "write 2026-05-01T08:30:00Z, 2026-05-01 08:30, 08:30, yesterday 9:00, this morning, last Monday at "
-        "nine, or 20 minutes ago");
+    throw Error(fmt::format("'{}' is not a time", text), {},
+                "write 2026-05-01T08:30:00Z, 2026-05-01 08:30, 08:30, 1 May at 9:00, yesterday 9:00, this "
+                "morning, last Monday at "
+                "nine, or 20 minutes ago");
   return *span;
 }
 

@@ -104,6 +104,18 @@ TEST_F(BrowseProgram, ViewpointsOfTheMenusAreInTheImage) {
   }
 }
 
+TEST_F(BrowseProgram, SizesThatDoNotGoAreRefused) {
+  const auto refused = [&](const std::string& options) {
+    const Ran ran = run(memory + " --screenshot " + out("a.png") + " " + options);
+    EXPECT_EQ(ran.code, 1) << options;
+    EXPECT_FALSE(std::filesystem::exists(out("a.png"))) << options;
+    return ran.error;
+  };
+  EXPECT_NE(refused("--size 200x150").find("too small for the window"), std::string::npos);
+  EXPECT_NE(refused("--size 30000x20000").find("too large"), std::string::npos);
+  EXPECT_NE(refused("--beside none.loci").find("no such memory"), std::string::npos);
+}
+
 TEST_F(BrowseProgram, AnImageOfTheMapHasTheWishedSize) {
   for (const QSize& size : {QSize(1600, 1000), QSize(400, 300), QSize(200, 120)}) {
     const std::string wished = std::to_string(size.width()) + "x" + std::to_string(size.height());

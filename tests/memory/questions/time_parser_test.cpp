@@ -62,6 +62,16 @@ TEST(PeopleTime, ReadsTimesInWords) {
   expect_span("half an hour ago", "2026-05-01T08:00:00Z", "2026-05-01T08:00:00Z");
 }
 
+TEST(PeopleTime, ReadsDates) {
+  expect_span("29 April", "2026-04-28T22:00:00Z", "2026-04-29T21:59:59.999999999Z");
+  expect_span("on April 29th at nine", "2026-04-29T07:00:00Z", "2026-04-29T07:00:59.999999999Z");
+  expect_span("the 29th of april", "2026-04-28T22:00:00Z", "2026-04-29T21:59:59.999999999Z");
+  expect_span("3 Dec 2024", "2024-12-02T22:00:00Z", "2024-12-03T21:59:59.999999999Z");
+  expect_span("2 May", "2025-05-01T22:00:00Z", "2025-05-02T21:59:59.999999999Z");  // tomorrow, or last year's
+  EXPECT_FALSE(kReader.try_read("31 June"));
+  EXPECT_FALSE(kReader.try_read("42 May"));
+}
+
 TEST(PeopleTime, AnHourBeforeTheMemoryBeganIsInTheAfternoon) {
   const TimeReader reader(parse_time("2026-05-01T20:30:00Z"), TimeZone::fixed(0),
                           parse_time("2026-05-01T07:10:00Z"));
