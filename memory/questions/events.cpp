@@ -164,18 +164,28 @@ ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
   };
   // "What came at half past nine?" asks for what the look at that time showed.
   const bool of_moment = !question.from || (question.to && *question.to - *question.from <= kMinute);
-  for (const EventRow& event : store.events(question.as_of, question.from, question.to)) {
-    if (!question.subject.empty() && !is_one_of(objects, event.object)) continue;
-    const bool at_place = is_one_of(places, event.place) || is_one_of(places, event.from_place) ||
-                          (event.joint && joints.contains(*event.joint));
-    if (!question.place.empty() && !at_place) continue;
-    const Change change = snapshot.change(event);
-    if (!of_moment && is_before(change, *question.from)) continue;
-    if (is_of_kind(change, question.kind, places) && (question.other.empty() || is_between(change)) &&
-        (question.kind != "new" || is_still_there(change)))
-      answer.changes.push_back(change);
-  }
+  const auto seen_between = [&](std::optional<TimeNs> from, std::optional<TimeNs> to) {
+    std::vector<Change> changes;
+    for (const EventRow& event : store.events(question.as_of, from, to)) {
+      if (!question.subject.empty() && !is_one_of(objects, event.object)) continue;
+      const bool at_place = is_one_of(places, event.place) || is_one_of(places, event.from_place) ||
+                            (event.joint && joints.contains(*event.joint));
+      if (!question.place.empty() && !at_place) continue;
+      const Change change = snapshot.change(event);
+      if (!of_moment && is_before(change, *question.from)) continue;
+      if (is_of_kind(change, question.kind, places) && (question.other.empty() || is_between(change)) &&
+          (question.kind != "new" || is_still_there(change)))
+        changes.push_back(change);
+    }
+    return changes;
+  };
+  answer.changes = seen_between(question.from, question.to);
   if (question.min_times > 1) keep_repeated(answer.changes, question.min_times);
+  if (answer.changes.empty() && question.to && !of_moment) {
+    answer.perhaps = seen_between(*question.to + 1, *question.to + kDay);
+    std::erase_if(answer.perhaps,
+                  [&](const Change& change) { return !change.since || *change.since >= *question.to; });
+  }
   return answer;
 }
 

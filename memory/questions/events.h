@@ -30,6 +30,9 @@ struct ChangesQuestion {
 struct ChangesAnswer {
   std::optional<TimeNs> from = {}, to = {};
   std::vector<Change> changes = {};
+  /// Where there are none: those that the first look after the period showed, within a day, and which may
+  /// have happened in it.
+  std::vector<Change> perhaps = {};
 };
 /// Error that lists the kinds for an unknown one.
 ChangesAnswer ask(const Store& store, const ChangesQuestion& question);

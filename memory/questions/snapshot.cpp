@@ -248,6 +248,10 @@ Change Snapshot::change(const EventRow& event) const {
   change.from_joint_position = event.from_joint_position;
   change.probability = event.probability;
   change.scene = scene_ref(event.scene);
+  // What appeared is believed from a later look on, which need not have seen it.
+  if (change.scene && change.scene->time != change.time)
+    if (const std::vector<SceneRow> then = store_.scenes(as_of_, change.time, change.time); !then.empty())
+      change.scene = scene_ref(then.front());
   change.source = event.clock.source;
   return change;
 }

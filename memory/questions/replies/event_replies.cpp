@@ -153,6 +153,13 @@ std::string gone_note(const ReplyContext& context, const Snapshot& snapshot) {
   return gone ? "; it has gone" : "";
 }
 
+void not_observed_whether(const Change& change, const std::string& what, const TimeWriter& times,
+                          Reply& reply) {
+  reply.verdict = Verdict::not_observed;
+  reply.text = fmt::format("Not observed whether then: {} between {} and {}.", what,
+                           times.text(*change.since), times.text(change.time));
+}
+
 void no_changes(const ChangesAnswer& answer, const Snapshot& snapshot, const ReplyContext& context,
                 Reply& reply) {
   const std::string text = none_text(context.query);
@@ -164,6 +171,11 @@ void no_changes(const ChangesAnswer& answer, const Snapshot& snapshot, const Rep
   }
   switch (context.query.asks) {
     case Asks::verdict:
+      if (!answer.perhaps.empty()) {
+        const Change& first = answer.perhaps.front();
+        not_observed_whether(first, happened(first, Names(snapshot)), context.times, reply);
+        break;
+      }
       reply.verdict = Verdict::no;
       reply.text = fmt::format("No: {} then.", text);
       break;
@@ -346,9 +358,7 @@ void whether_changed(const ChangesAnswer& answer, const Names& names, const Repl
     reply.verdict = Verdict::yes;
     reply.text = fmt::format("Yes: {} by {}.", what, context.times.text(last.time));
   } else {
-    reply.verdict = Verdict::not_observed;
-    reply.text = fmt::format("Not observed whether then: {} between {} and {}.", what,
-                             context.times.text(*last.since), context.times.text(last.time));
+    not_observed_whether(last, what, context.times, reply);
   }
 }
 
