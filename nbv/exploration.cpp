@@ -26,11 +26,11 @@ constexpr double kReinsertShift = 0.5;
 constexpr double kMaxPath = 5, kStage = 3.5;
 
 Json to_json(const mapping::PlanarPose& pose) {
-  return {pose.x, pose.y, pose.yaw * 180 / kPi};
+  return {pose.x, pose.y, pose.yaw / kDegree};
 }
 
 mapping::PlanarPose planar_from(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>() * kPi / 180};
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>() * kDegree};
 }
 
 Json to_json(const ExplorationStep& step, size_t index, bool registered, const Json& robot) {

@@ -166,7 +166,7 @@ std::vector<ViewImage> view_images(const ViewPlan& plan, const mapping::PlanarPo
   images.push_back({"costs_occupied", "C_O, all orientations: dark = many; obstacles in blue",
                     cost_image(plan, summed(plan.occupied_costs), robot)});
   for (size_t layer = 0; layer < plan.costs.layers.size(); ++layer) {
-    const int degrees = static_cast<int>(std::lround(plan.costs.yaw(layer) * 180 / kPi));
+    const int degrees = static_cast<int>(std::lround(plan.costs.yaw(layer) / kDegree));
     images.push_back({fmt::format("costs_{:03}", degrees),
                       fmt::format("C for poses that look along {}°", degrees),
                       cost_image(plan, plan.costs.layers[layer], robot)});

@@ -11,6 +11,7 @@
 #include "mapping/base/stopwatch.h"
 #include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
+#include "mapping/interpretation/furniture/prior_joints.h"
 
 namespace loci::nbv {
 namespace {
@@ -213,11 +214,8 @@ Vector2d in_plane(const mapping::Front& front, const Vector3d& direction) {
 bool has_bar_in_line(const mapping::Front& front, const mapping::Front& other) {
   constexpr double kMaxGap = 0.03;     // m, between fronts: more than any seam
   constexpr double kMaxOffset = 0.02;  // m, across: bar and front are found to a centimetre each
-  const auto is_level = [](const mapping::Front& one) {
-    return one.fixture && one.fixture->kind == mapping::Fixture::Kind::handle &&
-           std::abs(one.fixture->axis.dot(one.right())) > std::sqrt(0.5);
-  };
-  if (!is_level(front) || !is_level(other) || front.normal.dot(other.normal) < std::sqrt(0.5)) return false;
+  if (!front.has_level_bar() || !other.has_level_bar() || front.normal.dot(other.normal) < std::sqrt(0.5))
+    return false;
   const Vector3d off = other.centre - front.centre, bars = other.fixture->centre - front.fixture->centre;
   const double gap = std::abs(off.dot(front.right())) - (front.width + other.width) / 2;
   return std::abs(gap) < kMaxGap && std::abs(off.dot(front.normal)) < kMaxOffset &&
@@ -256,8 +254,9 @@ bool disproved(const mapping::Front& front) {
 void learn(const Interaction& interaction, mapping::Front& front) {
   if (!interaction.held) {
     front.fixture.reset();  // The hand closed on nothing.
-    front.joint = joint_prior(front);
-    front.class_name = front_class(front, *front.joint);
+    front.joint.reset();
+    front.class_name = "front";
+    set_prior_joint(front);
     front.evidence["pulled"] = interaction.difference.reason;
     return;
   }

@@ -139,7 +139,7 @@ std::string answer_text(const mapping::RegistrationResult& result) {
                         pair.trusted ? "trusted" : "refused", pair.reason);
   for (size_t i = 0; i < result.names.size(); ++i) {
     const Vector3d position = result.map_from_scan[i].translation();
-    const Vector3d rpy = rpy_from_rotation(result.map_from_scan[i].linear()) * 180 / kPi;
+    const Vector3d rpy = rpy_from_rotation(result.map_from_scan[i].linear()) / kDegree;
     text += fmt::format("  {}: x {:.3f} y {:.3f} z {:.3f} m, roll {:.2f} pitch {:.2f} yaw {:.2f} deg{}\n",
                         result.names[i], position.x(), position.y(), position.z(), rpy.x(), rpy.y(), rpy.z(),
                         result.connected[i] ? "" : " (by odometry only)");

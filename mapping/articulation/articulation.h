@@ -19,6 +19,10 @@ namespace loci::mapping {
 /// on the other side). A known `front.appliance` counts (an oven has a flap).
 JointEstimate joint_prior(const Front& front);
 
+/// The same with the most probable mounting of a given type, which something else shows; the probabilities
+/// are those of the shape.
+JointEstimate joint_prior(const Front& front, ArticulationType type);
+
 /// Log density of fronts of this size with this fixture over all mountings, up to a constant: compares
 /// possible rectangles around a handle.
 double front_log_likelihood(const Front& front);

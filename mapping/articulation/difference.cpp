@@ -102,7 +102,7 @@ double ObservedFreeSpace::share_free(const std::vector<Vector3d>& points) const 
 
 /// Points of a scan set within reach of a front, map frame.
 std::vector<Vector3d> points_near(const ScanSet& set, const Front& front) {
-  const double reach = std::max({front.width, front.height, front.depth}) + 0.15;
+  const double reach = std::max({front.width, front.height, front.depth}) + kFaceMotion.beside_m;
   std::vector<Vector3d> points;
   for (const Scan& scan : set.scans)
     for (const ScanPoint& point : scan.points) {
@@ -110,7 +110,8 @@ std::vector<Vector3d> points_near(const ScanSet& set, const Front& front) {
       const Vector3d p = scan.map_from_scan * point.position.cast<double>();
       const Vector3d off = p - front.centre;
       const double out = off.dot(front.normal);
-      if (out > -0.1 && out < reach && std::abs(off.dot(front.right())) < 0.5 * front.width + reach &&
+      if (out > -kFaceMotion.before_m && out < reach &&
+          std::abs(off.dot(front.right())) < 0.5 * front.width + reach &&
           std::abs(off.dot(front.up)) < 0.5 * front.height + reach)
         points.push_back(p);
     }
@@ -133,10 +134,11 @@ std::array<double, 3> type_probabilities(const Front& front, const TrackResult* 
                                          const std::array<double, 3>& support) {
   std::array<double, 3> logs = joint_prior(front).probabilities;
   for (size_t i = 0; i < 3; ++i) {
-    logs[i] = std::log(std::max(logs[i], 1e-4)) +
+    logs[i] = std::log(std::max(logs[i], kFaceMotion.min_probability)) +
               kFaceMotion.independent_cells * std::log(std::max(support[i], kFaceMotion.min_support));
     if (hand)
-      logs[i] += std::log((1 - hand->unknown_probability) * std::max(hand->estimate.probabilities[i], 1e-4) +
+      logs[i] += std::log((1 - hand->unknown_probability) *
+                              std::max(hand->estimate.probabilities[i], kFaceMotion.min_probability) +
                           hand->unknown_probability / 3);
   }
   const double largest = *std::max_element(logs.begin(), logs.end());
@@ -178,10 +180,11 @@ Front corrected_front(const Front& front, const FittedPlane& closed, const Moved
   corrected.centre = front.centre - closed.normal * closed.distance(front.centre);
   std::array<std::vector<double>, 2> places;
   for (const Vector3d& p : moved) {
-    if (std::abs(found.open.distance(p)) > 0.02) continue;
+    if (std::abs(found.open.distance(p)) > kFaceMotion.inlier_m) continue;
     const Vector3d off = closed_from_moved * p - corrected.centre;
     const Vector2d place(off.dot(corrected.right()), off.dot(corrected.up));
-    if (std::abs(place.x()) > 0.5 * front.width + 0.3 || std::abs(place.y()) > 0.5 * front.height + 0.3)
+    if (std::abs(place.x()) > 0.5 * front.width + kOutline.beyond_m ||
+        std::abs(place.y()) > 0.5 * front.height + kOutline.beyond_m)
       continue;
     // Near the closed plane, neighbouring fronts lie in it, too.
     if (std::abs(closed.distance(p)) < tolerance) continue;
@@ -197,21 +200,23 @@ Front corrected_front(const Front& front, const FittedPlane& closed, const Moved
     const Vector3d across = k == 0 ? corrected.up : corrected.right();
     for (size_t side = 0; side < 2; ++side) {
       const double sign = side == 0 ? -1 : 1;
-      if (found.motion.type == ArticulationType::revolute && std::abs(found.motion.axis.dot(across)) > 0.7) {
+      if (found.motion.type == ArticulationType::revolute &&
+          std::abs(found.motion.axis.dot(across)) > std::sqrt(0.5)) {
         // The edge at the hinge hardly moved: it is at the hinge.
         const double hinge = (found.motion.origin - corrected.centre).dot(direction);
-        if (sign * (hinge - edges[k][side]) > -0.02 && sign * (hinge - edges[k][side]) < 0.12) {
+        const double beyond = sign * (hinge - edges[k][side]);
+        if (beyond > -kOutline.before_hinge_m && beyond < kOutline.behind_hinge_m) {
           edges[k][side] = hinge;
           continue;
         }
       }
-      if (sign * edges[k][side] > half[k] - 0.015) continue;
+      if (sign * edges[k][side] > half[k] - kOutline.min_inward_m) continue;
       std::vector<Vector3d> strip;
-      for (double at = std::abs(edges[k][side]) + 0.01; at < half[k]; at += 0.01)
+      for (double at = std::abs(edges[k][side]) + kOutline.cell_m; at < half[k]; at += kOutline.cell_m)
         for (double u = -0.4; u <= 0.4; u += 0.1)
           strip.push_back(moved_from_closed *
                           (corrected.centre + sign * at * direction + 2 * u * half[1 - k] * across));
-      if (seen.share_free(strip) < 0.5) edges[k][side] = sign * half[k];
+      if (seen.share_free(strip) < kOutline.min_seen_past) edges[k][side] = sign * half[k];
     }
   }
   corrected.width = edges[0][1] - edges[0][0];
@@ -227,7 +232,7 @@ bool is_plausible_hinge(const Motion& hinge, const Front& front) {
   if (hinge.type != ArticulationType::revolute) return true;
   const double extent = std::hypot(front.width * hinge.axis.cross(front.right()).norm(),
                                    front.height * hinge.axis.cross(front.up).norm());
-  return hinge.axis.cross(front.centre - hinge.origin).norm() < 1.5 * extent;
+  return hinge.axis.cross(front.centre - hinge.origin).norm() < kOutline.max_hinge * extent;
 }
 
 /// Limits are the usual ones, extended to the position that was reached.

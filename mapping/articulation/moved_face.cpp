@@ -78,14 +78,15 @@ std::optional<FittedPlane> find_plane(const std::vector<Vector3d>& points,
 }
 
 std::array<double, 2> interval_of(const std::vector<double>& positions) {
-  const double cell = 0.01;
+  const double cell = kOutline.cell_m;
   const auto [low, high] = std::minmax_element(positions.begin(), positions.end());
   const size_t cells = static_cast<size_t>((*high - *low) / cell) + 1;
   std::vector<double> counts(cells, 0);
   for (const double position : positions) counts[static_cast<size_t>((position - *low) / cell)] += 1;
   std::vector<double> sorted = counts;
   std::sort(sorted.begin(), sorted.end());
-  const double usual = sorted[sorted.size() * 6 / 10], half = 0.5 * usual;
+  const double usual = sorted[static_cast<size_t>(kOutline.usual_rank * static_cast<double>(sorted.size()))],
+               half = 0.5 * usual;
   // Two neighbouring cells must be covered, so that a mixed return does not move an edge.
   size_t first = 0, last = cells - 1;
   while (first + 1 < cells && (counts[first] < half || counts[first + 1] < half)) ++first;
@@ -216,10 +217,11 @@ FittedPlane panel_face(const MovedFace& face, const std::vector<Vector3d>& moved
 FittedPlane closed_face(const std::vector<Vector3d>& before, const Front& front) {
   std::vector<Vector3d> on_face;
   for (const Vector3d& p : before)
-    if (std::abs((p - front.centre).dot(front.normal)) < 0.04 && on_panel(p, front)) on_face.push_back(p);
+    if (std::abs((p - front.centre).dot(front.normal)) < kFaceMotion.closed_m && on_panel(p, front))
+      on_face.push_back(p);
   FittedPlane assumed{front.normal, front.normal.dot(front.centre), kFaceMotion.normal_sd, 0};
   if (on_face.size() < kFaceMotion.min_points) return assumed;
-  FittedPlane face = refined_plane(assumed, on_face, 0.03);
+  FittedPlane face = refined_plane(assumed, on_face, kFaceMotion.closed_inlier_m);
   const Vector3d middle = front.centre - face.normal * face.distance(front.centre);
   const double seen = 1 / (face.normal_sd * face.normal_sd),
                mapped = 1 / (kFaceMotion.normal_sd * kFaceMotion.normal_sd);
@@ -250,7 +252,7 @@ std::array<std::optional<MovedFace>, 3> moved_faces(const FittedPlane& closed,
       face.motion = motion_to(face.open);
     }
     if (face.motion.position <
-        (face.motion.type == ArticulationType::prismatic ? tolerance : kFaceMotion.parallel_deg * kPi / 180))
+        (face.motion.type == ArticulationType::prismatic ? tolerance : kFaceMotion.parallel_deg * kDegree))
       return;
     face.coverage =
         FrontCells(moved_back(face, moved), front, closed).share([](const FrontCells::Cell& cell) {
@@ -260,15 +262,15 @@ std::array<std::optional<MovedFace>, 3> moved_faces(const FittedPlane& closed,
     if (!known || face.coverage > known->coverage) known = face;
   };
   if (const auto open = find_plane(moved, [&](const Vector3d& n) {
-        return std::abs(n.dot(closed.normal)) > std::cos(kFaceMotion.parallel_deg * kPi / 180);
+        return std::abs(n.dot(closed.normal)) > std::cos(kFaceMotion.parallel_deg * kDegree);
       })) {
     const FittedPlane face = open->normal.dot(closed.normal) < 0 ? open->flipped() : *open;
     add_candidate(face, [&](const FittedPlane& to) { return sliding_motion(closed, to, front); });
   }
   for (const Vector3d& hinge : {front.up, front.right()})
     if (const auto open = find_plane(moved, [&](const Vector3d& n) {
-          return std::abs(n.dot(hinge)) < std::sin(8 * kPi / 180) &&
-                 std::abs(n.dot(closed.normal)) < std::cos(kFaceMotion.parallel_deg * kPi / 180);
+          return std::abs(n.dot(hinge)) < std::sin(kFaceMotion.square_deg * kDegree) &&
+                 std::abs(n.dot(closed.normal)) < std::cos(kFaceMotion.parallel_deg * kDegree);
         })) {
       Vector3d centre = Vector3d::Zero();
       size_t count = 0;

@@ -9,6 +9,7 @@
 #include "mapping/base/math/eigenvalues.h"
 #include "mapping/base/math/math.h"
 #include "mapping/base/math/random.h"
+#include "mapping/base/math/rotation_vector.h"
 
 namespace loci::mapping {
 namespace {
@@ -356,16 +357,6 @@ PathFit fit_path(Path::Kind kind, const std::vector<Vector3d>& positions, const 
   return fit;
 }
 
-namespace {
-
-Vector3d rotation_vector(const Eigen::Quaterniond& q) {
-  const Eigen::AngleAxisd turn(q);
-  const double angle = turn.angle() > kPi ? turn.angle() - 2 * kPi : turn.angle();
-  return angle * turn.axis();
-}
-
-}  // namespace
-
 double effective_count(const std::vector<Vector3d>& residuals) {
   double variance = 0, sum = 1;
   for (const Vector3d& r : residuals) variance += r.squaredNorm();
@@ -397,14 +388,14 @@ OrientationFit fit_orientations(const std::vector<Eigen::Quaterniond>& orientati
     Vector3d step = Vector3d::Zero();
     double total = 0;
     for (size_t i = 0; i < starts.size(); ++i) {
-      errors[i] = rotation_vector(starts[i] * fit.start.conjugate());
+      errors[i] = vector_from_rotation(starts[i] * fit.start.conjugate());
       const double weight = 1 / (errors[i].norm() + 1e-3);
       step += weight * errors[i];
       total += weight;
     }
     step /= total;
     if (step.norm() < 1e-9) break;
-    fit.start = Eigen::Quaterniond(Eigen::AngleAxisd(step.norm(), step.normalized())) * fit.start;
+    fit.start = Eigen::Quaterniond(rotation_from_vector(step)) * fit.start;
   }
   for (const Vector3d& error : errors) fit.angles.push_back(error.norm());
   fit.sigma = median(fit.angles) / 1.538;  // 1.538: median length of a normal vector in space

@@ -76,20 +76,29 @@ double log_fixture_likelihood(const Front& front, const Fixture& fixture, const 
   return std::log(share) + log_density(side, model.side) + log_density(rise, model.rise);
 }
 
+constexpr double kCertainOdds = 5;  ///< logarithm
+
 /// Log odds of a mounting for an appliance against other furniture.
 double log_appliance_odds(const std::string& appliance, Mounting mounting) {
-  const double certain = 5;
-  if (appliance == "oven" || appliance == "dishwasher") return mounting == flap_below ? certain : 0;
+  if (appliance == "oven" || appliance == "dishwasher") return mounting == flap_below ? kCertainOdds : 0;
   if (appliance == "fridge" || appliance == "freezer" || appliance == "microwave" ||
       appliance == "washing_machine")
-    return mounting == door_left || mounting == door_right ? certain : 0;
+    return mounting == door_left || mounting == door_right ? kCertainOdds : 0;
   return 0;
+}
+
+constexpr double kMaxPlinth = 0.18;  ///< m, height of a plinth
+
+/// Log odds of a panel without fixture that is no higher than a plinth: it is one, and closes the space below
+/// the furniture.
+double log_plinth(const Front& front, Mounting mounting) {
+  const bool plinth = !front.fixture && front.centre.z() + front.height / 2 < kMaxPlinth;
+  return plinth && mounting == fixed ? kCertainOdds : 0;
 }
 
 /// A flap at the plinth is a dishwasher: it reaches up to the worktop. What ends below has a drawer above it
 /// and is a drawer itself, for waste or bottles. Ovens stand higher.
 double log_reach(const Front& front, Mounting mounting) {
-  constexpr double kMaxPlinth = 0.18;
   constexpr Normal kWorktop{0.84, 0.04};
   const double bottom = front.centre.z() - front.height / 2, top = front.centre.z() + front.height / 2;
   if (mounting != flap_below || bottom > kMaxPlinth || top > kWorktop.mean) return 0;
@@ -109,7 +118,8 @@ std::array<double, mounting_count> mounting_scores(const Front& front) {
     scores[i] = std::log(share) + log_size_density(front.width, model.width) +
                 log_size_density(front.height, model.height) +
                 log_density(front.centre.z(), model.elevation) +
-                log_appliance_odds(front.appliance, Mounting(i)) + log_reach(front, Mounting(i));
+                log_appliance_odds(front.appliance, Mounting(i)) + log_reach(front, Mounting(i)) +
+                log_plinth(front, Mounting(i));
     if (front.fixture) scores[i] += log_fixture_likelihood(front, *front.fixture, model);
   }
   return scores;
@@ -138,9 +148,9 @@ Mechanism mechanism_of(const Front& front, Mounting mounting) {
     case pull_out:
       return {ArticulationType::prismatic, front.normal, front.centre, 0.9 * front.depth};
     case door_left:
-      return {ArticulationType::revolute, -front.up, behind - half_width, kPi * 100 / 180};
+      return {ArticulationType::revolute, -front.up, behind - half_width, 100 * kDegree};
     case door_right:
-      return {ArticulationType::revolute, front.up, behind + half_width, kPi * 100 / 180};
+      return {ArticulationType::revolute, front.up, behind + half_width, 100 * kDegree};
     case flap_below:
       return {ArticulationType::revolute, front.right(), behind - half_height, kPi / 2};
     case flap_above:
@@ -150,16 +160,27 @@ Mechanism mechanism_of(const Front& front, Mounting mounting) {
   }
 }
 
+std::array<double, 3> type_probabilities(const Front& front,
+                                         const std::array<double, mounting_count>& probabilities) {
+  std::array<double, 3> types{};
+  for (size_t i = 0; i < mounting_count; ++i)
+    types[static_cast<size_t>(mechanism_of(front, Mounting(i)).type)] += probabilities[i];
+  return types;
+}
+
 }  // namespace
 
 JointEstimate joint_prior(const Front& front) {
+  const std::array<double, 3> probabilities = type_probabilities(front, mounting_probabilities(front));
+  return joint_prior(
+      front, static_cast<ArticulationType>(std::ranges::max_element(probabilities) - probabilities.begin()));
+}
+
+JointEstimate joint_prior(const Front& front, ArticulationType type) {
   const std::array<double, mounting_count> probabilities = mounting_probabilities(front);
   JointEstimate joint;
-  joint.probabilities = {0, 0, 0};
-  for (size_t i = 0; i < mounting_count; ++i)
-    joint.probabilities[static_cast<size_t>(mechanism_of(front, Mounting(i)).type)] += probabilities[i];
-  joint.type = static_cast<ArticulationType>(
-      std::max_element(joint.probabilities.begin(), joint.probabilities.end()) - joint.probabilities.begin());
+  joint.probabilities = type_probabilities(front, probabilities);
+  joint.type = type;
 
   size_t best = mounting_count;
   for (size_t i = 0; i < mounting_count; ++i)
@@ -177,7 +198,7 @@ JointEstimate joint_prior(const Front& front) {
     const Mechanism other = mechanism_of(front, Mounting(i));
     if (other.type != joint.type) continue;
     const double share = probabilities[i] / joint.probabilities[static_cast<size_t>(joint.type)];
-    const double angle_deg = std::acos(std::clamp(other.axis.dot(joint.axis), -1.0, 1.0)) * 180 / kPi;
+    const double angle_deg = std::acos(std::clamp(other.axis.dot(joint.axis), -1.0, 1.0)) / kDegree;
     axis_variance += share * angle_deg * angle_deg;
     origin_variance += share * (other.origin - joint.origin).squaredNorm();
   }

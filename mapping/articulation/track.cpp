@@ -177,8 +177,8 @@ void add_orientation_evidence(const Track& track, const std::array<PathFit, 3>& 
       fit_orientations(track.orientations, fits[2].path.axis, static_positions, fits[2].weights);
   const OrientationFit turns =
       fit_orientations(track.orientations, fits[2].path.axis, fits[2].along, fits[2].weights);
-  double sigma = options.orientation_sigma_deg * kPi / 180;
-  if (sigma == 0) sigma = std::max(std::min(stays.sigma, turns.sigma), 0.3 * kPi / 180);
+  double sigma = options.orientation_sigma_deg * kDegree;
+  if (sigma == 0) sigma = std::max(std::min(stays.sigma, turns.sigma), 0.3 * kDegree);
   const double poses = (stays.sigma < turns.sigma ? stays : turns).effective_poses;
   const double stay = stays.log_likelihood(sigma, poses), turn = turns.log_likelihood(sigma, poses);
   // The drift of a marker's orientation is no rotation.
@@ -222,7 +222,7 @@ void describe(JointEstimate& estimate, const PathFit& fit, double poses) {
   estimate.origin_sd_m = std::sqrt(variances.head(2).sum());
   const Eigen::Index tilt = fit.path.kind == Path::Kind::circle ? 3 : 2;
   if (fit.path.kind != Path::Kind::point)
-    estimate.axis_sd_deg = std::sqrt(variances.segment(tilt, 2).sum()) * 180 / kPi;
+    estimate.axis_sd_deg = std::sqrt(variances.segment(tilt, 2).sum()) / kDegree;
 }
 
 }  // namespace
@@ -334,7 +334,7 @@ std::string TrackResult::summary() const {
   if (estimate.type == ArticulationType::revolute)
     text += fmt::format("; axis {:.3f} {:.3f} {:.3f} (± {:.2f} deg), radius {:.3f} m, arc {:.1f} deg",
                         estimate.axis.x(), estimate.axis.y(), estimate.axis.z(), estimate.axis_sd_deg,
-                        fit.radius, (estimate.upper - estimate.lower) * 180 / kPi);
+                        fit.radius, (estimate.upper - estimate.lower) / kDegree);
   text += fmt::format("; rms {:.1f} mm, {} of {} poses are outliers", 1000 * fit.rms_m, fit.outliers,
                       fit.positions.size());
   return reason.empty() ? text : text + "; " + reason;

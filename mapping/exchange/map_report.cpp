@@ -104,8 +104,9 @@ std::string openings_table(const InterpretedMap& map) {
     if (entry.extra.contains("blocked_by"))
       far += ", then it meets " + entry.extra["blocked_by"].get<std::string>();
     const std::string known = !opens                             ? ""
-                              : front.joint->evidence == "prior" ? "its shape and handle"
-                                                                 : "seen to move";
+                              : front.joint->evidence != "prior" ? "seen to move"
+                              : front.fixture                    ? "its shape and handle"
+                                                                 : "its shape and neighbours";
     rows.push_back({front.name, way_of(front), far, known,
                     opens ? fmt::format("{:.0f} %", 100 * probability_of(*front.joint)) : "",
                     fmt::format("{:.1f} × {:.1f} cm", 100 * front.width, 100 * front.height),
@@ -151,8 +152,9 @@ std::string doubts_about(const Front& front) {
   if (front.confidence < kUnsureConfidence)
     text = fmt::format("{}: its edges are unsure (confidence {:.2f})", front.name, front.confidence);
   if (front.joint && front.joint->evidence == "prior" && probability_of(*front.joint) < kUnsureJoint)
-    text += fmt::format("{} that it is a {} follows from its shape alone ({:.0f} %); nobody saw it move",
+    text += fmt::format("{} that it is a {} follows from its shape {} ({:.0f} %); nobody saw it move",
                         text.empty() ? front.name + ":" : ";", front.class_name,
+                        front.fixture ? "and handle" : "and neighbours, as no handle was found",
                         100 * probability_of(*front.joint));
   return text;
 }

@@ -9,6 +9,7 @@
 #include "mapping/articulation/articulation.h"
 #include "mapping/base/math/math.h"
 #include "mapping/base/text/json.h"
+#include "mapping/interpretation/fronts/ribs.h"
 #include "mapping/orthophoto/bars.h"
 #include "mapping/orthophoto/knobs.h"
 #include "mapping/orthophoto/lines.h"

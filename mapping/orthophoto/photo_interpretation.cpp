@@ -14,7 +14,9 @@
 #include "mapping/base/text/text.h"
 #include "mapping/interpretation/fronts/fixtures.h"
 #include "mapping/interpretation/fronts/fronts.h"
+#include "mapping/interpretation/fronts/ribs.h"
 #include "mapping/interpretation/furniture/map_links.h"
+#include "mapping/interpretation/furniture/prior_joints.h"
 #include "mapping/orthophoto/face_points.h"
 #include "mapping/orthophoto/parameters.h"
 #include "mapping/orthophoto/photo_fronts.h"
@@ -173,6 +175,7 @@ std::vector<Front> all_fronts(std::vector<Front> from_scans, const std::vector<P
   unite(all, from_scans);
   std::erase_if(all, [&](const Front& front) { return is_of_ribs(front, ribs); });
   drop_side_panels(all);
+  follow_neighbours(all);
   return all;
 }
 

@@ -58,7 +58,7 @@ void add_points(const RgbdFrame& frame, const Isometry3d& pose, std::vector<Orie
 
 /// The direction near `hint` that most normals have.
 std::optional<Vector3d> normal_peak(const std::vector<OrientedPoint>& points, const Vector3d& hint) {
-  const double cone = std::cos(kUp.cone_deg * kPi / 180), same = std::cos(kUp.plane_deg * kPi / 180);
+  const double cone = std::cos(kUp.cone_deg * kDegree), same = std::cos(kUp.plane_deg * kDegree);
   std::vector<Vector3d> normals;
   for (const OrientedPoint& each : points)
     if (each.normal.dot(hint) > cone) normals.push_back(each.normal);
@@ -85,7 +85,7 @@ std::optional<Vector3d> normal_peak(const std::vector<OrientedPoint>& points, co
 
 /// Share of the points on the largest plane with this normal.
 double plane_share(const std::vector<OrientedPoint>& points, const Vector3d& normal) {
-  const double same = std::cos(kUp.plane_deg * kPi / 180);
+  const double same = std::cos(kUp.plane_deg * kDegree);
   std::map<int64_t, size_t> heights;
   for (const OrientedPoint& each : points)
     if (each.normal.dot(normal) > same) ++heights[std::lround(each.position.dot(normal) / kUp.bin_m)];
@@ -137,7 +137,7 @@ struct Holding {
 /// What is up near `hint`: all level axes are level, as are normals of walls, and surfaces that are level in
 /// the room have it as their normal.
 Vector3d upright(const Holding& held, const Vector3d& hint, const std::vector<OrientedPoint>& points) {
-  const double same = std::cos(kUp.squared_deg * kPi / 180), level = std::sin(kUp.squared_deg * kPi / 180);
+  const double same = std::cos(kUp.squared_deg * kDegree), level = std::sin(kUp.squared_deg * kDegree);
   Eigen::Matrix3d of_axes = (Eigen::Matrix3d::Identity() - hint * hint.transpose()) / (kUp.tilt * kUp.tilt);
   for (const Vector3d& axis : held.level)
     of_axes += axis * axis.transpose() / (kUp.roll * kUp.roll * static_cast<double>(held.level.size()));
@@ -165,7 +165,7 @@ struct Shares {
   double walls = 0, facing_up = 0;
 };
 Shares shares_of(const std::vector<OrientedPoint>& points, const Vector3d& up) {
-  const double level = std::sin(kUp.plane_deg * kPi / 180), same = std::cos(kUp.plane_deg * kPi / 180);
+  const double level = std::sin(kUp.plane_deg * kDegree), same = std::cos(kUp.plane_deg * kDegree);
   Shares shares;
   for (const OrientedPoint& each : points) {
     const double along = each.normal.dot(up);

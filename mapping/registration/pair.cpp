@@ -279,7 +279,7 @@ class PairAligner {
 }  // namespace
 
 SearchWindow window_of(const RegistrationOptions& options) {
-  return {2 * options.position_error_m, 2 * options.yaw_error_deg * kPi / 180};
+  return {2 * options.position_error_m, 2 * options.yaw_error_deg * kDegree};
 }
 
 PairAlignment align_pair(const PreparedScan& target, const PreparedScan& source,

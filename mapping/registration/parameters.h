@@ -37,11 +37,11 @@ inline constexpr SurfelParameters kSurfels;
 
 /// The search for starting poses.
 struct SearchParameters {
-  double shift_step_m = 0.2;                ///< that the descent from there bridges
-  double turn_step_planar = 5 * kPi / 180;  ///< radians, that the descent bridges
-  double turn_step = 12 * kPi / 180;        ///< radians, in six dimensions
-  size_t samples_planar = 400;              ///< surfels that are compared per start
-  size_t samples = 160;                     ///< in six dimensions
+  double shift_step_m = 0.2;              ///< that the descent from there bridges
+  double turn_step_planar = 5 * kDegree;  ///< radians, that the descent bridges
+  double turn_step = 12 * kDegree;        ///< radians, in six dimensions
+  size_t samples_planar = 400;            ///< surfels that are compared per start
+  size_t samples = 160;                   ///< in six dimensions
   /// {samples, share}: a start with less of the best score after so many samples is dropped.
   std::array<std::pair<size_t, float>, 3> early_exits = {{{8, 0.15F}, {16, 0.35F}, {40, 0.5F}}};
   float min_score = 0.5F;         ///< of the best score, of a start
@@ -53,12 +53,12 @@ inline constexpr SearchParameters kSearch;
 
 /// The alignment of two scans.
 struct PairParameters {
-  size_t starts = 6;                  ///< that are refined
-  size_t candidates = 3;              ///< that differ and are carried to the next level
-  size_t samples_coarse = 1500;       ///< surfels on the coarsest level
-  size_t samples_middle = 3000;       ///< surfels on the levels between
-  double same_position_m = 0.1;       ///< poses that are nearer to one another are the same …
-  double same_angle = 3 * kPi / 180;  ///< … and less turned, radians
+  size_t starts = 6;                ///< that are refined
+  size_t candidates = 3;            ///< that differ and are carried to the next level
+  size_t samples_coarse = 1500;     ///< surfels on the coarsest level
+  size_t samples_middle = 3000;     ///< surfels on the levels between
+  double same_position_m = 0.1;     ///< poses that are nearer to one another are the same …
+  double same_angle = 3 * kDegree;  ///< … and less turned, radians
   double correlated = 10;       ///< errors of neighbouring surfels (calibration, beams): so many count as one
   double accuracy = 5e-5;       ///< of the last iteration, metres and radians
   double max_loss = 0.03;       ///< part of the surface that a finer level may lose

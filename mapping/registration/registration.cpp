@@ -28,7 +28,7 @@ RegistrationOptions checked(RegistrationOptions options) {
 
 /// Standard deviations of the scan's pose: by its covariance, otherwise by the options.
 SearchWindow expected_error(const Scan& scan, const RegistrationOptions& options) {
-  if (scan.covariance.isZero(0)) return {options.position_error_m, options.yaw_error_deg * kPi / 180};
+  if (scan.covariance.isZero(0)) return {options.position_error_m, options.yaw_error_deg * kDegree};
   const auto variance = scan.covariance.diagonal();
   return {std::sqrt(std::max(0.0, variance.head<3>().maxCoeff())),
           std::sqrt(std::max(0.0, variance.tail<3>().maxCoeff()))};

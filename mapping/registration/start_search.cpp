@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mapping/base/math/math.h"
+#include "mapping/base/math/rotation_vector.h"
 #include "mapping/registration/parameters.h"
 
 namespace loci::mapping::registration {
@@ -134,11 +135,6 @@ class Scorer {
   float per_metre_ = 0;
 };
 
-Eigen::Matrix3d rotation_of(const Vector3d& turn) {
-  const double angle = turn.norm();
-  return angle > 0 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
-}
-
 }  // namespace
 
 std::vector<Isometry3d> promising_starts(const PreparedScan& target, const PreparedScan& source,
@@ -156,7 +152,7 @@ std::vector<Isometry3d> promising_starts(const PreparedScan& target, const Prepa
   const auto shifts = ball(window.position, kSearch.shift_step_m, shift_axes);
   const auto pose_of = [&](const Start& start) {
     Isometry3d pose = Isometry3d::Identity();
-    pose.linear() = rotation_of(turns[start.turn]) * target_from_source.linear();
+    pose.linear() = rotation_from_vector(turns[start.turn]) * target_from_source.linear();
     pose.translation() = place + shifts[start.shift] - pose.linear() * centre;
     return pose;
   };

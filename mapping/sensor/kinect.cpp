@@ -129,7 +129,7 @@ cv::Mat measured_by_kinect(const cv::Mat& depth, const cv::Mat& normal, const Pi
   cv::Mat result(depth.rows, depth.cols, CV_32F, cv::Scalar(static_cast<double>(kNothing)));
   const bool edged = model.edge_width_px > 0 && model.edge_probability > 0;
   const cv::Mat edges = edged ? edge_pixels(depth, model.edge_jump) : cv::Mat();
-  const double cos_limit = std::cos(model.incidence_max_deg * kPi / 180);
+  const double cos_limit = std::cos(model.incidence_max_deg * kDegree);
   const double focal_times_baseline = camera.fx * model.baseline_m;
   parallel_for(static_cast<size_t>(depth.rows), threads, [&](size_t begin, size_t end) {
     for (size_t row = begin; row < end; ++row) {

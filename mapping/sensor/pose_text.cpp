@@ -29,7 +29,7 @@ std::vector<PlanarPose> planar_poses_from(const std::string& text, const std::st
         !read_number(values[2], yaw_deg))
       throw Error(fmt::format("{}: '{}' is no pose", what, part), {},
                   "a pose is x,y,yaw_deg; poses are separated by ;");
-    pose.yaw = yaw_deg * kPi / 180;
+    pose.yaw = yaw_deg * kDegree;
     poses.push_back(pose);
   }
   if (poses.empty()) throw Error(what + " names no pose");

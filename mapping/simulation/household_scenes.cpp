@@ -142,7 +142,7 @@ Table drawn_table(Random& draw, Arrangement arrangement) {
     add_stacks(table, draw);
   else
     add_objects(table, draw);
-  const double elevation = draw.uniform(15, 70) * kPi / 180, side = draw.uniform(-0.4, 0.4);
+  const double elevation = draw.uniform(15, 70) * kDegree, side = draw.uniform(-0.4, 0.4);
   const Vector3d from(side, -std::cos(elevation), std::sin(elevation));
   double distance = draw.uniform() < 0.6 ? draw.uniform(0.75, 1.3) : draw.uniform(1.3, 2.2);
   // Further below the camera a plane is taken for the floor.

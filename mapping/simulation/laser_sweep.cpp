@@ -27,8 +27,8 @@ class Beam {
         laser_(laser),
         rotation_(map_from_scanner.linear()),
         origin_(map_from_scanner.translation().cast<float>()),
-        half_width_(laser.beam_width_deg / 2 * kPi / 180),
-        glossy_cos_(static_cast<float>(std::cos(laser.glossy_incidence_max_deg * kPi / 180))) {}
+        half_width_(laser.beam_width_deg / 2 * kDegree),
+        glossy_cos_(static_cast<float>(std::cos(laser.glossy_incidence_max_deg * kDegree))) {}
 
   /// What the scanner makes of one beam, without the noise of its numbers; nothing = no return.
   std::optional<Echo> measure(const Vector3d& direction, Random& random) const {

@@ -8,6 +8,7 @@
 
 #include "mapping/base/math/math.h"
 #include "mapping/base/math/pose.h"
+#include "mapping/base/math/rotation_vector.h"
 #include "mapping/base/text/json.h"
 #include "mapping/world/inspection.h"
 #include "mapping/world/kinematics.h"
@@ -111,9 +112,9 @@ Isometry3d SimulatedRobot::Impl::measured_hand(const Isometry3d& map_from_hand, 
   Isometry3d measured = map_from_believed * map_from_true.inverse() * map_from_hand;
   Vector3d shift, turn;
   for (int k = 0; k < 3; ++k) shift[k] = drawn.normal(options.hand.position_sigma_m);
-  for (int k = 0; k < 3; ++k) turn[k] = drawn.normal(options.hand.orientation_sigma_deg * kPi / 180);
+  for (int k = 0; k < 3; ++k) turn[k] = drawn.normal(options.hand.orientation_sigma_deg * kDegree);
   measured.translation() += shift;
-  if (turn.norm() > 0) measured.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  measured.rotate(rotation_from_vector(turn));
   return measured;
 }
 

@@ -9,6 +9,7 @@
 
 #include "mapping/base/math/eigenvalues.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/math/rotation_vector.h"
 
 namespace loci::mapping::tracking {
 namespace {
@@ -304,9 +305,7 @@ std::vector<Eigen::Vector3f> surfaces_of(const ImageLevel& level) {
 
 Isometry3d small_motion(const Vector6d& v) {
   Isometry3d motion = Isometry3d::Identity();
-  const Vector3d turn = v.tail<3>();
-  const double angle = turn.norm();
-  if (angle > 1e-12) motion.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+  motion.linear() = rotation_from_vector(v.tail<3>());
   motion.translation() = v.head<3>();
   return motion;
 }

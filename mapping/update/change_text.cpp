@@ -103,7 +103,7 @@ double MapChange::distance() const {
 }
 
 double MapChange::turn_deg() const {
-  return rpy_from_rotation(now_from_before.linear()).z() * 180 / kPi;
+  return rpy_from_rotation(now_from_before.linear()).z() / kDegree;
 }
 
 std::string MapChange::text() const {
@@ -119,7 +119,7 @@ std::string MapChange::text() const {
       return name + " is new: its place was free before";
     case Kind::opened:
       return prismatic ? fmt::format("{} is open by {:.2f} m", name, joint_position)
-                       : fmt::format("{} is open by {:.0f}°", name, std::abs(joint_position) * 180 / kPi);
+                       : fmt::format("{} is open by {:.0f}°", name, std::abs(joint_position) / kDegree);
     case Kind::seen_first:
       return name + " is seen for the first time";
   }

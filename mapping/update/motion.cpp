@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/math/log_odds.h"
 #include "mapping/registration/icp.h"
 #include "mapping/update/parameters.h"
 
@@ -11,6 +12,11 @@ namespace loci::mapping {
 using registration::CellGrid;
 using registration::PreparedScan;
 using registration::Surfels;
+
+double change_probability(double surfels) {
+  const double log_odds = kMotion.prior_log_odds + surfels / kMotion.correlated;
+  return std::clamp(probability_from_log_odds(log_odds), 0.01, 0.99);
+}
 
 double PieceFit::agreement() const {
   const size_t seen = same + free;

@@ -9,6 +9,9 @@
 
 namespace loci::mapping {
 
+/// The probability of a change for which so many surfels speak, less those against it.
+double change_probability(double surfels);
+
 /// How a piece's surfels are seen in the other epoch at some pose.
 struct PieceFit {
   size_t same = 0, other = 0, free = 0, unknown = 0;

@@ -6,14 +6,12 @@
 #include <cmath>
 #include <set>
 
-#include "mapping/articulation/articulation.h"
-#include "mapping/base/math/log_odds.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/registration/pair.h"
 #include "mapping/update/epoch.h"
 #include "mapping/update/motion.h"
-#include "mapping/update/open_leaf.h"
+#include "mapping/update/open_front.h"
 #include "mapping/update/parameters.h"
 #include "mapping/update/pieces.h"
 #include "mapping/update/updated_map.h"
@@ -25,11 +23,6 @@ using registration::CellGrid;
 using registration::Surfels;
 
 constexpr int kUnexplained = -2, kStatic = -1;  // Owners of a surfel; others are numbers of pieces.
-
-double probability_of(double evidence) {
-  const double log_odds = kMotion.prior_log_odds + evidence / kMotion.correlated;
-  return std::clamp(probability_from_log_odds(log_odds), 0.01, 0.99);
-}
 
 /// The scans at their poses after a correction of the frame.
 ScanSet moved_scans(ScanSet scans, const Isometry3d& map_from_new) {
@@ -128,12 +121,6 @@ class EpochComparison {
     }
   }
 
-  static bool on_front(const Front& front, const Eigen::Vector3f& position) {
-    const Vector3d d = position.cast<double>() - front.centre;
-    return std::abs(d.dot(front.normal)) < kChanges.front_gap_m &&
-           std::abs(d.dot(front.right())) < front.width / 2 && std::abs(d.dot(front.up)) < front.height / 2;
-  }
-
   static bool is_floor(const Eigen::Vector3f& position) {
     return static_cast<double>(position.z()) < kPieces.floor_m;
   }
@@ -208,31 +195,8 @@ class EpochComparison {
   void find_joints() {
     for (const Front& front : fronts_of(world_, semantics_)) {
       if (went_along(front)) continue;
-      std::vector<uint32_t> face;
-      size_t still = 0, through = 0;
-      for (uint32_t i = 0; i < before_.surface().size(); ++i) {
-        if (!on_front(front, before_.surface().position[i])) continue;
-        face.push_back(i);
-        const SurfaceState state = before_state(i);
-        still += state == SurfaceState::same ? 1 : 0;
-        through += state == SurfaceState::free ? 1 : 0;
-      }
-      const std::vector<uint32_t> swept = swept_by(front);
-      if (face.size() < kPieces.min_surfels / 2 || swept.size() < kPieces.min_surfels / 2) continue;
-      if (static_cast<double>(still) > (1 - kChanges.min_front_open) * static_cast<double>(face.size()))
-        continue;
-      // What stands before a closed door hides it; an open one lets one look in.
-      const bool turns = front.joint && front.joint->type == ArticulationType::revolute;
-      const bool passed =
-          static_cast<double>(through) >= kChanges.min_front_through * static_cast<double>(face.size());
-      DifferenceResult moved;
-      if (!turns || passed) moved = articulate(before_set_, now_set_, front, {}, DifferenceOptions{});
-      if (moved.joint)
-        add_joint(front, moved, swept);
-      else if (const auto leaf =
-                   open_leaf(front, now_.surface(), swept,
-                             turns && passed ? kChanges.min_edge_share : kChanges.min_leaf_share))
-        add_leaf(front, *leaf);
+      const auto open = open_front(front, {before_set_, before_}, {now_set_, now_}, unexplained());
+      if (open) add_open(front, *open);
     }
   }
 
@@ -244,57 +208,20 @@ class EpochComparison {
     return false;
   }
 
-  SurfaceState before_state(uint32_t surfel) const {
-    return now_.state_of(before_.surface().position[surfel], before_.surface().normal[surfel]);
-  }
-
-  /// Unexplained surfels in the space that a front sweeps.
-  std::vector<uint32_t> swept_by(const Front& front) const {
-    std::vector<uint32_t> swept;
-    const bool slides = front.joint && front.joint->type == ArticulationType::prismatic;
-    const double out = (slides ? front.depth : std::max(front.width, front.height)) + kChanges.swept_margin_m;
-    const double beside = slides ? kChanges.swept_margin_m : std::max(front.width, front.height);
-    for (uint32_t i = 0; i < now_.surface().size(); ++i) {
-      if (owner_[i] != kUnexplained) continue;
-      const Vector3d d = now_.surface().position[i].cast<double>() - front.centre;
-      const double before = d.dot(front.normal);
-      if (before > -front.depth - kChanges.swept_margin_m && before < out &&
-          std::abs(d.dot(front.right())) < front.width / 2 + beside &&
-          std::abs(d.dot(front.up)) < front.height / 2 + kChanges.swept_margin_m)
-        swept.push_back(i);
-    }
-    return swept;
-  }
-
-  void add_joint(const Front& front, const DifferenceResult& moved, const std::vector<uint32_t>& swept) {
-    MapChange change = opened(front, *moved.joint, moved.moved);
-    change.probability = moved.joint->probabilities[1] + moved.joint->probabilities[2];
-    change.reason = fmt::format("{} points of the moved front", moved.points);
-    change.scans = explain(swept);
-    changes_.push_back(std::move(change));
-  }
-
-  /// Where the difference of the scans does not give the motion, the known joint may: a door that hides its
-  /// own inside, or one that was seen in part.
-  void add_leaf(const Front& front, const OpenLeaf& leaf) {
-    MapChange change = opened(front, *front.joint, leaf.position);
-    change.probability = probability_of(static_cast<double>(leaf.on_panel));
-    change.reason = fmt::format("{} surfels where its joint takes it", leaf.on_panel);
-    change.scans = explain(leaf.surfels);
-    changes_.push_back(std::move(change));
-  }
-
-  MapChange opened(const Front& front, const JointEstimate& joint, double position) const {
+  void add_open(const Front& front, const OpenFront& open) {
     MapChange change;
     change.kind = MapChange::Kind::opened;
     change.name = front.name;
     change.class_name = front.class_name;
-    change.joint_position = position;
-    change.prismatic = joint.type == ArticulationType::prismatic;
+    change.joint_position = open.position;
+    change.prismatic = open.joint.type == ArticulationType::prismatic;
     change.centre = front.centre;
     change.height = front.centre.z() + front.height / 2;
     if (const auto link = front_link(front.name, semantics_)) change.links = {*link};
-    return change;
+    change.probability = open.probability;
+    change.reason = open.reason;
+    change.scans = explain(open.surfels);
+    changes_.push_back(std::move(change));
   }
 
   /// Marks surfels that an open front explains, which do not show the room at rest; the scans that show them.
@@ -477,7 +404,7 @@ class EpochComparison {
     change.outline_before = pieces_[piece].outline;
     for (const Vector2d& corner : change.outline_before)
       change.outline_now.push_back((motion.now_from_before * Vector3d(corner.x(), corner.y(), 0)).head<2>());
-    change.probability = probability_of(evidence_of(motion, still));
+    change.probability = change_probability(evidence_of(motion, still));
     change.reason =
         fmt::format("{} of {} surfels found at the new place, {} contradicted; at the old one {} and {}",
                     motion.fit.same, motion.fit.all(), motion.fit.free, still.same, still.free);
@@ -500,7 +427,8 @@ class EpochComparison {
     MapChange change = change_of(pieces_[k]);
     change.kind = MapChange::Kind::gone;
     change.outline_before = pieces_[k].outline;
-    change.probability = probability_of(static_cast<double>(still.free) - static_cast<double>(still.same));
+    change.probability =
+        change_probability(static_cast<double>(still.free) - static_cast<double>(still.same));
     change.reason = fmt::format("rays passed through {} of {} surfels, {} are still seen", still.free,
                                 still.all(), still.same);
     for (size_t scan = 0; scan < now_.scan_names().size(); ++scan) {
@@ -533,7 +461,7 @@ class EpochComparison {
                                                                                : MapChange::Kind::seen_first;
       change.outline_now = piece.outline;
       change.probability =
-          probability_of(change.kind == MapChange::Kind::came ? static_cast<double>(free) : size / 2);
+          change_probability(change.kind == MapChange::Kind::came ? static_cast<double>(free) : size / 2);
       change.reason =
           fmt::format("{} surfels that the map does not explain, {} of them in space that was free",
                       piece.surfels.size(), free);

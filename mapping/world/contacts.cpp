@@ -61,13 +61,8 @@ Vector3d half_size(const Geometry& geometry) {
 std::vector<size_t> bodies_of(const World& world) {
   std::vector<size_t> bodies;
   for (const Link& link : world.links) {
-    std::string name = link.name;
-    const Joint* joint = world.parent_joint(name);
-    while (joint != nullptr && joint->type == JointType::fixed) {
-      name = joint->parent;
-      joint = world.parent_joint(name);
-    }
-    bodies.push_back(world.link_index(name));
+    const Joint* joint = moving_joint(world, link.name);
+    bodies.push_back(world.link_index(joint == nullptr ? world.root : joint->child));
   }
   return bodies;
 }
@@ -147,11 +142,12 @@ FreeRange free_range(const World& world, const Joint& joint) {
         if (k == 0)
           ignored.insert(obstacle);
         else if (!ignored.contains(obstacle))
-          return {upper * (k - 1) / steps, world.links[boxes[standing[j]].link].name};
+          return {upper * (k - 1) / steps, world.links[boxes[standing[j]].link].name,
+                  world.links[boxes[i].link].name};
       }
     }
   }
-  return {upper, {}};
+  return {upper, {}, {}};
 }
 
 }  // namespace loci::mapping

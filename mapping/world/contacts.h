@@ -35,6 +35,7 @@ std::vector<Contact> closed_contacts(const World& world);
 struct FreeRange {
   double upper = 0;     ///< the joint's own limit, or the last position before the contact
   std::string blocker;  ///< link that is in the way; empty = none
+  std::string mover;    ///< link that meets it
 };
 
 /// Moves a joint from 0 to its upper limit with all others at 0, in steps of 5 mm or 1°. What it penetrates

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,6 +58,12 @@ struct Front {
 
   /// To the right as seen by someone who stands before it.
   Vector3d right() const { return up.cross(normal); }
+
+  /// Whether it is opened by a bar that is rather level than upright.
+  bool has_level_bar() const {
+    return fixture && fixture->kind == Fixture::Kind::handle &&
+           std::abs(fixture->axis.dot(right())) > std::sqrt(0.5);
+  }
 };
 
 }  // namespace loci::mapping

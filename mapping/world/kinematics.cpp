@@ -108,6 +108,12 @@ std::vector<Isometry3d> root_from_links(const World& world, const JointState& st
   return root_from;
 }
 
+const Joint* moving_joint(const World& world, const std::string& link) {
+  const Joint* joint = world.parent_joint(link);
+  while (joint != nullptr && joint->type == JointType::fixed) joint = world.parent_joint(joint->parent);
+  return joint;
+}
+
 std::vector<bool> moving_links(const World& world) {
   std::vector<bool> moving(world.links.size(), false);
   for_each_joint_downwards(world, index_of_links(world), [&](size_t parent, size_t joint, size_t child) {

@@ -19,6 +19,9 @@ JointState joints_of_world(const World& world, JointState state);
 /// joints do not move; floating and planar joints have no single position and stay at their origin.
 Isometry3d joint_motion(const Joint& joint, double position);
 
+/// The nearest joint above a link that moves; nullptr where none does.
+const Joint* moving_joint(const World& world, const std::string& link);
+
 /// Whether a movable joint lies between each link and the root, by index into world.links.
 std::vector<bool> moving_links(const World& world);
 

@@ -8,6 +8,7 @@
 
 #include "mapping/base/math/cell_index.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/math/rotation_vector.h"
 #include "mapping/base/math/shuffle.h"
 #include "mapping/base/text/csv.h"
 #include "mapping/fusion/fusion.h"
@@ -21,8 +22,7 @@ namespace {
 Isometry3d pose_of(const Vector3d& position, const Vector3d& rotation_vector) {
   Isometry3d pose = Isometry3d::Identity();
   pose.translation() = position;
-  const double angle = rotation_vector.norm();
-  if (angle > 0) pose.linear() = Eigen::AngleAxisd(angle, rotation_vector / angle).toRotationMatrix();
+  pose.linear() = rotation_from_vector(rotation_vector);
   return pose;
 }
 

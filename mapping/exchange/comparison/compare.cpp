@@ -118,7 +118,7 @@ void compare_supports(const MapStructure& map, const MapStructure& truth, const 
 std::optional<ComparedElement> compared(const WallPatch& map, const WallPatch& truth,
                                         const ComparisonOptions& options) {
   const double cosine = std::clamp(map.normal.dot(truth.normal), -1.0, 1.0);
-  const double angle = std::acos(cosine) * 180 / kPi;
+  const double angle = std::acos(cosine) / kDegree;
   if (angle > options.wall_angle_deg) return std::nullopt;
   const Vector3d direction(-map.normal.y(), map.normal.x(), 0);
   const Vector3d middle = map.offset * map.normal + (map.along_min + map.along_max) / 2 * direction;

@@ -33,7 +33,7 @@ std::vector<std::optional<size_t>> assign(std::vector<Pair> pairs, size_t truths
 }
 
 double angle_deg(const Vector3d& a, const Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b)) * 180 / kPi;
+  return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
 }
 
 /// Whether an element that the truth does not have is a mistake: not where the truth was not asked.

@@ -10,33 +10,18 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <set>
 #include <vector>
 
 #include "mapping/base/math/math.h"
 #include "mapping/base/math/pose.h"
 #include "mapping/base/math/random.h"
 #include "mapping/interpretation/fronts/face.h"
+#include "mapping/interpretation/fronts/fixture_shape.h"
 #include "mapping/interpretation/fronts/parameters.h"
+#include "mapping/interpretation/fronts/ribs.h"
 
 namespace loci::mapping {
 namespace {
-
-/// A point before a face.
-struct FixturePoint {
-  double u, v, depth;
-  Vector2d toward;  ///< change of u, v per metre along the ray, towards the sensor
-  double lean;      ///< change of depth per metre along the ray
-  uint16_t scan;
-};
-
-/// The line or circle through a cluster.
-struct FixtureShape {
-  Vector2d centre = Vector2d::Zero();
-  Vector2d axis = Vector2d::UnitX();
-  double length = 0, width = 0;
-  std::vector<size_t> inliers;
-};
 
 /// A connected piece of the candidates' raster.
 struct FixturePatch {
@@ -79,79 +64,6 @@ void join_in_line(std::vector<FixturePatch>& patches) {
         if (patch.cluster == from) patch.cluster = to;
       patches[to].cells |= patches[from].cells;
     }
-}
-
-/// Sample consensus: the inliers of the line through most points.
-FixtureShape line_through(const std::vector<FixturePoint>& points, Random random) {
-  FixtureShape best;
-  for (int round = 0; round < 200; ++round) {
-    const FixturePoint& a = points[random.index(points.size())];
-    const FixturePoint& b = points[random.index(points.size())];
-    const Vector2d along(b.u - a.u, b.v - a.v);
-    if (along.norm() < 0.01) continue;
-    const Vector2d across = Vector2d(-along.y(), along.x()).normalized();
-    std::vector<size_t> inliers;
-    for (size_t i = 0; i < points.size(); ++i)
-      if (std::abs(across.dot(Vector2d(points[i].u - a.u, points[i].v - a.v))) < kFixtures.line_tolerance_m)
-        inliers.push_back(i);
-    if (inliers.size() > best.inliers.size()) best.inliers = std::move(inliers);
-  }
-  return best;
-}
-
-/// Centre, main axis, extents of the inliers.
-void measure(const std::vector<FixturePoint>& points, FixtureShape& shape) {
-  Vector2d mean = Vector2d::Zero();
-  for (const size_t i : shape.inliers) mean += Vector2d(points[i].u, points[i].v);
-  mean /= static_cast<double>(shape.inliers.size());
-  double xx = 0;
-  double xy = 0;
-  double yy = 0;
-  for (const size_t i : shape.inliers) {
-    const Vector2d d = Vector2d(points[i].u, points[i].v) - mean;
-    xx += d.x() * d.x();
-    xy += d.x() * d.y();
-    yy += d.y() * d.y();
-  }
-  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-  shape.axis = {std::cos(angle), std::sin(angle)};
-  const Vector2d across(-shape.axis.y(), shape.axis.x());
-  std::vector<double> along;
-  std::vector<double> beside;
-  for (const size_t i : shape.inliers) {
-    const Vector2d d = Vector2d(points[i].u, points[i].v) - mean;
-    along.push_back(shape.axis.dot(d));
-    beside.push_back(across.dot(d));
-  }
-  const double low = quantile(along, 0.02);
-  const double high = quantile(along, 0.98);
-  const double left = quantile(beside, 0.05);
-  const double right = quantile(beside, 0.95);
-  shape.length = high - low;
-  shape.width = (right - left) / 0.9;
-  shape.centre = mean + (low + high) / 2 * shape.axis + (left + right) / 2 * across;
-}
-
-/// Depth of the object before the face in a cluster some of whose rays pass it: a mixture of two normal
-/// distributions, of which the face's is known.
-double mixture_depth(const std::vector<double>& depths, double start, double sigma) {
-  double depth = start;
-  double share = 0.5;
-  for (int round = 0; round < 15; ++round) {
-    double sum = 0;
-    double weights = 0;
-    for (const double d : depths) {
-      const double before = share * std::exp(-0.5 * (d - depth) * (d - depth) / (sigma * sigma));
-      const double face = (1 - share) * std::exp(-0.5 * d * d / (sigma * sigma)) + 1e-9;
-      const double weight = before / (before + face);
-      sum += weight * d;
-      weights += weight;
-    }
-    if (weights < 1) break;
-    depth = sum / weights;
-    share = std::clamp(weights / static_cast<double>(depths.size()), 0.05, 0.95);
-  }
-  return depth;
 }
 
 /// Rasters of ray ends: on the face, within reach of a fixture, farther before it, behind it.
@@ -268,7 +180,7 @@ class FixtureFinder {
     if (std::min(box.width(), box.height()) > 3 * kFixtures.max_bar_width_m) return "it is large";
     FixtureShape shape = line_through(points, random);
     if (shape.inliers.size() < kFixtures.min_points) return "few points";
-    measure(points, shape);
+    measure_shape(points, shape);
     if (shape.width < kFixtures.max_bar_width_m) extend(points, shape);
     // The line through a knob may run askew.
     const bool bar = !is_round(points) && shape.length > kFixtures.bar_elongation * shape.width &&
@@ -284,7 +196,7 @@ class FixtureFinder {
     if (!bar) {
       shape.inliers.resize(points.size());
       for (size_t i = 0; i < points.size(); ++i) shape.inliers[i] = i;
-      measure(points, shape);
+      measure_shape(points, shape);
     }
     std::string why = bar ? why_no_bar(shape, points.size()) : why_no_knob(shape);
     if (!why.empty()) return why;
@@ -390,7 +302,7 @@ class FixtureFinder {
     FixtureShape whole;
     whole.inliers.resize(points.size());
     std::iota(whole.inliers.begin(), whole.inliers.end(), size_t{0});
-    measure(points, whole);
+    measure_shape(points, whole);
     return whole.length < kFixtures.max_knob_m && whole.length < kFixtures.bar_elongation * whole.width;
   }
 
@@ -622,50 +534,6 @@ class FixtureFinder {
 };
 
 }  // namespace
-
-std::vector<Fixture> remove_ribs(std::vector<FaceFixture>& fixtures) {
-  std::vector<size_t> upright;
-  for (size_t i = 0; i < fixtures.size(); ++i)
-    if (fixtures[i].fixture.kind == Fixture::Kind::handle &&
-        fixtures[i].box.height() > fixtures[i].box.width())
-      upright.push_back(i);
-  std::stable_sort(upright.begin(), upright.end(),
-                   [&](size_t a, size_t b) { return fixtures[a].u < fixtures[b].u; });
-  const auto follows = [&](size_t before, size_t after) {
-    const FaceFixture& a = fixtures[before];
-    const FaceFixture& b = fixtures[after];
-    const double shared = std::min(a.box.v1, b.box.v1) - std::max(a.box.v0, b.box.v0);
-    return b.u - a.u < kFixtures.max_rib_spacing_m &&
-           shared > kFixtures.rib_overlap * std::min(a.box.height(), b.box.height());
-  };
-  std::set<size_t> in_rows;
-  for (size_t first = 0, last = 0; first < upright.size(); first = last) {
-    for (last = first + 1; last < upright.size() && follows(upright[last - 1], upright[last]);) ++last;
-    if (last - first >= kFixtures.min_ribs)
-      in_rows.insert(upright.begin() + static_cast<std::ptrdiff_t>(first),
-                     upright.begin() + static_cast<std::ptrdiff_t>(last));
-  }
-  std::vector<Fixture> ribs;
-  if (in_rows.empty()) return ribs;
-  FaceRect row = fixtures[*in_rows.begin()].box;
-  for (const size_t i : in_rows) {
-    const FaceRect& box = fixtures[i].box;
-    row = {std::min(row.u0, box.u0), std::max(row.u1, box.u1), std::min(row.v0, box.v0),
-           std::max(row.v1, box.v1)};
-    ribs.push_back(fixtures[i].fixture);
-  }
-  row = row.grown(kFixtures.max_rib_spacing_m);
-  std::erase_if(fixtures, [&](const FaceFixture& one) { return row.contains(one.u, one.v); });
-  return ribs;
-}
-
-bool is_of_ribs(const Front& front, const std::vector<Fixture>& ribs) {
-  return front.fixture && std::any_of(ribs.begin(), ribs.end(), [&](const Fixture& rib) {
-           const Vector3d d = front.fixture->centre - rib.centre;
-           return d.head<2>().norm() < kFixtures.max_rib_spacing_m &&
-                  std::abs(d.z()) < (rib.length + kFixtures.max_rib_spacing_m) / 2;
-         });
-}
 
 FixtureSearch find_fixtures(const FaceRays& rays, const Random& random) {
   return FixtureFinder(rays).search(random);

@@ -13,6 +13,7 @@
 #include "mapping/interpretation/fronts/face.h"
 #include "mapping/interpretation/fronts/front_layout.h"
 #include "mapping/interpretation/fronts/parameters.h"
+#include "mapping/interpretation/fronts/ribs.h"
 #include "mapping/world/furniture.h"
 
 namespace loci::mapping {

@@ -34,7 +34,7 @@ Column column_of(const Front& front, size_t index) {
   const Vector2d middle(front.right().dot(front.centre), front.centre.z());
   const Vector2d half(front.width / 2, front.height / 2);
   column.rect = {middle - half, middle + half};
-  column.normal = front.normal.normalized();
+  column.normal = Vector3d(front.normal.x(), front.normal.y(), 0).normalized();  // Bodies stand upright.
   column.offset = column.normal.dot(front.centre);
   if (front.class_name == "door" && front.joint) column.hinge = front.joint->axis.dot(front.up) < 0 ? -1 : 1;
   return column;
@@ -96,7 +96,15 @@ std::string appliance_of(const Column& column, const std::vector<Front>& fronts)
   return fridge ? "fridge" : "";
 }
 
-/// A solid of the map in a column's frame.
+/// All that slides as far open as it goes: drawers may run askew between the sides of their body.
+JointState slid_open(const World& world) {
+  JointState state;
+  for (const Joint& joint : world.joints)
+    if (joint.type == JointType::prismatic && joint.limits) state[joint.name] = joint.limits->upper;
+  return state;
+}
+
+/// A solid of the map in a column's frame, with what it passes as it slides open.
 struct Solid {
   Bounds bounds;
   std::string class_name;
@@ -130,11 +138,13 @@ class CabinetWriter {
     map_from_.linear() << column.normal, right, Vector3d::UnitZ();
     map_from_.translation() =
         column.offset * column.normal + middle.x() * right + middle.y() * Vector3d::UnitZ();
-    const std::vector<Isometry3d> map_from_link = root_from_links(world, {});
+    const std::vector<Isometry3d> closed = root_from_links(world, {}),
+                                  open = root_from_links(world, slid_open(world));
     for (const SolidBox& box : solid_boxes(world)) {
       const auto link = semantics.links.find(world.links[box.link].name);
-      solids_.push_back({bounds_of(box, map_from_.inverse() * map_from_link[box.link]),
-                         link == semantics.links.end() ? "" : link->second.class_name});
+      const Bounds bounds = bounds_of(box, map_from_.inverse() * closed[box.link])
+                                .merged(bounds_of(box, map_from_.inverse() * open[box.link]));
+      solids_.push_back({bounds, link == semantics.links.end() ? "" : link->second.class_name});
     }
   }
 

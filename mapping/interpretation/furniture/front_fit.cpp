@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "mapping/interpretation/furniture/cabinets.h"
+#include "mapping/interpretation/furniture/clearance.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/parameters.h"
@@ -158,7 +159,42 @@ FrontBody measured_body(const Front& front) {
   return body;
 }
 
-/// Cuts the solids of fronts, given in the slab's frame (its top is z = 0), out of the slab.
+/// The boxes of a support's slab in its link, whose top is z = 0; none where they stand askew or are round:
+/// such slabs are not cut.
+std::vector<Bounds> slab_of(const Link& link) {
+  std::vector<Bounds> slab;
+  for (const Collision& shape : link.collisions) {
+    const Box* box = std::get_if<Box>(&shape.geometry);
+    if (box == nullptr || !shape.link_from_collision.linear().isIdentity(1e-9)) return {};
+    const Vector3d middle = shape.link_from_collision.translation();
+    slab.emplace_back(middle - box->size / 2, middle + box->size / 2);
+  }
+  return slab;
+}
+
+/// Whether a link is a slab that gives way to fronts (cut_supports()).
+bool is_slab(const SemanticMap& semantics, const Link& link) {
+  return is_support(semantics, link.name) && !is_inferred_cabinet(semantics.links.at(link.name)) &&
+         !slab_of(link).empty();
+}
+
+/// Lowers the upper edge of a panel that was found in the top of a slab over it, or hardly above: what is
+/// below a counter ends below it, and leaves it a thickness.
+void end_below(const std::vector<Bounds>& slab, const Isometry3d& slab_from_front, const Front& front,
+               FrontBody& body) {
+  // Where the edges lie farther apart the front goes on before the slab, which gives way.
+  if (moved(panel_box(body), slab_from_front).max().z() > kCabinets.aligned_m) return;
+  Bounds solid = panel_box(body);
+  if (is_drawer(front)) solid.min().x() -= body.drawer_depth;
+  solid = moved(solid, slab_from_front);
+  const bool touches = std::ranges::any_of(
+      slab, [&](const Bounds& part) { return grown(part, kFurniture.gap_m).intersects(solid); });
+  const double too_high = solid.max().z() + kFurniture.min_slab_m + 2 * kFurniture.gap_m;  // above and below
+  if (touches && too_high > 0 && too_high < kFurniture.max_cut * body.panel.sizes().y())
+    body.panel.max().y() -= too_high;
+}
+
+/// Cuts the solids of fronts, given in the slab's frame, out of the slab.
 std::vector<Bounds> cut_slab(std::vector<Bounds> slab, const std::vector<Bounds>& solids) {
   double underside = 0;
   for (const Bounds& part : slab) underside = std::min(underside, part.min().z());
@@ -248,16 +284,25 @@ std::vector<FrontBody> fit_fronts(const std::vector<Front>& fronts, const World&
   }
   std::vector<size_t> order(fronts.size());
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order,
-                           [&](size_t a, size_t b) { return fronts[a].confidence > fronts[b].confidence; });
+  // Those that were moved are where their motion showed them.
+  const auto certainty = [&](size_t i) {
+    return std::pair(fronts[i].joint && fronts[i].joint->evidence != "prior", fronts[i].confidence);
+  };
+  std::ranges::stable_sort(order, [&](size_t a, size_t b) { return certainty(a) > certainty(b); });
 
   const std::vector<Isometry3d> map_from_link = root_from_links(world, {});
   std::vector<SolidBox> standing = solid_boxes(world);
-  std::erase_if(standing,
-                [&](const SolidBox& box) { return is_support(semantics, world.links[box.link].name); });
+  std::erase_if(standing, [&](const SolidBox& box) {
+    const Link& link = world.links[box.link];
+    return is_slab(semantics, link) ||
+           (is_support(semantics, link.name) && is_inferred_cabinet(semantics.links.at(link.name)));
+  });
   const auto seen_from = [&](size_t i, const SolidBox& box) {
     return bounds_of(box, map_from[i].inverse() * map_from_link[box.link]);
   };
+  for (size_t l = 0; l < world.links.size(); ++l)
+    for (size_t i = 0; i < fronts.size() && is_slab(semantics, world.links[l]); ++i)
+      end_below(slab_of(world.links[l]), map_from_link[l].inverse() * map_from[i], fronts[i], bodies[i]);
   for (size_t k = 0; k < order.size(); ++k) {
     const size_t i = order[k];
     const Vector2d most = kFurniture.max_cut * bodies[i].panel.sizes();
@@ -302,17 +347,7 @@ void cut_supports(const std::vector<Front>& fronts, const std::vector<FrontBody>
   const std::vector<Isometry3d> map_from_link = root_from_links(world, {});
   for (size_t l = 0; l < world.links.size(); ++l) {
     Link& link = world.links[l];
-    if (!is_support(semantics, link.name) || is_inferred_cabinet(semantics.links.at(link.name))) continue;
-    std::vector<Bounds> slab;
-    bool turned = false;  // round or askew shapes stay as they are
-    for (const Collision& shape : link.collisions) {
-      const Box* box = std::get_if<Box>(&shape.geometry);
-      turned |= box == nullptr || !shape.link_from_collision.linear().isIdentity(1e-9);
-      if (turned) break;
-      const Vector3d middle = shape.link_from_collision.translation();
-      slab.emplace_back(middle - box->size / 2, middle + box->size / 2);
-    }
-    if (turned || slab.empty()) continue;
+    if (!is_slab(semantics, link)) continue;
     std::vector<Bounds> solids;
     for (size_t i = 0; i < fronts.size(); ++i) {
       const Isometry3d link_from_front = map_from_link[l].inverse() * map_from_front(fronts[i]);
@@ -321,8 +356,12 @@ void cut_supports(const std::vector<Front>& fronts, const std::vector<FrontBody>
       if (fronts[i].fixture) solids.push_back(moved(fixture_box(fronts[i], bodies[i]), link_from_front));
     }
     std::vector<LinkPart> parts;
-    for (const Bounds& part : cut_slab(slab, solids)) parts.push_back(box_part(part.center(), part.sizes()));
-    if (!parts.empty()) set_parts(link, semantics.links.at(link.name).class_name, parts);
+    for (const Bounds& part : cut_slab(slab_of(link), solids))
+      parts.push_back(box_part(part.center(), part.sizes()));
+    if (parts.empty())
+      link.collisions.clear();  // It was seen, but what is solid here are the fronts.
+    else
+      set_parts(link, semantics.links.at(link.name).class_name, parts);
   }
 }
 
@@ -333,10 +372,12 @@ void limit_joints(const std::vector<Front>& fronts, World& world, SemanticMap& s
     const auto joint =
         std::ranges::find_if(world.joints, [&](const Joint& one) { return one.child == *link; });
     if (joint == world.joints.end() || joint->type == JointType::fixed || !joint->limits) continue;
+    clear_beginning(joint->name,
+                    joint->type == JointType::prismatic ? kFurniture.min_slide_m : kFurniture.min_turn,
+                    fronts, world, semantics);
     const FreeRange range = free_range(world, *joint);
     if (range.blocker.empty()) continue;
-    const double least = joint->type == JointType::prismatic ? kFurniture.min_slide_m : kFurniture.min_turn;
-    if (range.upper >= least) joint->limits->upper = range.upper;
+    joint->limits->upper = range.upper;
     semantics.links[*link].extra["blocked_by"] = range.blocker;
   }
 }

@@ -40,7 +40,7 @@ void cut_supports(const std::vector<Front>& fronts, const std::vector<FrontBody>
                   const SemanticMap& semantics);
 
 /// Limits the joints of fronts to how far they open before something of the map is in their way; the
-/// sidecar names it ("blocked_by"). A joint that would hardly move keeps its limit: the map errs there.
+/// sidecar names it ("blocked_by"). Where a joint would hardly move, the map errs: something gives way there.
 void limit_joints(const std::vector<Front>& fronts, World& world, SemanticMap& semantics);
 
 }  // namespace loci::mapping

@@ -8,6 +8,7 @@
 #include "mapping/base/math/math.h"
 #include "mapping/base/math/vector_json.h"
 #include "mapping/base/text/json.h"
+#include "mapping/interpretation/furniture/clearance.h"
 #include "mapping/interpretation/furniture/front_fit.h"
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/parameters.h"
@@ -278,6 +279,7 @@ void add_fronts(const std::vector<Front>& fronts, const std::string& parent, Wor
   cut_supports(fronts, bodies, world, semantics);
   for (size_t i = 0; i < fronts.size(); ++i)
     FrontWriter(fronts[i], bodies[i], parent, world, semantics).write();
+  clear_closed_state(fronts, world, semantics);
   limit_joints(fronts, world, semantics);
 }
 
@@ -334,16 +336,9 @@ class FrontReader {
   }
 
  private:
-  /// The joint that moves a link; nullptr for none.
-  const Joint* moving_joint(const std::string& name) const {
-    const Joint* joint = world_.parent_joint(name);
-    while (joint != nullptr && joint->type == JointType::fixed) joint = world_.parent_joint(joint->parent);
-    return joint;
-  }
-
   std::optional<JointEstimate> joint_of(const std::string& name, const SemanticLink& link) const {
     if (world_.find_link(name) == nullptr) return std::nullopt;  // a sidecar without its world
-    const Joint* moving = moving_joint(name);
+    const Joint* moving = moving_joint(world_, name);
     JointEstimate estimate;
     if (moving != nullptr) {
       const Isometry3d& map_from_joint = map_from_link_[world_.link_index(moving->child)];

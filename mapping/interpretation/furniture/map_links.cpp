@@ -7,7 +7,6 @@
 #include <map>
 #include <numeric>
 
-#include "mapping/articulation/articulation.h"
 #include "mapping/base/math/math.h"
 #include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/cabinets.h"
@@ -15,8 +14,8 @@
 #include "mapping/interpretation/furniture/link_parts.h"
 #include "mapping/interpretation/furniture/names.h"
 #include "mapping/interpretation/furniture/parameters.h"
+#include "mapping/interpretation/furniture/prior_joints.h"
 #include "mapping/interpretation/furniture/sliding.h"
-#include "mapping/interpretation/furniture/wings.h"
 
 namespace loci::mapping {
 namespace {
@@ -281,7 +280,7 @@ void add_support(const RecognisedRoom& room, const Support& support, const std::
                    {"outline_area_m2", rounded(support.area())},
                    {"pierced_area_m2", rounded(support.pierced_area)},
                    {"sd_m", rounded(support.sd)},
-                   {"axes_yaw_deg", rounded(support.yaw * 180 / kPi)},
+                   {"axes_yaw_deg", rounded(support.yaw / kDegree)},
                    {"edges", edges},
                    {"extent_from", support.behind_face ? "front and wall" : "surface"},
                    {"shape", support.radius > 0         ? "round"
@@ -340,19 +339,10 @@ std::map<std::string, std::string> add_named(std::vector<Front> fronts, Interpre
 
 }  // namespace
 
-void set_prior_joint(Front& front) {
-  const JointEstimate joint = joint_prior(front);
-  const bool probable =
-      joint.probabilities[static_cast<size_t>(joint.type)] >= kFurniture.min_joint_probability;
-  if (!front.fixture && !probable) return;
-  front.joint = joint;
-  front.class_name = front_class(front, joint);
-}
-
 void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, InterpretedMap& map) {
   for (Front& front : fronts) set_prior_joint(front);
   pair_sliding_panels(fronts);
-  pair_wings(fronts);
+  follow_neighbours(fronts);
   map.room_yaw = room.yaw;
   add_named(std::move(fronts), map);
 }

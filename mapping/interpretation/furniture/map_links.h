@@ -34,11 +34,8 @@ struct RecognisedRoom {
 /// Writes the room as links (root "map") and their sidecar entries.
 void add_links(const RecognisedRoom& room, const InterpretationOptions& options, InterpretedMap& map);
 
-/// Sets joint and class of a front by its shape (joint_prior). A front without fixture whose joint is
-/// unlikely stays without.
-void set_prior_joint(Front& front);
-
-/// Adds fronts with links, joints and classes by their shape (joint_prior) and names by class and number.
+/// Adds fronts with links, joints and classes by their shape and neighbours (set_prior_joint(),
+/// follow_neighbours()) and names by class and number.
 void add_fronts(const RecognisedRoom& room, std::vector<Front> fronts, InterpretedMap& map);
 
 /// Replaces the map's fronts by updated ones (joint, class, rectangle), named again. Returns the new name of

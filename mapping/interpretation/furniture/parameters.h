@@ -12,7 +12,8 @@ struct FurnitureParameters {
   double wall_m = 0.05;                ///< thickness of walls, floor and ceiling
   double min_wall_part_m = 0.02;       ///< less between two openings is noise of their edges
   double strip_m = 0.05;               ///< of the boxes that approximate a polygon
-  double min_joint_probability = 0.5;  ///< without which no joint is claimed
+  double max_fixed_probability = 0.5;  ///< of a front without fixture that opens, as fronts do
+  double neighbour_odds = 4;           ///< that a front without fixture opens as equal neighbours suggest
   double row_m = 0.3;                  ///< faces less far behind each other are one row of furniture
   double column_m = 0.1;               ///< between the left edges of fronts of one column
   double gap_m = 0.003;                ///< between fronts, and between a front and what is beside it

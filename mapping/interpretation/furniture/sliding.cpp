@@ -9,11 +9,6 @@
 namespace loci::mapping {
 namespace {
 
-bool has_level_bar(const Front& front) {
-  return front.fixture && front.fixture->kind == Fixture::Kind::handle &&
-         std::abs(front.fixture->axis.dot(front.right())) > std::sqrt(0.5);
-}
-
 /// By how much `a` stands before `b`, whose neighbour it is, if both are panels that may pass each other; 0
 /// for others.
 double step_between(const Front& a, const Front& b) {
@@ -30,7 +25,7 @@ double step_between(const Front& a, const Front& b) {
   const double gap = std::abs(a.right().dot(apart)) - (a.width + b.width) / 2;
   const bool meet = std::abs(gap) < step + kCabinets.aligned_m;
   const bool alike = std::min(a.width, b.width) > kSliding.min_width_ratio * std::max(a.width, b.width);
-  return level && meet && alike && !has_level_bar(a) && !has_level_bar(b) ? step : 0;
+  return level && meet && alike && !a.has_level_bar() && !b.has_level_bar() ? step : 0;
 }
 
 /// The joint of a panel that slides past another one.

@@ -283,7 +283,7 @@ double box_yaw(const PlaneEvidence& evidence) {
   for (const auto& point : evidence.support)
     points.emplace_back(static_cast<float>(point.position.x()), static_cast<float>(point.position.y()));
   if (points.size() < 3) return 0;
-  return cv::minAreaRect(points).angle * kPi / 180;
+  return cv::minAreaRect(points).angle * kDegree;
 }
 
 /// The yaw at which one rectangle scores highest: the room's, one near it, or that of the smallest box. The

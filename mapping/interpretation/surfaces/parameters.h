@@ -61,6 +61,7 @@ struct WallParameters {
   double max_fixture_m = 0.08;       ///< before the plane; no handle protrudes farther
   double fixture_inset_m = 0.03;     ///< the side of a neighbouring cupboard is not a fixture
   double max_reach_m = 2;            ///< no handle is higher
+  double min_fixture_share = 0.1;    ///< of what was seen where one is: a thin bar covers a fifth of a column
   size_t min_fixture_points = 40;    ///< about one knob at the resolution of a scan
   double column_m = 0.05;            ///< of a plane's length
   double behind_m = 0.12;            ///< points farther behind a plane were seen past or through it

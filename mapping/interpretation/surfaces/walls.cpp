@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "mapping/base/math/eigenvalues.h"
@@ -63,21 +65,32 @@ void refine_wall(VerticalPlane& plane, const Surface& surface) {
   }
 }
 
-/// Whether small objects protrude from a plane, as handles and knobs do.
+/// Whether small objects protrude from a plane, as handles and knobs do: where one is, much of what was seen
+/// is before the plane. A few measurements of a large plane are anywhere.
 bool has_fixtures(const Surface& surface, const VerticalPlane& plane) {
-  size_t count = 0;
+  struct Seen {
+    size_t before = 0, on_plane = 0;
+  };
+  std::map<std::pair<int, int>, Seen> cells;  // along the plane, and up
+  const auto cell_of = [](double metres) { return static_cast<int>(std::floor(metres / kWalls.column_m)); };
   for (const SurfacePoint& point : surface.points) {
     const Vector3d position = point.position.cast<double>();
     const double before = plane.normal.dot(position.head<2>()) - plane.offset;
-    if (before < kWalls.min_fixture_m || before > kWalls.max_fixture_m) continue;
+    if (before < -kWalls.min_fixture_m || before > kWalls.max_fixture_m) continue;
     const double along = plane.direction().dot(position.head<2>());
     if (along < plane.along_min + kWalls.fixture_inset_m || along > plane.along_max - kWalls.fixture_inset_m)
       continue;
     if (position.z() < plane.bottom + kWalls.fixture_inset_m ||
         position.z() > std::min(plane.top - kWalls.fixture_inset_m, kWalls.max_reach_m))
       continue;
-    ++count;
+    Seen& seen = cells[{cell_of(along), cell_of(position.z())}];
+    ++(before < kWalls.min_fixture_m ? seen.on_plane : seen.before);
   }
+  size_t count = 0;
+  for (const auto& [cell, seen] : cells)
+    if (static_cast<double>(seen.before) >
+        kWalls.min_fixture_share * static_cast<double>(seen.before + seen.on_plane))
+      count += seen.before;
   return count >= kWalls.min_fixture_points;
 }
 

@@ -8,6 +8,7 @@
 
 #include "mapping/base/math/eigenvalues.h"
 #include "mapping/base/math/math.h"
+#include "mapping/base/math/rotation_vector.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/annotators/structure/supports.h"
 
@@ -142,9 +143,7 @@ Step step_of(const std::vector<Pair>& pairs, double gate) {
     motion += direction * (direction.dot(gradient) / solver.eigenvalues()[i]);
     ++step.constrained;
   }
-  const Vector3d turn = motion.tail<3>() / size;
-  const double angle = turn.norm();
-  if (angle > 1e-12) step.motion.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+  step.motion.linear() = rotation_from_vector(motion.tail<3>() / size);
   step.motion.translation() = motion.head<3>() + middle - step.motion.linear() * middle;
   step.length = motion.norm();
   return step;

@@ -6,7 +6,6 @@
 #include "mapping/base/text/json.h"
 #include "mapping/interpretation/furniture/furniture_links.h"
 #include "mapping/interpretation/furniture/link_parts.h"
-#include "mapping/interpretation/furniture/wings.h"
 #include "mapping/world/contacts.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
@@ -96,37 +95,6 @@ TEST(Cabinets, TheCompartmentsOfARefrigeratorHaveOneBodyWithItsName) {
   EXPECT_EQ(row.world.find_link("fridge_1"), nullptr);
 }
 
-/// A door without fixture: a_front() without its handle.
-Front a_bare_door(double u0, double u1) {
-  Front front = a_front("door", u0, u1, 0.1, 0.85);
-  front.fixture.reset();
-  front.joint = joint_prior(front);
-  front.class_name = front_class(front, *front.joint);
-  return front;
-}
-
-TEST(Cabinets, DoorsWithoutHandleOpenAwayFromTheOtherOneOfAPair) {
-  // A pair, a door with a handle, and one without for which nothing shows the side.
-  std::vector<Front> fronts = {a_bare_door(0.4, 0.8), a_bare_door(0, 0.4),
-                               a_front("door", 0.8, 1.2, 0.1, 0.85, 0.85, true), a_bare_door(1.2, 1.62)};
-  ASSERT_EQ(fronts[0].class_name, "door");
-  pair_wings(fronts);
-  EXPECT_EQ(fronts[0].joint->hinge_from, "pair");
-  EXPECT_GT(fronts[0].joint->axis.z(), 0);
-  EXPECT_NEAR(fronts[0].joint->origin.y(), 0.8, 1e-9);
-  EXPECT_EQ(fronts[1].joint->hinge_from, "pair");
-  EXPECT_LT(fronts[1].joint->axis.z(), 0);
-  EXPECT_NEAR(fronts[1].joint->origin.y(), 0, 1e-9);
-  EXPECT_EQ(fronts[2].joint->hinge_from, "");
-  EXPECT_EQ(fronts[3].joint->hinge_from, "assumed");
-}
-
-TEST(Cabinets, OfThreeEqualDoorsWithoutHandleItIsOpenWhichAreAPair) {
-  std::vector<Front> fronts = {a_bare_door(0, 0.4), a_bare_door(0.4, 0.8), a_bare_door(0.8, 1.2)};
-  pair_wings(fronts);
-  for (const Front& front : fronts) EXPECT_EQ(front.joint->hinge_from, "assumed");
-}
-
 TEST(Cabinets, NothingPenetratesAndEverythingStillOpens) {
   Row row;
   const World before = row.world;
@@ -138,6 +106,61 @@ TEST(Cabinets, NothingPenetratesAndEverythingStillOpens) {
     EXPECT_DOUBLE_EQ(joint.limits->upper, before.find_joint(joint.name)->limits->upper) << joint.name;
     EXPECT_TRUE(free_range(world, joint).blocker.empty()) << joint.name;
   }
+}
+
+void expect_all_open(const World& world, double min_slide) {
+  EXPECT_TRUE(closed_contacts(world).empty());
+  for (const Joint& joint : world.joints) {
+    if (joint.type == JointType::fixed) continue;
+    EXPECT_EQ(free_range(world, joint).blocker, "") << joint.name;
+    EXPECT_GT(joint.limits->upper, min_slide) << joint.name;
+  }
+}
+
+TEST(Cabinets, ADrawerThatRunsALittleAskewHasRoomInItsBody) {
+  Row row;
+  Front drawer = row.fronts[0];
+  remove_front("drawer_1", row.world, row.semantics);
+  drawer.up = Vector3d(-0.01, 0, 1).normalized();  // as the scans of a low face show it
+  drawer.normal = Vector3d(1, 0.012, 0.01).normalized();
+  drawer.joint->axis = drawer.normal;
+  row.fronts[0] = drawer;
+  add_front(drawer, "map", row.world, row.semantics);
+  add_cabinets(row.fronts, "map", row.world, row.semantics);
+  expect_all_open(row.world, 0.4);
+  const Isometry3d body = root_from_links(row.world, {})[row.world.link_index("cabinet_1")];
+  EXPECT_NEAR(body.linear().determinant(), 1, 1e-9);
+  EXPECT_NEAR(body.linear()(2, 2), 1, 1e-9) << "it stands upright";
+}
+
+TEST(Cabinets, FrontsFoundAsHighAsTheCounterOverThemEndBelowIt) {
+  Row row;
+  for (const Front& front : row.fronts) remove_front(front.name, row.world, row.semantics);
+  add_link(row.world, "counter_1", "counter", "map", Isometry3d(Eigen::Translation3d(-0.3, 0.65, 0.844)),
+           {box_part({0.005, 0, -0.02}, {0.6, 1.3, 0.04})});
+  row.semantics.links["counter_1"].class_name = "counter";
+  add_fronts(row.fronts, "map", row.world, row.semantics);
+  add_cabinets(row.fronts, "map", row.world, row.semantics);
+  expect_all_open(row.world, 0.4);
+  const std::vector<Collision>& slab = row.world.find_link("counter_1")->collisions;
+  ASSERT_EQ(slab.size(), 1U) << "it is whole";
+  EXPECT_NEAR(std::get<Box>(slab[0].geometry).size.y(), 1.3, 1e-9);
+  EXPECT_GE(std::get<Box>(slab[0].geometry).size.z(), 0.0099);
+}
+
+TEST(Cabinets, AFrontThatContradictsOthersGivesWayToThoseThatWereMoved) {
+  Row row;
+  Front ghost = a_front("drawer_9", 0.7, 1.25, 0.42, 0.8);  // between drawer_2 and drawer_3, and beyond
+  row.fronts[3].joint->evidence = row.fronts[4].joint->evidence = "interaction";
+  ghost.confidence = 0.95;
+  row.fronts.push_back(ghost);
+  for (size_t i = 0; i < 5; ++i) remove_front(row.fronts[i].name, row.world, row.semantics);
+  add_fronts(row.fronts, "map", row.world, row.semantics);
+  add_cabinets(row.fronts, "map", row.world, row.semantics);
+  expect_all_open(row.world, 0.3);
+  const Link& moved = *row.world.find_link("drawer_2_front");
+  ASSERT_EQ(moved.collisions.size(), 1U);
+  EXPECT_GT(std::get<Box>(moved.collisions[0].geometry).size.y(), 0.48);
 }
 
 TEST(Cabinets, WithoutAWallTheDepthIsThatOfTheFrontsAndSaidToBeAssumed) {

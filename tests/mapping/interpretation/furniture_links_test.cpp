@@ -196,9 +196,15 @@ TEST(FurnitureLinks, OpeningTurnsDoorAboutItsHinge) {
 
 TEST(FurnitureLinks, EveryLinkWithGeometryCanBeSimulated) {
   Map map;
-  add_front(a_drawer(), "counter_1", map.world, map.semantics);
-  add_front(a_door(), "counter_1", map.world, map.semantics);
-  add_front(a_front("front_1"), "counter_1", map.world, map.semantics);
+  double aside = 0;
+  for (Front front : {a_drawer(), a_door(), a_front("front_1")}) {
+    const Vector3d shift = aside * front.right();
+    front.centre += shift;
+    front.fixture->centre += shift;
+    if (front.joint) front.joint->origin += shift;
+    add_front(front, "counter_1", map.world, map.semantics);
+    aside += 1;
+  }
   for (const Link& link : map.world.links) {
     EXPECT_EQ(link.visuals.size(), link.collisions.size()) << link.name;
     EXPECT_EQ(link.visuals.empty(), !link.inertial.has_value()) << link.name;
