@@ -39,10 +39,10 @@ std::string line_of(const std::string& name, const mapping::DifferenceResult& re
 
 /// Which fronts moved between two scan sets, and the map with what that shows.
 void articulate_map(const ArticulateArguments& arguments, Session& session) {
-  const mapping::ScanSet before = mapping::read_registered_scans(arguments.before, session.warnings()),
-                         after = mapping::read_registered_scans(arguments.after, session.warnings());
   mapping::World world = mapping::read_urdf(arguments.map);
   mapping::SemanticMap semantics = mapping::read_semantic_map(mapping::sidecar_path(arguments.map));
+  const mapping::ScanSet before = mapping::read_registered_scans(arguments.before, session.warnings()),
+                         after = mapping::read_registered_scans(arguments.after, session.warnings());
   if (!arguments.out.empty()) session.check_outputs({}, {mapping::sidecar_path(arguments.out)});
   std::string text;
   Json report = {{"fronts", Json::object()}};

@@ -166,9 +166,8 @@ std::string view_text(const nbv::NextView& view) {
 }
 
 /// The scans of the pool that are not in the map yet, by name.
-void choose(const NextViewArguments& arguments, const mapping::ScanSet& scans,
+void choose(const NextViewArguments& arguments, const mapping::ScanSet& scans, const mapping::ScanSet& pool,
             const mapping::OccupancyMap& map, Session& session) {
-  const mapping::ScanSet pool = read_scans(arguments.pool, "a pool", session);
   std::set<std::string> taken;
   for (const mapping::Scan& scan : scans.scans) taken.insert(scan.name);
   std::vector<mapping::PlanarPose> poses;
@@ -189,6 +188,8 @@ void next(NextViewArguments& arguments, Session& session) {
   table_of(arguments.planner).validate();
   arguments.planner.threads = arguments.occupancy.threads = session.flags().threads;
   const mapping::ScanSet scans = read_scans(arguments.scans, "a scan set", session);
+  std::optional<mapping::ScanSet> pool;
+  if (!arguments.pool.empty()) pool = read_scans(arguments.pool, "a pool", session);
   mapping::OccupancyMap map(arguments.occupancy);
   Stopwatch watch;
   for (size_t i = 0; i < scans.scans.size(); ++i) {
@@ -196,7 +197,7 @@ void next(NextViewArguments& arguments, Session& session) {
     map.insert(scans.scans[i]);
   }
   session.timing("insertion", watch.lap());
-  if (!arguments.pool.empty()) return choose(arguments, scans, map, session);
+  if (pool) return choose(arguments, scans, *pool, map, session);
 
   const mapping::PlanarPose robot = arguments.robot.empty()
                                         ? mapping::planar(scans.scans.back().map_from_scan)

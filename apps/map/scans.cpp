@@ -252,10 +252,10 @@ struct InterpretArguments {
 };
 
 /// Fronts and handles from the colour frames of the recording that the scans were fused from.
-void add_photos(const InterpretArguments& arguments, mapping::InterpretedMap& map, Session& session) {
-  const auto recording = open_posed(arguments.recording, arguments.reading, session).recording;
+void add_photos(const mapping::Recording& recording, const InterpretArguments& arguments,
+                mapping::InterpretedMap& map, Session& session) {
   const std::vector<mapping::PhotographedFace> faces =
-      interpret_photos(*recording, arguments.options.threads, session.progress(), map);
+      interpret_photos(recording, arguments.options.threads, session.progress(), map);
   if (arguments.orthophotos.empty()) return;
   make_folder(arguments.orthophotos);
   for (size_t i = 0; i < faces.size(); ++i) {
@@ -306,20 +306,22 @@ Command interpret_command() {
                   mapping::read_registered_scans(arguments->scans, session.warnings());
               session.check_outputs(arguments->out,
                                     {"map.urdf", "map.semantic.json", "report.html", "room.ply", "room.glb"});
+              std::optional<mapping::SemanticMap> older;
+              if (!arguments->names_from.empty())
+                older = mapping::read_semantic_map(mapping::sidecar_path(arguments->names_from));
+              std::unique_ptr<mapping::Recording> recording;
+              if (!arguments->recording.empty())
+                recording = open_posed(arguments->recording, arguments->reading, session).recording;
               mapping::InterpretedMap map = interpret(scans, arguments->options, session.progress());
-              if (!arguments->recording.empty()) add_photos(*arguments, map, session);
+              if (recording) add_photos(*recording, *arguments, map, session);
               for (const std::string& note : map.notes) session.warnings().add(note);
               for (const mapping::StageTime& time : map.times) session.timing(time.stage, time.seconds);
               if (!map.usable())
                 throw Error(map.summary(), {arguments->scans, 0, ""},
                             "nothing was written: scan more of the room, or lower --min-support-area-m2");
-              if (!arguments->names_from.empty()) {
-                const mapping::NameTransfer names =
-                    transfer_names(map.world, map.semantics,
-                                   mapping::read_semantic_map(mapping::sidecar_path(arguments->names_from)));
-                for (const std::string& name : names.vanished)
+              if (older)
+                for (const std::string& name : transfer_names(map.world, map.semantics, *older).vanished)
                   session.warnings().add("'" + name + "' of the older map was not found again");
-              }
               write_map(map, scans, arguments->out, session);
               move_room(arguments->scans, map.semantics, arguments->out);
               const std::filesystem::path folder = arguments->out;

@@ -24,13 +24,8 @@ constexpr double kSamePlace = 0.03;  // metres: the noise of an object at rest
 }  // namespace
 
 std::array<uint8_t, 3> rgb_of(const memory::BeliefRow& belief) {
-  if (!belief.hsv) return {160, 160, 160};
-  std::array<uint8_t, 3> rgb{};
-  const std::array<float, 3> levels =
-      mapping::rgb_from_hsv(belief.hsv->hue, belief.hsv->saturation, belief.hsv->value);
-  for (size_t i = 0; i < rgb.size(); ++i)
-    rgb[i] = static_cast<uint8_t>(std::lround(std::clamp(levels[i], 0.0F, 1.0F) * 255));
-  return rgb;
+  if (!belief.hsv) return mapping::kUnknownRgb;
+  return mapping::rgb8_from_hsv(belief.hsv->hue, belief.hsv->saturation, belief.hsv->value);
 }
 
 const BelievedObject* Belief::find(memory::Id object) const {

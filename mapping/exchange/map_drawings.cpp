@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <ranges>
 
+#include "mapping/base/math/label_places.h"
 #include "mapping/base/text/base64.h"
 #include "mapping/base/text/html.h"
 #include "mapping/base/text/json.h"
@@ -266,43 +268,118 @@ void draw_opening(Drawing& drawing, const Vector2d& along, const Json& opening) 
       10);
 }
 
+/// The map from the axes of a room: x is along its longest wall.
+Eigen::Rotation2Dd map_from_room_axes(const SemanticMap& semantics) {
+  Vector2d along = Vector2d::Zero();
+  for (const auto& [name, link] : semantics.links) {
+    const std::vector<Vector2d> outline = outline_of(link);
+    if (link.class_name != "wall" || outline.size() < 2) continue;
+    if (const Vector2d wall = outline[1] - outline[0]; wall.norm() > along.norm()) along = wall;
+  }
+  return Eigen::Rotation2Dd(along.isZero() ? 0 : std::atan2(along.y(), along.x()));
+}
+
+/// A box along the axes of the room.
+struct RoomBox {
+  Eigen::Rotation2Dd map_from_axes;
+  Eigen::AlignedBox2d box;
+
+  void extend(const Vector2d& in_map) { box.extend(map_from_axes.inverse() * in_map); }
+  Vector2d in_map(double x, double y) const { return map_from_axes * Vector2d(x, y); }
+  Eigen::AlignedBox2d around(double margin) const {
+    Eigen::AlignedBox2d bounds;
+    for (const double x : {box.min().x() - margin, box.max().x() + margin})
+      for (const double y : {box.min().y() - margin, box.max().y() + margin}) bounds.extend(in_map(x, y));
+    return bounds;
+  }
+};
+
+/// What is written on a support, from the most to the least of it.
+std::vector<std::vector<std::string>> words_on(const std::string& name, const SemanticLink& link,
+                                               const std::vector<Vector2d>& outline) {
+  const std::string high = fmt::format("{:.0f} high", 100 * link.geometry.at("height").get<double>());
+  if (outline.size() != 4) return {{name, high}, {name}};
+  const std::string size = fmt::format("{:.0f} × {:.0f}", 100 * (outline[1] - outline[0]).norm(),
+                                       100 * (outline[2] - outline[1]).norm());
+  return {{name, size + ", " + high}, {name, size, high}, {name}};
+}
+
+constexpr double kNameSize = 12, kSizeSize = 10;  ///< of letters, pixels
+
+/// Writes a support's name and measures inside its outline; its name about its middle where they do not fit,
+/// unless that is taken.
+void write_support(Drawing& drawing, LabelPlaces& places, const std::vector<Vector2d>& outline,
+                   const std::vector<std::vector<std::string>>& choices) {
+  const auto size_of = [](const std::vector<std::string>& lines) {
+    Vector2d size = LabelPlaces::size_of_text(lines[0].size(), kNameSize);
+    for (size_t i = 1; i < lines.size(); ++i) {
+      const Vector2d line = LabelPlaces::size_of_text(lines[i].size(), kSizeSize);
+      size = Vector2d(std::max(size.x(), line.x()), size.y() + line.y());
+    }
+    return Vector2d(size / kPlanScale);
+  };
+  const auto write = [&](const Vector2d& middle, const std::vector<std::string>& lines) {
+    Vector2d at = middle + Vector2d(0, size_of(lines).y() / 2);  // upper edge of a line
+    for (size_t i = 0; i < lines.size(); ++i) {
+      const double letters = i == 0 ? kNameSize : kSizeSize,
+                   height = LabelPlaces::size_of_text(1, letters).y() / kPlanScale;
+      drawing.write(at - Vector2d(0, height / 2), lines[i], letters);
+      at.y() -= height;
+    }
+  };
+  for (const std::vector<std::string>& lines : choices)
+    if (const auto middle = places.take_inside(outline, size_of(lines))) return write(*middle, lines);
+  if (const auto middle = places.take_about(outline, size_of(choices.back()))) write(*middle, choices.back());
+}
+
+/// Supports with their labels over all outlines; those with least room are written first.
+void draw_supports(Drawing& drawing, const SemanticMap& semantics) {
+  std::vector<std::pair<std::string, std::vector<Vector2d>>> supports;
+  for (const auto& [name, link] : semantics.links)
+    if (is_support_class(link.class_name) && is_seen_from_above(link))
+      supports.emplace_back(name, outline_of(link));
+  std::ranges::stable_sort(supports, {}, [](const auto& support) { return area_of(support.second); });
+  for (const auto& [name, outline] : std::views::reverse(supports))
+    drawing.polygon(outline, "fill=\"#dbe7df\" " + stroke_of(semantics.links.at(name).confidence));
+  LabelPlaces places;
+  for (const auto& [name, outline] : supports)
+    write_support(drawing, places, outline, words_on(name, semantics.links.at(name), outline));
+}
+
 }  // namespace
 
+bool is_seen_from_above(const SemanticLink& link) {
+  return !outline_of(link).empty() && link.class_name != "drawer_bottom" && !is_inferred_cabinet(link);
+}
+
 std::string plan_svg(const InterpretedMap& map) {
-  Eigen::AlignedBox2d box;
+  constexpr double kDimension_m = 0.2;  // from the room to its dimension lines
+  RoomBox room{map_from_room_axes(map.semantics), {}};
   for (const auto& [name, link] : map.semantics.links)
     if (link.class_name != "floor" && link.class_name != "ceiling")
-      for (const Vector2d& corner : outline_of(link)) box.extend(corner);
+      for (const Vector2d& corner : outline_of(link)) room.extend(corner);
   const std::vector<Front> fronts = fronts_of(map.world, map.semantics);
-  for (const Front& front : fronts) box.extend(Vector2d(front.centre.head<2>()));
-  if (box.isEmpty()) return {};
-  Drawing drawing(box, kPlanScale, "Plan");
+  for (const Front& front : fronts) room.extend(Vector2d(front.centre.head<2>()));
+  if (room.box.isEmpty()) return {};
+  Drawing drawing(room.around(kDimension_m), kPlanScale, "Plan");
+  draw_supports(drawing, map.semantics);
   for (const auto& [name, link] : map.semantics.links) {
+    if (link.class_name != "wall" || !is_seen_from_above(link)) continue;
     const std::vector<Vector2d> outline = outline_of(link);
-    if (outline.empty() || link.class_name == "drawer_bottom" || is_inferred_cabinet(link)) continue;
-    if (link.class_name == "wall") {
-      const Vector2d& end = outline[1 % outline.size()];
-      drawing.line(outline[0], end, "stroke=\"#1f2937\" stroke-width=\"6\"");
-      for (const Json& opening : link.geometry.value("openings", Json::array()))
-        draw_opening(drawing, (end - outline[0]).normalized(), opening);
-    } else if (is_support_class(link.class_name)) {
-      drawing.polygon(outline, "fill=\"#dbe7df\" " + stroke_of(link.confidence));
-      Vector2d middle = Vector2d::Zero();
-      for (const Vector2d& corner : outline) middle += corner / static_cast<double>(outline.size());
-      drawing.write(middle, name);
-      std::string size = fmt::format("{:.0f} high", 100 * link.geometry.at("height").get<double>());
-      if (outline.size() == 4)
-        size = fmt::format("{:.0f} × {:.0f}, {}", 100 * (outline[1] - outline[0]).norm(),
-                           100 * (outline[2] - outline[1]).norm(), size);
-      drawing.write(middle, size, 10, 1);
-    }
+    const Vector2d& end = outline[1 % outline.size()];
+    drawing.line(outline[0], end, "stroke=\"#1f2937\" stroke-width=\"6\"");
+    for (const Json& opening : link.geometry.value("openings", Json::array()))
+      draw_opening(drawing, (end - outline[0]).normalized(), opening);
   }
   for (const Front& front : fronts) {
     const Vector2d middle = front.centre.head<2>(), half = front.right().head<2>() * front.width / 2;
     drawing.line(middle - half, middle + half, "stroke=\"#2563eb\" stroke-width=\"4\"");
   }
-  drawing.dimension({box.min().x(), box.min().y() - 0.2}, {box.max().x(), box.min().y() - 0.2});
-  drawing.dimension({box.max().x() + 0.2, box.min().y()}, {box.max().x() + 0.2, box.max().y()});
+  const Vector2d low = room.box.min(), high = room.box.max();
+  drawing.dimension(room.in_map(low.x(), low.y() - kDimension_m),
+                    room.in_map(high.x(), low.y() - kDimension_m));
+  drawing.dimension(room.in_map(high.x() + kDimension_m, low.y()),
+                    room.in_map(high.x() + kDimension_m, high.y()));
   return drawing.svg();
 }
 

@@ -33,7 +33,11 @@ std::vector<FurnitureRun> furniture_runs(const InterpretedMap& map);
 /// an arrow; what was found with little confidence is dashed.
 std::string elevation_svg(const InterpretedMap& map, const FurnitureRun& run);
 
-/// The room from above with dimensions: walls, supports with their heights, fronts with the way they open.
+/// Whether views from above show a link by its outline: fronts and what is inside the furniture are left out.
+bool is_seen_from_above(const SemanticLink& link);
+
+/// The room from above with dimensions along its longest wall and across: walls, supports with their heights,
+/// fronts with the way they open.
 std::string plan_svg(const InterpretedMap& map);
 
 }  // namespace loci::mapping

@@ -40,12 +40,13 @@ std::string links_table(const InterpretedMap& map) {
   for (const auto& [name, link] : map.semantics.links) {
     const Json& geometry = link.geometry;
     const auto number = [&](const char* key) { return geometry.at(key).get<double>(); };
-    const std::string where = geometry.contains("width")
-                                  ? fmt::format("{:.3f} × {:.3f} m", number("width"), number("height"))
-                              : geometry.contains("length") ? fmt::format("{:.3f} m long", number("length"))
-                              : geometry.contains("height") ? fmt::format("height {:.3f} m", number("height"))
-                              : geometry.contains("offset") ? fmt::format("offset {:.3f} m", number("offset"))
-                                                            : "";
+    const std::string where =
+        geometry.contains("width")    ? fmt::format("{:.3f} × {:.3f} m", number("width"), number("height"))
+        : geometry.contains("length") ? fmt::format("{:.3f} m long", number("length"))
+        : geometry.contains("top") ? fmt::format("{:.3f} m to {:.3f} m high", number("height"), number("top"))
+        : geometry.contains("height") ? fmt::format("height {:.3f} m", number("height"))
+        : geometry.contains("offset") ? fmt::format("offset {:.3f} m", number("offset"))
+                                      : "";
     rows.push_back(
         {name, link.class_name, where, fmt::format("{:.2f}", link.confidence), evidence_text(link.evidence)});
   }

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "mapping/base/math/label_places.h"
 #include "mapping/base/math/math.h"
 #include "mapping/base/text/base64.h"
 #include "mapping/base/text/html.h"
@@ -51,7 +52,7 @@ void each_point(const InterpretedMap& map, const ScanSet& scans, Visit visit) {
   }
 }
 
-/// The box of the points but for the few farthest on each side.
+/// The outlines of links and the points but for the few farthest on each side.
 TopView view_of(const InterpretedMap& map, const ScanSet& scans) {
   std::vector<double> x, y;
   each_point(map, scans, [&](const Vector3d& position, const ScanPoint&) {
@@ -66,6 +67,13 @@ TopView view_of(const InterpretedMap& map, const ScanSet& scans) {
   };
   spread(x, view.low.x(), view.high.x());
   spread(y, view.low.y(), view.high.y());
+  for (const auto& [name, link] : map.semantics.links)
+    if (is_seen_from_above(link))
+      for (const Json& corner : link.geometry.at("outline")) {
+        const Vector2d at(corner.at(0).get<double>(), corner.at(1).get<double>());
+        view.low = view.low.cwiseMin(at - Vector2d::Constant(kPointMargin));
+        view.high = view.high.cwiseMax(at + Vector2d::Constant(kPointMargin));
+      }
   view.pixel = std::max(0.01, (view.high - view.low).maxCoeff() / kMaxPixels);
   return view;
 }
@@ -105,34 +113,68 @@ const char* outline_color(const std::string& class_name) {
 /// Room beside the image for names of what stands at its edge, pixels.
 constexpr int kLabelMargin = 60;
 
-std::string points_text(const Json& outline, const TopView& view) {
-  std::string text;
-  for (const Json& corner : outline) {
-    const Vector2d at = view.at({corner.at(0).get<double>(), corner.at(1).get<double>()});
-    text += fmt::format("{:.1f},{:.1f} ", at.x(), at.y());
-  }
-  return text;
+/// In pixels of the view.
+Polygon outline_in(const TopView& view, const SemanticLink& link) {
+  Polygon outline;
+  for (const Json& corner : link.geometry.at("outline"))
+    outline.push_back(view.at({corner.at(0).get<double>(), corner.at(1).get<double>()}));
+  return outline;
 }
 
-std::string drawing_of(const std::string& name, const SemanticLink& link, const TopView& view) {
-  const Json& outline = link.geometry.at("outline");
+std::string polygon_of(const Polygon& outline, const SemanticLink& link) {
+  std::string points;
+  for (const Vector2d& at : outline) points += fmt::format("{:.1f},{:.1f} ", at.x(), at.y());
   const char* color = outline_color(link.class_name);
-  Vector2d middle = Vector2d::Zero();
-  for (const Json& corner : outline)
-    middle += view.at({corner.at(0).get<double>(), corner.at(1).get<double>()});
-  middle /= static_cast<double>(outline.size());
-  const bool level = link.class_name == "floor" || link.class_name == "ceiling";
-  std::string svg = fmt::format(
+  const bool wall = link.class_name == "wall",
+             level = link.class_name == "floor" || link.class_name == "ceiling";
+  return fmt::format(
       "<polygon points=\"{}\" fill=\"{}\" fill-opacity=\"{}\" stroke=\"{}\" stroke-width=\"{}\"{}/>\n",
-      points_text(outline, view), color, level || link.class_name == "wall" ? 0.0 : 0.15, color,
-      link.class_name == "wall" ? 5 : 2.5, level ? " stroke-dasharray=\"6 6\"" : "");
-  if (level) return svg;
-  return svg + fmt::format(
-                   "<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"{}\" stroke=\"#fff\" stroke-width=\"4\" "
-                   "paint-order=\"stroke\" "
-                   "font-family=\"sans-serif\" font-size=\"16\" font-weight=\"600\" "
-                   "text-anchor=\"middle\">{}</text>\n",
-                   middle.x(), middle.y(), color, html_escape(name));
+      points, color, level || wall ? 0.0 : 0.15, color, wall ? 5 : 2.5,
+      level ? " stroke-dasharray=\"6 6\"" : "");
+}
+
+/// The name of a link where there is room: inside of what stands in the room, at the middle of a wall.
+std::string label_of(const std::string& name, const SemanticLink& link, const Polygon& outline,
+                     LabelPlaces& places) {
+  constexpr double kLetters = 16;  // pixels
+  const Vector2d size = LabelPlaces::size_of_text(name.size(), kLetters);
+  std::optional<Vector2d> at;
+  if (link.class_name == "wall") {
+    Eigen::AlignedBox2d extent;
+    for (const Vector2d& corner : outline) extent.extend(corner);
+    at = places.take_first({extent.center()}, size);
+  } else if (!(at = places.take_inside(outline, size))) {
+    at = places.take_about(outline, size);
+  }
+  if (!at) return {};
+  return fmt::format(
+      "<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"{}\" stroke=\"#fff\" stroke-width=\"4\" paint-order=\"stroke\" "
+      "font-family=\"sans-serif\" font-size=\"{}\" font-weight=\"600\" text-anchor=\"middle\">{}</text>\n",
+      at->x(), at->y() + 0.35 * kLetters, outline_color(link.class_name), kLetters, html_escape(name));
+}
+
+/// Outlines of links, and over them the names: furniture before walls, the smallest first.
+std::string outlines_svg(const SemanticMap& semantics, const TopView& view) {
+  struct Shape {
+    std::string name;
+    const SemanticLink* link;
+    Polygon outline;
+  };
+  std::vector<Shape> shapes;
+  std::string svg;
+  for (const auto& [name, link] : semantics.links)
+    if (is_seen_from_above(link)) {
+      shapes.push_back({name, &link, outline_in(view, link)});
+      svg += polygon_of(shapes.back().outline, link);
+    }
+  std::ranges::stable_sort(shapes, {}, [](const Shape& shape) {
+    return std::pair(shape.link->class_name == "wall", area_of(shape.outline));
+  });
+  LabelPlaces places;
+  for (const auto& [name, link, outline] : shapes)
+    if (link->class_name != "floor" && link->class_name != "ceiling")
+      svg += label_of(name, *link, outline, places);
+  return svg;
 }
 
 constexpr double kAround_m = 0.12;       // shown around a front
@@ -207,8 +249,7 @@ std::string top_view_svg(const InterpretedMap& map, const ScanSet& scans) {
       "role=\"img\" "
       "aria-label=\"Top view\">\n<image width=\"{0}\" height=\"{1}\" href=\"data:image/png;base64,{2}\"/>\n",
       view.width(), view.height(), base64_from_bytes(png), view.width() + 2 * kLabelMargin, -kLabelMargin);
-  for (const auto& [name, link] : map.semantics.links)
-    if (link.geometry.contains("outline")) svg += drawing_of(name, link, view);
+  svg += outlines_svg(map.semantics, view);
   const Vector2d left = {20, view.height() - 20.0};
   svg += fmt::format(
       "<path d=\"M{0} {1}h{2}\" stroke=\"#111\" stroke-width=\"3\"/><text x=\"{0}\" y=\"{3}\" "

@@ -32,4 +32,12 @@ std::array<float, 3> rgb_from_hsv(double hue, double saturation, double value) {
   return {channel(5), channel(3), channel(1)};
 }
 
+std::array<uint8_t, 3> rgb8_from_hsv(double hue, double saturation, double value) {
+  std::array<uint8_t, 3> rgb{};
+  const std::array<float, 3> levels = rgb_from_hsv(hue, saturation, value);
+  for (size_t i = 0; i < rgb.size(); ++i)
+    rgb[i] = static_cast<uint8_t>(std::lround(std::clamp(levels[i], 0.0F, 1.0F) * 255));
+  return rgb;
+}
+
 }  // namespace loci::mapping

@@ -82,6 +82,12 @@ std::string Builder::link(const std::string& kind, const std::string& parent,
                           const Isometry3d& parent_from_link) {
   const int number = ++counts_[kind];
   const std::string name = kind == "room" || kind == "floor" ? kind : fmt::format("{}_{}", kind, number);
+  add_link(name, parent, parent_from_link);
+  return name;
+}
+
+void Builder::add_link(const std::string& name, const std::string& parent,
+                       const Isometry3d& parent_from_link) {
   kitchen_.world.links.push_back({name, {}, {}, {}});
   Joint joint;
   joint.name = name + "_joint";
@@ -90,7 +96,6 @@ std::string Builder::link(const std::string& kind, const std::string& parent,
   joint.parent_from_joint = parent_from_link;
   kitchen_.world.joints.push_back(joint);
   map_from_link_[name] = map_from_link_.at(parent) * parent_from_link;
-  return name;
 }
 
 void Builder::add_shape(const std::string& link, const Isometry3d& link_from_shape, const Geometry& shape,
@@ -149,15 +154,21 @@ void Builder::front(const std::string& cabinet, const FrontCell& cell, Opening o
   if (grip_kind != Grip::none) grip(name, centre, size, opening, grip_kind, grip_height, style);
 }
 
-void Builder::drawer_box(const std::string& link, const Vector2d& size, double depth, double thickness) {
-  const double back = -thickness - (depth - 0.06), half = size.x() / 2 - 0.03;
-  const double floor = -size.y() / 2 + 0.03,
-               rim = std::min(floor + std::min(0.6 * size.y(), 0.2), size.y() / 2 - 0.02);
-  const double front = -thickness;
-  box(link, {back, -half, floor}, {front, half, floor + kBoard_m}, kInside);
-  box(link, {back, -half, floor + kBoard_m}, {front, -half + kBoard_m, rim}, kInside);
-  box(link, {back, half - kBoard_m, floor + kBoard_m}, {front, half, rim}, kInside);
-  box(link, {back, -half + kBoard_m, floor + kBoard_m}, {back + kBoard_m, half - kBoard_m, rim}, kInside);
+void Builder::drawer_box(const std::string& drawer, const Vector2d& size, double depth, double thickness) {
+  const double back = -thickness - (depth - 0.06), front = -thickness, half = size.x() / 2 - 0.03;
+  const double floor = -size.y() / 2 + 0.03 + kBoard_m,  // top of the bottom
+      rim = std::min(floor - kBoard_m + std::min(0.6 * size.y(), 0.2), size.y() / 2 - 0.02);
+  box(drawer, {back, -half, floor}, {front, -half + kBoard_m, rim}, kInside);
+  box(drawer, {back, half - kBoard_m, floor}, {front, half, rim}, kInside);
+  box(drawer, {back, -half + kBoard_m, floor}, {back + kBoard_m, half - kBoard_m, rim}, kInside);
+  const std::string bottom = drawer + "_bottom";
+  const double reach = (front - back) / 2;
+  add_link(bottom, drawer, at({(back + front) / 2, 0, floor}));
+  box(bottom, {-reach, -half, -kBoard_m}, {reach, half, 0}, kInside);
+  const Vector2d inside(reach - kBoard_m, half - kBoard_m);  // between the sides; the back has one board
+  describe_support(
+      bottom, "drawer_bottom",
+      {{-inside.x(), -inside.y()}, {reach, -inside.y()}, {reach, inside.y()}, {-inside.x(), inside.y()}}, 0);
 }
 
 void Builder::grip(const std::string& front, const Vector3d& face, const Vector2d& size, Opening opening,

@@ -65,9 +65,11 @@ class Builder {
   DrawnKitchen take() { return std::move(kitchen_); }
 
  private:
+  void add_link(const std::string& name, const std::string& parent, const Isometry3d& parent_from_link);
   void add_shape(const std::string& link, const Isometry3d& link_from_shape, const Geometry& shape,
                  const Rgba& color);
-  void drawer_box(const std::string& link, const Vector2d& size, double depth, double thickness);
+  /// Sides and back of a drawer belong to its link, the bottom is a link of its own, as in explored maps.
+  void drawer_box(const std::string& drawer, const Vector2d& size, double depth, double thickness);
   void grip(const std::string& front, const Vector3d& face, const Vector2d& size, Opening opening, Grip grip,
             GripHeight height, const FrontStyle& style);
   void bar(const std::string& front, const Vector3d& foot, const Vector3d& along, double length,

@@ -2,18 +2,57 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <limits>
+#include <map>
 
 #include "mapping/base/math/math.h"
 
 namespace loci::mapping {
 namespace {
 
+constexpr const char* kBottom = "_bottom";
+
 /// Bounds of an object's mesh after a turn.
 Eigen::AlignedBox3d turned_bounds(const ObjectModel& model, const Eigen::Matrix3d& turn) {
   Eigen::AlignedBox3d bounds;
   for (const auto& vertex : model.mesh.vertices) bounds.extend(Vector3d(turn * vertex.cast<double>()));
   return bounds;
+}
+
+/// The level surface of a link that is largest, in the link's frame.
+Eigen::AlignedBox3d largest_level(const Link& link, const MeshSearch& search, Warnings& warnings) {
+  struct Level {
+    double area = 0;
+    Eigen::AlignedBox3d bounds;
+  };
+  constexpr double kLevel_m = 0.005, kMinUp = 0.95;  // levels; cosine of the tilt
+  std::map<long, Level> levels;
+  for (const Visual& visual : link.visuals) {
+    const TriangleMesh mesh = triangulate(visual.geometry, search, warnings);
+    for (const auto& triangle : mesh.triangles) {
+      std::array<Vector3d, 3> corners;
+      for (size_t i = 0; i < 3; ++i)
+        corners[i] = visual.link_from_visual * mesh.vertices[triangle[i]].cast<double>();
+      const Vector3d normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+      if (normal.z() <= kMinUp * normal.norm()) continue;
+      Level& level = levels[std::lround((corners[0] + corners[1] + corners[2]).z() / 3 / kLevel_m)];
+      level.area += normal.norm() / 2;
+      for (const Vector3d& corner : corners) level.bounds.extend(corner);
+    }
+  }
+  Level largest;
+  for (const auto& [height, level] : levels)
+    if (level.area > largest.area) largest = level;
+  return largest.bounds;
+}
+
+SupportTop top_of(const Eigen::AlignedBox3d& bounds) {
+  SupportTop top;
+  top.centre << bounds.center().head<2>(), bounds.max().z();
+  top.half = bounds.sizes().head<2>() / 2;
+  return top;
 }
 
 }  // namespace
@@ -29,14 +68,30 @@ Eigen::AlignedBox3d bounds_of_link(const Link& link, const MeshSearch& search, W
 std::optional<SupportTop> top_of_link(const Link& link, const MeshSearch& search, Warnings& warnings) {
   const Eigen::AlignedBox3d bounds = bounds_of_link(link, search, warnings);
   if (bounds.isEmpty()) return std::nullopt;
+  return top_of(bounds);
+}
+
+std::optional<SupportTop> inside_of_drawer(const Link& link, const Vector3d& out, double travel,
+                                           const MeshSearch& search, Warnings& warnings) {
+  constexpr double kBoard_m = 0.012;  // thickness of a bottom that nobody modelled
+  const Eigen::AlignedBox3d bounds = bounds_of_link(link, search, warnings);
+  if (bounds.isEmpty()) return std::nullopt;
+  const Eigen::AlignedBox3d level = largest_level(link, search, warnings);
+  if (!level.isEmpty() && bounds.max().z() - level.max().z() > kBoard_m) return top_of(level);
+  // What is half as thick as it opens is a solid body, or a panel that slides along its plane.
+  const double thickness = out.cwiseAbs().dot(bounds.sizes());
+  if (thickness > travel / 2) return std::nullopt;
+  const Vector3d reach = out.cwiseAbs() * travel / 2,
+                 behind = bounds.center() - out * (thickness + travel) / 2;
+  Vector3d half = bounds.sizes() / 2 - out.cwiseAbs() * thickness / 2 + reach;
   SupportTop top;
-  top.centre << bounds.center().head<2>(), bounds.max().z();
-  top.half = bounds.sizes().head<2>() / 2;
+  top.centre << behind.head<2>(), bounds.min().z() + kBoard_m;
+  top.half = half.head<2>();
   return top;
 }
 
 ScenarioPlay::ScenarioPlay(const Scenario& scenario, const World& world, const MeshSearch& search)
-    : scenario_(scenario), world_(world), search_(search) {
+    : scenario_(scenario), world_(world), search_(search), map_from_closed_(root_from_links(world, {})) {
   for (const auto& [name, spec] : scenario.objects) {
     if (world.find_link(name) != nullptr)
       throw Error("the object '" + name + "' has the name of a link of the world",
@@ -94,7 +149,8 @@ Isometry3d ScenarioPlay::placed(const Action& action, const std::string& support
     top.half = (model.high - model.low).head<2>() / 2;
     if (!upright) throw Error("'" + support + "' lies on its side, nothing stands on it", action.location);
   } else {
-    top = known_top(support);
+    const Joint* slide = action.inside && !support.ends_with(kBottom) ? slide_of(support) : nullptr;
+    top = slide != nullptr ? inside(action, support, *slide) : known_top(support);
   }
   const Vector2d at = action.at.value_or(Vector2d::Zero());
   if (std::abs(at.x()) > top.half.x() || std::abs(at.y()) > top.half.y())
@@ -105,6 +161,7 @@ Isometry3d ScenarioPlay::placed(const Action& action, const std::string& support
   pose.rotate(Eigen::AngleAxisd(action.yaw.value_or(0), Vector3d::UnitZ()));
   if (action.lying) pose.rotate(Eigen::AngleAxisd(kPi / 2, Vector3d::UnitX()));
   const Eigen::AlignedBox3d bounds = turned_bounds(models_.at(action.subject), pose.linear());
+  if (action.inside) require_room(action, support, top.centre.z(), bounds.sizes().z());
   pose.translation() = top.centre + Vector3d(at.x(), at.y(), -bounds.min().z());
   if (action.lying) pose.translation().head<2>() -= bounds.center().head<2>();
   return pose;
@@ -118,9 +175,56 @@ SupportTop ScenarioPlay::known_top(const std::string& link) {
   return tops_[link] = *top;
 }
 
+/// The joint that a link slides along, its own or that of a link which carries it; nullptr = none.
+const Joint* ScenarioPlay::slide_of(const std::string& link) const {
+  const Joint* joint = world_.parent_joint(link);
+  while (joint != nullptr && joint->type == JointType::fixed) joint = world_.parent_joint(joint->parent);
+  return joint != nullptr && joint->type == JointType::prismatic && joint->limits ? joint : nullptr;
+}
+
+SupportTop ScenarioPlay::inside(const Action& action, const std::string& front, const Joint& slide) const {
+  Warnings warnings;  // The renderer names missing meshes.
+  const JointLimits& limits = *slide.limits;
+  const bool forward = limits.upper >= -limits.lower;
+  const Eigen::Matrix3d front_from_slide = map_from_closed_[world_.link_index(front)].linear().transpose() *
+                                           map_from_closed_[world_.link_index(slide.child)].linear();
+  const Vector3d out = front_from_slide * slide.axis.normalized() * (forward ? 1 : -1);
+  const std::optional<SupportTop> top = inside_of_drawer(
+      *world_.find_link(front), out, forward ? limits.upper : -limits.lower, search_, warnings);
+  if (!top)
+    throw Error("'" + front + "' has no inside: it has no shape, or a solid one", action.location,
+                "give the world a link '" + action.support + kBottom + "'");
+  return *top;
+}
+
+/// Error for an object that reaches over the upper edge of the drawer that it is to lie in: what is above the
+/// drawer would be in its way.
+void ScenarioPlay::require_room(const Action& action, const std::string& support, double bottom,
+                                double height) const {
+  const Joint* slide = slide_of(support);
+  if (slide == nullptr) return;
+  Warnings warnings;  // The renderer names missing meshes.
+  const size_t front = world_.link_index(slide->child);
+  double edge = std::numeric_limits<double>::lowest();
+  const Eigen::AlignedBox3d bounds = bounds_of_link(world_.links[front], search_, warnings);
+  if (bounds.isEmpty()) return;
+  for (int corner = 0; corner < 8; ++corner)
+    edge = std::max(
+        edge,
+        (map_from_closed_[front] * bounds.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))).z());
+  const double room = edge - (map_from_closed_[world_.link_index(support)] * Vector3d(0, 0, bottom)).z();
+  if (height > room)
+    throw Error(fmt::format("'{}' is {:.2f} m high, '{}' has room for {:.2f} m", action.subject, height,
+                            action.support, room),
+                action.location,
+                action.lying ? "put it elsewhere" : "lay it on its side (lying: true) or put it elsewhere");
+}
+
 std::string ScenarioPlay::resolve_support(const Action& action, const WorldState& state) const {
   const std::string& name = action.support;
-  if (action.inside && world_.find_link(name + "_bottom") != nullptr) return name + "_bottom";
+  if (action.inside)
+    for (const char* part : {kBottom, "", "_front"})
+      if (world_.find_link(name + part) != nullptr) return name + part;
   if (!action.inside && models_.contains(name)) {
     if (!state.objects.contains(name))
       throw Error("'" + name + "' is not there", action.location, "place it before");

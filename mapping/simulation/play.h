@@ -38,6 +38,12 @@ struct SupportTop {
 /// Nothing for a link that has no shape. Warns of meshes that are missing.
 std::optional<SupportTop> top_of_link(const Link& link, const MeshSearch& search, Warnings& warnings);
 
+/// Where objects lie in a drawer whose front is `link`, in the link's frame: on the level surface behind its
+/// front where its shapes have one; else on a bottom at the front's lower edge, as deep as the drawer opens.
+/// `out`: unit, in the link's frame. Nothing for a link that has no shape or is solid.
+std::optional<SupportTop> inside_of_drawer(const Link& link, const Vector3d& out, double travel,
+                                           const MeshSearch& search, Warnings& warnings);
+
 /// Plays a scenario without rendering: the state at every scene. Error with the action's location for links
 /// and joints that the world does not have, joints moved beyond their limits, objects beside their support,
 /// and objects that are asked to move before they are there.
@@ -58,6 +64,9 @@ class ScenarioPlay {
   std::string resolve_support(const Action& action, const WorldState& state) const;
   std::string resolve_joint(const Action& action) const;
   SupportTop known_top(const std::string& link);
+  SupportTop inside(const Action& action, const std::string& front, const Joint& slide) const;
+  const Joint* slide_of(const std::string& link) const;
+  void require_room(const Action& action, const std::string& support, double bottom, double height) const;
   Isometry3d placed(const Action& action, const std::string& support, const WorldState& state);
 
   const Scenario& scenario_;
@@ -65,6 +74,7 @@ class ScenarioPlay {
   MeshSearch search_;
   std::map<std::string, ObjectModel> models_;
   std::map<std::string, SupportTop> tops_;
+  std::vector<Isometry3d> map_from_closed_;  ///< by link
   std::vector<WorldState> states_;
 };
 

@@ -20,7 +20,7 @@ struct Action {
   Kind kind = Kind::place;
   std::string subject;         ///< object; for open: joint, its link, or a drawer's name
   std::string support;         ///< place: a link or an object; "" = where it stands
-  bool inside = false;         ///< place: support is a drawer's name and its bottom is meant
+  bool inside = false;         ///< place: support is a drawer's name and its inside is meant
   std::optional<Vector2d> at;  ///< place: metres in the frame of the support's top; unset = its middle
   std::optional<double> yaw;   ///< place: radians about the support's z; turn: by how much
   bool lying = false;          ///< place: on its side

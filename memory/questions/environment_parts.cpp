@@ -413,11 +413,11 @@ std::optional<mapping::World> world_of(const Snapshot& snapshot) {
   return map->world;
 }
 
-std::string find_part_without_place(const Snapshot& snapshot, const std::string& name) {
+std::optional<EnvironmentPart> find_part_without_place(const Snapshot& snapshot, const std::string& name) {
   const std::vector<EnvironmentPart> parts = parts_called(snapshot.parts(), name);
   const bool has_place =
       std::ranges::any_of(parts, [](const EnvironmentPart& part) { return part.place.has_value(); });
-  return parts.empty() || has_place ? "" : parts[0].name;
+  return parts.empty() || has_place ? std::nullopt : std::optional(parts[0]);
 }
 
 std::vector<Id> find_places_by_level(const Snapshot& snapshot, const std::string& name) {

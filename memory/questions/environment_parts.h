@@ -66,8 +66,8 @@ void add_states(const Snapshot& snapshot, std::vector<EnvironmentPart>& parts);
 std::string map_name(const Snapshot& snapshot);
 /// The map that the last scene was seen with; unset without one.
 std::optional<mapping::World> world_of(const Snapshot& snapshot);
-/// The part of the map of this name that is no place; "" = none.
-std::string find_part_without_place(const Snapshot& snapshot, const std::string& name);
+/// The part of the map of this name that scenes have not made a place of; unset without one.
+std::optional<EnvironmentPart> find_part_without_place(const Snapshot& snapshot, const std::string& name);
 /// Places by their height among those of their kind: "top drawer", "middle shelf"; empty for other names.
 std::vector<Id> find_places_by_level(const Snapshot& snapshot, const std::string& name);
 /// The map's joints that move the parts of this name.

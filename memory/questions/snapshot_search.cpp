@@ -243,10 +243,12 @@ std::vector<PlaceRow> Snapshot::find_places(const std::string& asked) const {
   if (!found.empty()) return found;
   std::vector<std::string> names;
   for (const PlaceRow& place : reads_->places) names.push_back(place.name);
-  const std::string part = find_part_without_place(*this, asked);
-  const std::string hint = part.empty()
-                               ? did_you_mean(asked, names)
-                               : fmt::format("{} is called so, but no scene has seen its contents", part);
+  const std::optional<EnvironmentPart> part = find_part_without_place(*this, asked);
+  const std::string hint =
+      !part ? did_you_mean(asked, names)
+      : part->unseen_place
+          ? fmt::format("{} is called so, but no scene has seen its contents", part->name)
+          : fmt::format("{0} is called so, but the map has no surface in or on {0}", part->name);
   throw UnknownName(UnknownName::Kind::place, fmt::format("no place is called '{}'", asked), file(),
                     !hint.empty()   ? hint
                     : names.empty() ? "this memory knows no places"

@@ -1,11 +1,12 @@
 #include "memory/report/report_data.h"
-#include "memory/questions/objects.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+
+#include "mapping/image/hsv.h"
+#include "memory/questions/objects.h"
 
 namespace loci::memory {
 namespace {
@@ -20,6 +21,10 @@ std::vector<ObjectBelief> seen_most(std::vector<ObjectBelief> objects, size_t mo
   return objects;
 }
 
+std::string css_from(const std::array<uint8_t, 3>& rgb) {
+  return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+}
+
 }  // namespace
 
 ReportData::ReportData(const Store& memory, const ReportOptions& options, Progress& progress)
@@ -32,10 +37,19 @@ ReportData::ReportData(const Store& memory, const ReportOptions& options, Progre
     HistoryAnswer answer = ask(store, HistoryQuestion{.subject = chosen[i].object.name});
     for (ObjectHistory& history : answer.objects) histories.push_back(std::move(history));
   }
+  for (const BeliefRow& belief : store.beliefs())
+    if (belief.hsv)
+      colors[belief.object] =
+          css_from(mapping::rgb8_from_hsv(belief.hsv->hue, belief.hsv->saturation, belief.hsv->value));
   scenes = store.scenes();
   scenes_in_all = scenes.size();
   if (scenes.size() > options.scenes)
     scenes.erase(scenes.begin(), scenes.end() - static_cast<std::ptrdiff_t>(options.scenes));
+}
+
+std::string ReportData::css_of(Id object) const {
+  const auto found = colors.find(object);
+  return found == colors.end() ? css_from(mapping::kUnknownRgb) : found->second;
 }
 
 std::string ReportData::objects_left_out() const {
@@ -75,11 +89,10 @@ std::map<Id, ChosenAssociation> chosen_associations(const Store& store, Id scene
   return result;
 }
 
-std::string object_css(Id object) {
-  constexpr double kGoldenAngle = 137.508;                 // neighbours in number are far apart in hue
-  constexpr std::array<int, 3> kLightness = {45, 32, 58};  // greens of like hue differ in lightness
-  return fmt::format("hsl({:.0f} 65% {}%)", std::fmod(static_cast<double>(object) * kGoldenAngle, 360),
-                     kLightness[static_cast<size_t>(object) % kLightness.size()]);
+std::string status_text(ObjectStatus status) {
+  std::string text = to_text(status);
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
 }
 
 }  // namespace loci::memory

@@ -17,8 +17,11 @@ struct ReportData {
   size_t objects = 0;                         ///< of the memory
   std::vector<SceneRow> scenes = {};          ///< the last ones, in order of time
   size_t scenes_in_all = 0;
+  std::map<Id, std::string> colors = {};  ///< of objects as they were seen last, as CSS
 
   ReportData(const Store& store, const ReportOptions& options, Progress& progress);
+  /// The colour of an object, as the browser shows it, too; grey where it is unknown.
+  std::string css_of(Id object) const;
   /// "Of 1,170 objects the 100 that were seen most often."; empty when all are here.
   std::string objects_left_out() const;
   std::string scenes_left_out() const;
@@ -36,8 +39,8 @@ struct ChosenAssociation {
 /// By observation.
 std::map<Id, ChosenAssociation> chosen_associations(const Store& store, Id scene);
 
-/// A colour of its own per object, as CSS.
-std::string object_css(Id object);
+/// "out of view".
+std::string status_text(ObjectStatus status);
 
 // The sections, in the order of the page; each is HTML.
 std::string plan_section(const ReportData& data);

@@ -25,9 +25,7 @@ std::string when_text(const TimeWriter& times, const Stay& stay) {
 std::string state_text(const ObjectBelief& now) {
   const std::string where = now.place ? (now.place->container ? " in " : " on ") + now.place->name : "";
   if (now.status == ObjectStatus::gone) return where.empty() ? "gone" : "gone, was" + where;
-  std::string status = to_text(now.status);
-  std::replace(status.begin(), status.end(), '_', ' ');
-  return fmt::format("{}{}; still there: {}", status, where.empty() ? "" : "," + where,
+  return fmt::format("{}{}; still there: {}", status_text(now.status), where.empty() ? "" : "," + where,
                      format::percent(now.probability));
 }
 
@@ -83,9 +81,10 @@ std::string statements_about(const ReportData& data, const ObjectHistory& histor
 std::string card(const ReportData& data, const ObjectHistory& history) {
   const ObjectBelief& now = history.now;
   return fmt::format(
-      "<article class=\"card\" id=\"{}\"><h3><span style=\"color:{}\">●</span> "
+      "<article class=\"card\" id=\"{}\"><h3><span style=\"display:inline-block;width:.8em;"
+      "height:.8em;border-radius:50%;border:1px solid;background:{}\"></span> "
       "{}</h3><p>{}</p>{}{}{}</article>\n",
-      html_escape(now.object.name), object_css(now.object.id), html_escape(to_text(now.object)),
+      html_escape(now.object.name), data.css_of(now.object.id), html_escape(to_text(now.object)),
       html_escape(state_text(now)), images_of(data, history), stays_of(data, history),
       statements_about(data, history));
 }

@@ -84,8 +84,7 @@ bool QueryAnswerer::try_reading(Query query, NaturalLanguageAnswer& answer) cons
 
 std::optional<Reply> QueryAnswerer::not_looked_into(const Query& query) const {
   const std::string place = query.argument("place");
-  const std::string part = place.empty() ? "" : find_part_without_place(snapshot_, place);
-  if (part.empty()) return std::nullopt;
+  if (place.empty() || !find_part_without_place(snapshot_, place)) return std::nullopt;
   return Reply{.text = shortened(fmt::format("Not observed: no look has shown what is in {}.", place)),
                .verdict = Verdict::not_observed,
                .not_known = true};

@@ -107,6 +107,17 @@ TEST_F(BadScans, AllWithoutReturnsAreRefused) {
   EXPECT_FALSE(fs::exists(path("map/map.urdf")));
 }
 
+TEST_F(BadScans, ASecondInputThatIsNotThereIsNamedBeforeTheWork) {
+  mapping::ScanSet scans = scans_of(kSamples + "kitchen.urdf", "2,1.5,90");
+  empty(scans.scans.front());  // the work would fail
+  const std::string command = "loci-map interpret " + written(scans) + " -o " + path("map");
+  for (const std::string option : {" --recording ", " --names-from "}) {
+    const Outcome outcome = run(command + option + path("nope"));
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
+    EXPECT_THAT(outcome.error, HasSubstr("nope"));
+  }
+}
+
 TEST_F(BadScans, OneThatStandsOnItsHeadIsLeftOutAndAllOfThemAreRefused) {
   mapping::ScanSet scans = kitchen();
   turn_upside_down(scans.scans[1]);

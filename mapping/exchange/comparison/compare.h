@@ -57,8 +57,8 @@ struct Comparison {
 
   struct Counts {
     size_t matched = 0, missed = 0, extra = 0, minor = 0, not_observable = 0;
-    double precision() const;
-    double recall() const;
+    std::optional<double> precision() const;  ///< unset where the map has none of the kind
+    std::optional<double> recall() const;     ///< unset where the truth has none of the kind
   };
   Counts counts(const std::string& kind) const;
   /// Joints of the matched fronts: how many the truth has, and how many of them are of the right type.

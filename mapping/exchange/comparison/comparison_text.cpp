@@ -106,6 +106,14 @@ std::string statistics_text(const char* what, const std::vector<double>& values,
                      number(most, format));
 }
 
+std::optional<double> fraction_of(size_t part, size_t all) {
+  return all == 0 ? std::nullopt : std::optional(static_cast<double>(part) / static_cast<double>(all));
+}
+
+Json json_of(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
 Json json_of(const ComparedJoint& joint) {
   Json json = {{"map_type", joint.map_type.empty() ? Json(nullptr) : Json(joint.map_type)},
                {"truth_type", joint.truth_type},
@@ -137,14 +145,12 @@ Json json_of(const ComparedElement& element) {
 
 }  // namespace
 
-double Comparison::Counts::precision() const {
-  const size_t all = matched + minor + extra;
-  return all == 0 ? 1 : static_cast<double>(matched + minor) / static_cast<double>(all);
+std::optional<double> Comparison::Counts::precision() const {
+  return fraction_of(matched + minor, matched + minor + extra);
 }
 
-double Comparison::Counts::recall() const {
-  const size_t all = matched + missed;
-  return all == 0 ? 1 : static_cast<double>(matched) / static_cast<double>(all);
+std::optional<double> Comparison::Counts::recall() const {
+  return fraction_of(matched, matched + missed);
 }
 
 Comparison::Counts Comparison::counts(const std::string& kind) const {
@@ -210,8 +216,9 @@ std::string Comparison::text() const {
   }
   for (const char* kind : kKinds) {
     const Counts c = counts(kind);
-    text += fmt::format("{}s: {} matched, {} missed, {} extra, {} minor; precision {:.2f}, recall {:.2f}",
-                        kind, c.matched, c.missed, c.extra, c.minor, c.precision(), c.recall());
+    text += fmt::format("{}s: {} matched, {} missed, {} extra, {} minor; precision {}, recall {}", kind,
+                        c.matched, c.missed, c.extra, c.minor, number(c.precision(), "{:.2f}"),
+                        number(c.recall(), "{:.2f}"));
     if (c.not_observable > 0) text += fmt::format("; {} not observable", c.not_observable);
     text += statistics_text("IoU", errors(kind, &ComparedElement::overlap), "{:.2f}");
     if (std::string(kind) == "opening") text += statistics_text("edges", edge_errors(kind), "{:.3f} m");
@@ -232,9 +239,12 @@ Json Comparison::report() const {
   Json json = {{"map_source", map_source}, {"truth_source", truth_source}, {"elements", list}};
   for (const char* kind : kKinds) {
     const Counts c = counts(kind);
-    Json& sum = json[std::string(kind) + "s"] = {{"matched", c.matched},       {"missed", c.missed},
-                                                 {"extra", c.extra},           {"minor", c.minor},
-                                                 {"precision", c.precision()}, {"recall", c.recall()}};
+    Json& sum = json[std::string(kind) + "s"] = {{"matched", c.matched},
+                                                 {"missed", c.missed},
+                                                 {"extra", c.extra},
+                                                 {"minor", c.minor},
+                                                 {"precision", json_of(c.precision())},
+                                                 {"recall", json_of(c.recall())}};
     const auto add = [&](const char* key, std::optional<double> ComparedElement::*figure) {
       if (Json value = statistics(errors(kind, figure)); !value.is_null()) sum[key] = std::move(value);
     };

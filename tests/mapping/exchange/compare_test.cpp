@@ -32,6 +32,18 @@ TEST(Compare, OverlapOfShiftedSquaresIsWhatGeometrySays) {
   EXPECT_EQ(overlap_of(a, rectangle("b", 1, {2, 2}, {3, 3})), 0);
 }
 
+TEST(Compare, OfAKindThatIsNotThereNoShareIsGiven) {
+  MapStructure truth, map;
+  truth.supports = {rectangle("table", 0.7, {0, 0}, {2, 1})};
+  const Comparison result = compare(map, truth, {});
+  EXPECT_FALSE(result.counts("support").precision());
+  EXPECT_EQ(result.counts("support").recall(), 0);
+  EXPECT_THAT(
+      result.text(),
+      testing::HasSubstr("supports: 0 matched, 1 missed, 0 extra, 0 minor; precision -, recall 0.00"));
+  EXPECT_TRUE(result.report().at("supports").at("precision").is_null());
+}
+
 TEST(Compare, CountsMatchedMissedAndExtra) {
   MapStructure truth, map;
   truth.supports = {rectangle("table", 0.7, {0, 0}, {2, 1}), rectangle("counter", 0.9, {0, 3}, {2, 3.6})};
@@ -44,8 +56,8 @@ TEST(Compare, CountsMatchedMissedAndExtra) {
   EXPECT_EQ(counts.matched, 1U);
   EXPECT_EQ(counts.missed, 1U);
   EXPECT_EQ(counts.extra, 1U);
-  EXPECT_NEAR(counts.precision(), 0.5, 1e-9);
-  EXPECT_NEAR(counts.recall(), 0.5, 1e-9);
+  EXPECT_NEAR(counts.precision().value(), 0.5, 1e-9);
+  EXPECT_NEAR(counts.recall().value(), 0.5, 1e-9);
   const ComparedElement& table = result.elements.front();
   EXPECT_EQ(table.truth_name, "table");
   EXPECT_NEAR(*table.height_error, 0.01, 1e-9);

@@ -5,6 +5,7 @@
 
 #include "mapping/base/text/html.h"
 #include "mapping/exchange/map_drawings.h"
+#include "mapping/exchange/map_views.h"
 #include "tests/mapping/exchange/furnished_map.h"
 #include "tests/mapping/exchange/photographed_map.h"
 
@@ -62,6 +63,67 @@ TEST(MapReport, DrawsEachRunOfFurnitureAndSaysWhatOpensAndWhatIsUnsure) {
                                    testing::HasSubstr("door_1: its edges are unsure"),
                                    testing::HasSubstr("0.160 m long")));
   EXPECT_THAT(page, testing::Not(testing::HasSubstr("offset 0.000 m")));
+}
+
+/// Four walls of 4.4 m and 4.2 m that stand askew in the map.
+InterpretedMap turned_room() {
+  InterpretedMap map;
+  const Eigen::Rotation2Dd turn(0.75);
+  const std::vector<Vector2d> corners = {turn * Vector2d(0, 0), turn * Vector2d(4.4, 0),
+                                         turn * Vector2d(4.4, 4.2), turn * Vector2d(0, 4.2)};
+  for (size_t i = 0; i < 4; ++i) {
+    const Vector2d &a = corners[i], &b = corners[(i + 1) % 4];
+    SemanticLink& wall = map.semantics.links["wall_" + std::to_string(i + 1)];
+    wall.class_name = "wall";
+    wall.geometry = {
+        {"outline", {{a.x(), a.y(), 0}, {b.x(), b.y(), 0}, {b.x(), b.y(), 2}, {a.x(), a.y(), 2}}}};
+  }
+  return map;
+}
+
+SemanticLink surface(const char* class_name, const Vector2d& low, const Vector2d& high) {
+  SemanticLink link;
+  link.class_name = class_name;
+  link.confidence = 1;
+  link.geometry = {
+      {"height", 0.9},
+      {"outline", {{low.x(), low.y()}, {high.x(), low.y()}, {high.x(), high.y()}, {low.x(), high.y()}}}};
+  return link;
+}
+
+TEST(Plan, DimensionsAreAlongTheWallsOfARoomThatStandsAskew) {
+  const std::string svg = plan_svg(turned_room());
+  EXPECT_THAT(svg, testing::AllOf(testing::HasSubstr(">440</text>"), testing::HasSubstr(">420</text>")));
+}
+
+TEST(Plan, AShelfDoesNotHideTheNameOfTheCounterBelow) {
+  InterpretedMap map;
+  map.semantics.links["counter_1"] = surface("counter", {0, 0}, {3, 0.6});
+  map.semantics.links["shelf_1"] = surface("shelf", {1, 0.1}, {2, 0.5});
+  const std::string svg = plan_svg(map);
+  EXPECT_GT(svg.find(">counter_1</text>"), svg.rfind("<polygon"));
+  EXPECT_NE(svg.find(">counter_1</text>"), std::string::npos);
+  EXPECT_NE(svg.find(">shelf_1</text>"), std::string::npos);
+}
+
+TEST(TopView, ShowsAllOfTheRoomAndNamesFurnitureOnce) {
+  InterpretedMap map = turned_room();
+  map.semantics.links["counter_1"] = surface("counter", {0, 2}, {2, 2.6});
+  map.semantics.links["drawer_1_bottom"] = surface("drawer_bottom", {0.1, 2}, {0.6, 2.5});
+  const std::string svg = top_view_svg(map, {});
+  EXPECT_THAT(svg, testing::HasSubstr(">counter_1</text>"));
+  EXPECT_THAT(svg, testing::Not(testing::HasSubstr("drawer_1_bottom")));
+  for (size_t at = svg.find("points=\""); at != std::string::npos; at = svg.find("points=\"", at + 1))
+    EXPECT_NE(svg[at + 8], '-');
+  EXPECT_THAT(svg, testing::Not(testing::HasSubstr(",-")));
+}
+
+TEST(MapReport, GivesBothEdgesOfACabinet) {
+  InterpretedMap map;
+  map.semantics.links["cabinet_1"] = surface("cabinet", {0, 0}, {1, 0.6});
+  map.semantics.links["cabinet_1"].geometry["height"] = 0.103;
+  map.semantics.links["cabinet_1"].geometry["top"] = 0.86;
+  EXPECT_THAT(map_report(map, {}, "scans"), testing::HasSubstr("0.103 m to 0.860 m high"));
 }
 
 /// Times that a part stands in a text.

@@ -49,6 +49,24 @@ TEST_P(DrawnKitchens, SayWhatTheyHold) {
   EXPECT_GE(counts["counter"] + counts["table"] + counts["island"], 1U);
 }
 
+TEST_P(DrawnKitchens, HaveDrawersWithBottomsWithinTheirFronts) {
+  const DrawnKitchen kitchen = draw_kitchen(GetParam(), 1);
+  size_t drawers = 0;
+  for (const auto& [name, link] : kitchen.semantics.links) {
+    if (link.class_name != "drawer") continue;
+    ++drawers;
+    const SemanticLink& bottom = kitchen.semantics.links.at(name + "_bottom");
+    EXPECT_EQ(bottom.class_name, "drawer_bottom");
+    EXPECT_EQ(kitchen.world.parent_joint(name + "_bottom")->parent, name);
+    const double middle = link.geometry.at("centre").at(2).get<double>(),
+                 half = link.geometry.at("height").get<double>() / 2,
+                 height = bottom.geometry.at("height").get<double>();
+    EXPECT_GT(height, middle - half) << name;
+    EXPECT_LT(height, middle) << name;
+  }
+  EXPECT_GE(drawers, 1U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Layouts, DrawnKitchens, testing::ValuesIn(kKitchenLayouts),
                          [](const auto& layout) { return std::string(layout.param); });
 

@@ -21,7 +21,7 @@ class ScenarioFile : public testing::Test {
 
   /// The states that a scenario of one scene with these actions leads to.
   WorldState state_after(const std::string& actions, const std::string& more = "") {
-    const std::string text = "world: " + (kSamples / "kitchen.urdf").string() +
+    const std::string text = "world: " + world_.string() +
                              "\nobjects:\n  cup: {model: mug}\n  plate: {model: plate}\n" + more +
                              "scenes:\n  - time: \"2026-05-01T07:00:00Z\"\n"
                              "    view: {from: [1.5, 1.2, 1.5], at: [1.5, 2.6, 0.9]}\n    do:\n" +
@@ -42,6 +42,7 @@ class ScenarioFile : public testing::Test {
     return "no error";
   }
 
+  fs::path world_ = kSamples / "kitchen.urdf";
   fs::path folder_ =
       fs::path(testing::TempDir()) /
       (std::string("scenario_") + testing::UnitTest::GetInstance()->current_test_info()->name());
@@ -61,6 +62,47 @@ TEST_F(ScenarioFile, ObjectInADrawerMovesWithIt) {
   EXPECT_EQ(state.objects.at("cup").support, "drawer_2_bottom");
   EXPECT_EQ(state.joints.at("drawer_2_front_joint"), 0.3);
   EXPECT_TRUE((poses_.at("cup").translation() - closed).isApprox(Vector3d(0, -0.3, 0), 1e-6));
+}
+
+/// A cabinet of 0.5 m depth before x = 0 with the front of a drawer, its lower edge at 0.5 m, and what else
+/// belongs to the drawer.
+void write_fronts(const fs::path& path, const std::string& front, const std::string& more = "") {
+  write_file_atomically(
+      path, "<robot name=\"r\"><link name=\"map\"/><link name=\"drawer_1\">" + front + more +
+                "</link><joint name=\"drawer_1_joint\" type=\"prismatic\">"
+                "<origin xyz=\"0 0 0.6\" rpy=\"0 0 0\"/><parent link=\"map\"/>"
+                "<child link=\"drawer_1\"/><axis xyz=\"-1 0 0\"/>"
+                "<limit lower=\"-0.4\" upper=\"0\" effort=\"1\" velocity=\"1\"/></joint></robot>");
+}
+std::string box_of(const std::string& origin, const std::string& size) {
+  return "<visual><origin xyz=\"" + origin + "\" rpy=\"0 0 0\"/><geometry><box size=\"" + size +
+         "\"/></geometry></visual>";
+}
+
+TEST_F(ScenarioFile, ObjectInADrawerThatIsOnlyAFrontLiesBehindItAtItsLowerEdge) {
+  world_ = folder_ / "fronts.urdf";
+  write_fronts(world_, box_of("-0.01 0 0", "0.02 0.5 0.2"));
+  state_after("      - {place: cup, in: drawer_1, at: [0.05, 0.1]}\n");
+  EXPECT_TRUE(poses_.at("cup").translation().isApprox(Vector3d(-0.17, 0.1, 0.512), 1e-6));
+  EXPECT_THAT(refusal("      - {place: cup, in: drawer_1, at: [0.21, 0]}\n"), HasSubstr("is beside"));
+  EXPECT_THAT(refusal("      - {place: milk, in: drawer_1}\n", "  milk: {model: bottle}\n"),
+              HasSubstr("'drawer_1' has room for 0.19 m"));
+  EXPECT_THAT(refusal("      - {place: milk, in: drawer_1, lying: true}\n", "  milk: {model: bottle}\n"),
+              HasSubstr("no error"));
+}
+
+TEST_F(ScenarioFile, ObjectInADrawerWhoseLinkHasABoxLiesOnItsBottom) {
+  world_ = folder_ / "fronts.urdf";
+  write_fronts(world_, box_of("-0.01 0 0", "0.02 0.5 0.2"), box_of("-0.25 0 -0.05", "0.4 0.4 0.02"));
+  state_after("      - {place: cup, in: drawer_1}\n");
+  EXPECT_TRUE(poses_.at("cup").translation().isApprox(Vector3d(-0.25, 0, 0.56), 1e-6));
+}
+
+TEST_F(ScenarioFile, ASolidDrawerHasNoInside) {
+  world_ = folder_ / "fronts.urdf";
+  write_fronts(world_, box_of("-0.25 0 0", "0.5 0.5 0.2"));
+  EXPECT_THAT(refusal("      - {place: cup, in: drawer_1}\n"),
+              HasSubstr("give the world a link 'drawer_1_bottom'"));
 }
 
 TEST_F(ScenarioFile, ObjectOnAnObjectFollowsIt) {

@@ -1,8 +1,10 @@
 #include "memory/report/memory_report.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "mapping/base/text/html.h"
+#include "mapping/image/hsv.h"
 #include "tests/memory/questions/synthetic_day.h"
 #include "tests/memory/store/temporary_folder.h"
 
@@ -52,6 +54,19 @@ TEST_F(MemoryReport, HasEverySection) {
   EXPECT_EQ(count(page, "<details><summary>scene "), 6U);
   EXPECT_THAT(page, HasSubstr("Observations per scene"));
   EXPECT_EQ(count(page, "<article class=\"card\""), 4U);
+}
+
+TEST_F(MemoryReport, DrawsObjectsInTheirColoursAndHasTicksAndAZone) {
+  const std::string page = report();
+  EXPECT_THAT(page, Not(HasSubstr("hsl(")));
+  EXPECT_GE(count(page, "class=\"tick\""), 3U);
+  EXPECT_THAT(page, HasSubstr(">UTC</text>"));
+  EXPECT_THAT(page, Not(testing::ContainsRegex("<title>[^<]*out_of_view")));
+  for (const BeliefRow& belief : store_->beliefs()) {
+    if (!belief.hsv) continue;
+    const auto rgb = mapping::rgb8_from_hsv(belief.hsv->hue, belief.hsv->saturation, belief.hsv->value);
+    EXPECT_THAT(page, HasSubstr(fmt::format("fill=\"#{:02x}{:02x}{:02x}\"", rgb[0], rgb[1], rgb[2])));
+  }
 }
 
 TEST_F(MemoryReport, NeedsNoOtherFile) {
