@@ -215,6 +215,9 @@ std::string where_text(const Json& geometry) {
   if (geometry.contains("width"))
     text =
         fmt::format("{:.3f} x {:.3f} m", geometry["width"].get<double>(), geometry["height"].get<double>());
+  else if (geometry.contains("top"))
+    text = fmt::format("{:.3f} to {:.3f} m high", geometry["height"].get<double>(),
+                       geometry["top"].get<double>());
   else if (geometry.contains("height"))
     text = fmt::format("height {:.3f} m", geometry["height"].get<double>());
   else if (geometry.contains("length"))

@@ -332,18 +332,20 @@ void write_support(Drawing& drawing, LabelPlaces& places, const std::vector<Vect
   if (const auto middle = places.take_about(outline, size_of(choices.back()))) write(*middle, choices.back());
 }
 
-/// Supports with their labels over all outlines; those with least room are written first.
-void draw_supports(Drawing& drawing, const SemanticMap& semantics) {
-  std::vector<std::pair<std::string, std::vector<Vector2d>>> supports;
+struct Support {
+  std::string name;
+  const SemanticLink* link;
+  std::vector<Vector2d> outline;
+};
+
+/// The smallest first.
+std::vector<Support> supports_of(const SemanticMap& semantics) {
+  std::vector<Support> supports;
   for (const auto& [name, link] : semantics.links)
     if (is_support_class(link.class_name) && is_seen_from_above(link))
-      supports.emplace_back(name, outline_of(link));
-  std::ranges::stable_sort(supports, {}, [](const auto& support) { return area_of(support.second); });
-  for (const auto& [name, outline] : std::views::reverse(supports))
-    drawing.polygon(outline, "fill=\"#dbe7df\" " + stroke_of(semantics.links.at(name).confidence));
-  LabelPlaces places;
-  for (const auto& [name, outline] : supports)
-    write_support(drawing, places, outline, words_on(name, semantics.links.at(name), outline));
+      supports.push_back({name, &link, outline_of(link)});
+  std::ranges::stable_sort(supports, {}, [](const Support& support) { return area_of(support.outline); });
+  return supports;
 }
 
 }  // namespace
@@ -362,7 +364,9 @@ std::string plan_svg(const InterpretedMap& map) {
   for (const Front& front : fronts) room.extend(Vector2d(front.centre.head<2>()));
   if (room.box.isEmpty()) return {};
   Drawing drawing(room.around(kDimension_m), kPlanScale, "Plan");
-  draw_supports(drawing, map.semantics);
+  const std::vector<Support> supports = supports_of(map.semantics);
+  for (const auto& [name, link, outline] : std::views::reverse(supports))
+    drawing.polygon(outline, "fill=\"#dbe7df\" " + stroke_of(link->confidence));
   for (const auto& [name, link] : map.semantics.links) {
     if (link.class_name != "wall" || !is_seen_from_above(link)) continue;
     const std::vector<Vector2d> outline = outline_of(link);
@@ -375,6 +379,9 @@ std::string plan_svg(const InterpretedMap& map) {
     const Vector2d middle = front.centre.head<2>(), half = front.right().head<2>() * front.width / 2;
     drawing.line(middle - half, middle + half, "stroke=\"#2563eb\" stroke-width=\"4\"");
   }
+  LabelPlaces places;  // those with least room come first
+  for (const auto& [name, link, outline] : supports)
+    write_support(drawing, places, outline, words_on(name, *link, outline));
   const Vector2d low = room.box.min(), high = room.box.max();
   drawing.dimension(room.in_map(low.x(), low.y() - kDimension_m),
                     room.in_map(high.x(), low.y() - kDimension_m));

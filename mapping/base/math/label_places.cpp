@@ -32,7 +32,8 @@ bool LabelPlaces::is_free(const AlignedBox2d& label) const {
   return std::ranges::none_of(taken_, [&](const AlignedBox2d& other) { return other.intersects(label); });
 }
 
-std::optional<Vector2d> LabelPlaces::innermost(const Polygon& outline, const Vector2d& size) const {
+std::optional<Vector2d> LabelPlaces::innermost(const Polygon& outline, const Vector2d& size,
+                                               const Vector2d& inside) const {
   constexpr int kSteps = 40;           // middles that are tried along each side of the box around the outline
   constexpr double kOffMiddle = 0.05;  // room that is given up to be nearer to the middle
   AlignedBox2d extent;
@@ -43,8 +44,7 @@ std::optional<Vector2d> LabelPlaces::innermost(const Polygon& outline, const Vec
     for (int column = 1; column < kSteps; ++column) {
       const Vector2d middle =
           extent.min() + extent.sizes().cwiseProduct(Vector2d(column, row) / static_cast<double>(kSteps));
-      const AlignedBox2d label = box_at(middle, size);
-      const double room = is_free(label) ? room_around(outline, label) : 0;
+      const double room = is_free(box_at(middle, size)) ? room_around(outline, box_at(middle, inside)) : 0;
       const double value = room - kOffMiddle * (middle - extent.center()).norm();
       if (room <= 0 || value <= most) continue;
       most = value;
@@ -54,12 +54,12 @@ std::optional<Vector2d> LabelPlaces::innermost(const Polygon& outline, const Vec
 }
 
 std::optional<Vector2d> LabelPlaces::take_inside(const Polygon& outline, const Vector2d& size) {
-  const std::optional<Vector2d> middle = innermost(outline, size);
+  const std::optional<Vector2d> middle = innermost(outline, size, size);
   return middle ? take_first({*middle}, size) : std::nullopt;
 }
 
 std::optional<Vector2d> LabelPlaces::take_about(const Polygon& outline, const Vector2d& size) {
-  const std::optional<Vector2d> middle = innermost(outline, Vector2d::Zero());
+  const std::optional<Vector2d> middle = innermost(outline, size, Vector2d::Zero());
   return middle ? take_first({*middle}, size) : std::nullopt;
 }
 

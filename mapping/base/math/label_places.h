@@ -16,7 +16,7 @@ class LabelPlaces {
   /// label's middle. Nothing where it does not fit.
   std::optional<Eigen::Vector2d> take_inside(const Polygon& outline, const Eigen::Vector2d& size);
 
-  /// Takes room about the innermost point of an outline, for a label that does not fit inside.
+  /// Takes room for a label that does not fit inside: its middle is as far inside as other labels leave room.
   std::optional<Eigen::Vector2d> take_about(const Polygon& outline, const Eigen::Vector2d& size);
 
   /// Takes the first of some middles at which a label covers no other; nothing where none is free.
@@ -30,7 +30,9 @@ class LabelPlaces {
 
  private:
   bool is_free(const Eigen::AlignedBox2d& label) const;
-  std::optional<Eigen::Vector2d> innermost(const Polygon& outline, const Eigen::Vector2d& size) const;
+  /// The free middle for a label whose part of size `inside` is farthest from the edges of an outline.
+  std::optional<Eigen::Vector2d> innermost(const Polygon& outline, const Eigen::Vector2d& size,
+                                           const Eigen::Vector2d& inside) const;
 
   std::vector<Eigen::AlignedBox2d> taken_;
 };

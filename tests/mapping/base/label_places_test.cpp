@@ -41,6 +41,10 @@ TEST(LabelPlaces, WhatDoesNotFitStandsAboutTheInnermostPoint) {
   const auto at = places.take_about(board, {1, 0.4});
   ASSERT_TRUE(at);
   EXPECT_NEAR((*at - Vector2d(1, 0.1)).norm(), 0, 0.05);
+  const auto beside = places.take_about(board, {0.5, 0.4});  // the middle is taken
+  ASSERT_TRUE(beside);
+  EXPECT_TRUE(contains(board, *beside));
+  EXPECT_GE(std::abs(beside->x() - at->x()), 0.75);
 }
 
 }  // namespace
