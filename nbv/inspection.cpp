@@ -25,6 +25,8 @@ constexpr double kMinRaise = 1;       ///< patches that a height must show beyon
 /// Of the points wanted on faces, those wanted on tops, which are seen at grazing angles: a point per 8 cm²,
 /// as the raster in which supports are sought closes wider gaps.
 constexpr double kTopPoints = 0.125;
+/// More oblique views of faces count half: bars hide there what is behind them.
+constexpr double kOblique = 50 * kDegree;
 constexpr double kEnough = 0.5;        ///< part of the wanted points: the rest is not worth the way
 constexpr double kMinTopHeight = 0.2;  ///< m over the floor: nothing lower is a support
 constexpr int kMinTopNeighbours = 5;   ///< of eight: more than the edge of a face or a handle has
@@ -107,7 +109,8 @@ class Sharpness {
     // Lines of a tilting scanner stand closer the steeper they are; that is left out.
     const double spacing_m = distance * laser_.azimuth_step_deg * kDegree,
                  line_spacing_m = distance * laser_.tilt_step_deg * kDegree;
-    return cosine / (spacing_m * line_spacing_m) * 1e-4;
+    const double share = patch.top() || cosine >= std::cos(kOblique) ? 1 : 0.5;
+    return share * cosine / (spacing_m * line_spacing_m) * 1e-4;
   }
 
   /// Of all scans together.

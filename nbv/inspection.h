@@ -11,7 +11,7 @@ namespace loci::nbv {
 
 struct InspectionOptions {
   double points_per_cm2 = 1.0;       ///< wanted on furniture; 0 = no inspection
-  double max_incidence_deg = 50;     ///< handles are not visible in more oblique views
+  double max_incidence_deg = 65;     ///< narrow aisles show low fronts no better
   double max_distance_m = 2.5;       ///< of the scanner from faces
   double max_height_m = 2.2;         ///< of furniture
   double min_gain_m2 = 0.5;          ///< area of faces seen too coarsely that is worth a scan

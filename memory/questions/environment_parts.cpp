@@ -79,14 +79,6 @@ bool is_piece(const StoredMap& map, const mapping::Link& link) {
   return fixed && above != nullptr && above->type != mapping::JointType::fixed;
 }
 
-/// The joint that moves a link: its own or that of a link which carries it; nullptr = none does.
-const mapping::Joint* moving_joint(const mapping::World& world, const std::string& link) {
-  const mapping::Joint* joint = world.parent_joint(link);
-  while (joint != nullptr && joint->type == mapping::JointType::fixed)
-    joint = world.parent_joint(joint->parent);
-  return joint;
-}
-
 PartMotion motion_of(const Snapshot& snapshot, const mapping::Joint& joint) {
   constexpr double kHalfTurn = kPi;  // what turns without limits is at most that far from closed
   return {.joint = snapshot.part_names().joint(joint.name),

@@ -132,6 +132,17 @@ TEST_F(ClassVerdicts, SeveralSidesAreSureTogetherAndOneSideIsNot) {
   EXPECT_NEAR(verdict(1).probability, 0.35, 0.01);
 }
 
+TEST_F(ClassVerdicts, AWordMeansWhatIsCalledSoElseWhatSomeViewsTakeForIt) {
+  see({{{"shape", "cup"}}, {{"shape", "can"}}, {{"shape", "can"}}});
+  see({{{"shape", "cup"}}, {{"shape", "can"}}, {{"shape", "can"}}});
+  see({{{"shape", "cup"}}, {{"shape", "cup"}}, {{"shape", "bowl"}}});
+  EXPECT_EQ(verdict(2).name, "can");
+  const Store store = Store::open_read(file_);
+  const Snapshot snapshot(store, {});
+  EXPECT_EQ(snapshot.find_objects("cup"), std::vector<Id>{1});
+  EXPECT_EQ(snapshot.find_objects("bowl"), std::vector<Id>{3});
+}
+
 TEST_F(ClassVerdicts, TwoExpertsThatAgreeOutvoteOne) {
   see({{{"a", "jar"}, {"b", "can"}, {"c", "can"}}});
   EXPECT_EQ(verdict(1).name, "can");

@@ -7,6 +7,7 @@
 #include "memory/questions/presence.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/reply.h"
+#include "memory/questions/visits.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {
@@ -322,6 +323,35 @@ TEST_F(Questions, ChangesAreListedInOrderAndCanBeNarrowed) {
   EXPECT_THAT(all, HasSubstr("09:30 (after 08:00)  tea cup (object_1, red, 8 x 8 x 10 cm) moved from "
                              "table_1 to counter_1 by 3.3 m (90 % sure) [scene 4, frame 3]"));
   EXPECT_THAT(all, HasSubstr("drawer_1_joint opened from 0.00 to 0.35"));
+}
+
+TEST_F(Questions, WhatTheNextLookShowsMayHaveHappenedInThePeriod) {
+  const auto moves = [&](const std::string& from, const std::string& to) {
+    return ask(*store_, ChangesQuestion{.from = day_time(from), .to = day_time(to), .kind = "moved"});
+  };
+  EXPECT_TRUE(moves("08:10", "08:50").changes.empty());
+  ASSERT_EQ(moves("08:10", "08:50").perhaps.size(), 1U);
+  EXPECT_EQ(moves("08:10", "08:50").perhaps[0].time, day_time("09:30"));
+  EXPECT_TRUE(moves("09:40", "10:20").perhaps.empty());
+  EXPECT_TRUE(moves("08:10", "09:40").perhaps.empty()) << "it is among the changes";
+}
+
+TEST_F(Questions, AViewOfACornerIsNoLook) {
+  const Id table = store_->places().front().id;
+  store_.reset();
+  {
+    Store store = Store::open_write(file_);
+    SceneTransaction scene(store, store.begin_run("test", "{}"));
+    const Id id = scene.add_scene({.time = day_time("11:00")});
+    scene.add_visibility({.scene = id, .place = table, .status = ObjectStatus::seen, .fraction = 0.05});
+    scene.commit();
+  }
+  store_.emplace(Store::open_read(file_));
+  const Snapshot snapshot(*store_, {});
+  const PlaceRow place = store_->places().front();
+  EXPECT_EQ(last_look(snapshot, place)->to, day_time("11:00"));
+  EXPECT_NEAR(last_look(snapshot, place)->fraction.value(), 0.05, 1e-9);
+  EXPECT_EQ(last_look(snapshot, place, kMinSeenFraction)->to, day_time("10:00"));
 }
 
 TEST_F(Questions, ChangesOfAKindKnowWhatLeftAndWhatCame) {
