@@ -54,13 +54,15 @@ bool is_of_kind(const Change& change, const std::string& kind, const std::set<Id
   return kind.empty() || to_text(change.kind) == kind;
 }
 
-/// Whether it almost surely happened before a time at which it was not seen yet: the look at nine shows what
+/// Of the time in which a change may have happened, the part before a time: the look at nine shows what
 /// happened since the look at eight.
-bool is_before(const Change& change, TimeNs time) {
-  constexpr double kSurely = 0.05;
-  return change.since && *change.since < time &&
-         static_cast<double>(change.time - time) < kSurely * static_cast<double>(change.time - *change.since);
+double share_before(const Change& change, TimeNs time) {
+  if (!change.since || *change.since >= time) return 0;
+  return std::min(
+      1.0, static_cast<double>(time - *change.since) / static_cast<double>(change.time - *change.since));
 }
+
+constexpr double kHardly = 0.05;  ///< such a share is not worth a word
 
 SceneSummary summary_of(const Snapshot& snapshot, const SceneRow& scene) {
   SceneSummary summary{.scene = snapshot.scene_ref(scene),
@@ -172,7 +174,7 @@ ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
                             (event.joint && joints.contains(*event.joint));
       if (!question.place.empty() && !at_place) continue;
       const Change change = snapshot.change(event);
-      if (!of_moment && is_before(change, *question.from)) continue;
+      if (!of_moment && share_before(change, *question.from) > 1 - kHardly) continue;
       if (is_of_kind(change, question.kind, places) && (question.other.empty() || is_between(change)) &&
           (question.kind != "new" || is_still_there(change)))
         changes.push_back(change);
@@ -184,7 +186,7 @@ ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
   if (answer.changes.empty() && question.to && !of_moment) {
     answer.perhaps = seen_between(*question.to + 1, *question.to + kDay);
     std::erase_if(answer.perhaps,
-                  [&](const Change& change) { return !change.since || *change.since >= *question.to; });
+                  [&](const Change& change) { return share_before(change, *question.to) < kHardly; });
   }
   return answer;
 }

@@ -58,8 +58,6 @@ const std::map<std::string, Words>& contractions() {
                                                    {"hows", {"how", "is"}},
                                                    {"thats", {"that", "is"}},
                                                    {"its", {"its"}},
-                                                   {"whr", {"where"}},
-                                                   {"whrs", {"where", "is"}},
                                                    {"longs", {"long", "has"}},
                                                    {"2day", {"today"}},
                                                    {"rn", {"right", "now"}},
