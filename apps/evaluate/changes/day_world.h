@@ -30,6 +30,7 @@ struct Drawer {
   std::string name;
   double open_m = 0;
   View view;
+  double room_m = 0.2;  ///< above its bottom
 };
 
 /// A kitchen in which random days can be: where objects stand and from where one looks at them.

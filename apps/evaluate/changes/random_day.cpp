@@ -18,20 +18,21 @@ namespace {
 struct Model {
   const char* name;
   double radius;     ///< metres, of the space it needs
+  double height;     ///< metres, of the tallest of its kind
   const char* more;  ///< of the scenario's object
 };
 constexpr Model kModels[] = {
-    {"mug", 0.06, ""},
-    {"bowl", 0.09, ", accent: [0.9, 0.9, 0.9]"},
-    {"plate", 0.13, ""},
-    {"box", 0.10, ", size: [0.16, 0.07, 0.22]"},
-    {"box", 0.08, ", size: [0.13, 0.06, 0.1], accent: [0.9, 0.85, 0.6], pattern: band"},
-    {"bottle", 0.05, ", accent: [0.2, 0.2, 0.3]"},
-    {"can", 0.05, ""},
-    {"jar", 0.055, ", accent: [0.9, 0.86, 0.7]"},
-    {"pot", 0.14, ""},
-    {"apple", 0.045, ""},
-    {"banana", 0.10, ""}};
+    {"mug", 0.06, 0.12, ""},
+    {"bowl", 0.09, 0.1, ", accent: [0.9, 0.9, 0.9]"},
+    {"plate", 0.13, 0.04, ""},
+    {"box", 0.10, 0.22, ", size: [0.16, 0.07, 0.22]"},
+    {"box", 0.08, 0.1, ", size: [0.13, 0.06, 0.1], accent: [0.9, 0.85, 0.6], pattern: band"},
+    {"bottle", 0.05, 0.3, ", accent: [0.2, 0.2, 0.3]"},
+    {"can", 0.05, 0.14, ""},
+    {"jar", 0.055, 0.18, ", accent: [0.9, 0.86, 0.7]"},
+    {"pot", 0.14, 0.2, ""},
+    {"apple", 0.045, 0.1, ""},
+    {"banana", 0.10, 0.06, ""}};
 constexpr const char* kColors[] = {"[0.86, 0.86, 0.84]", "[0.8, 0.14, 0.12]",  "[0.2, 0.45, 0.8]",
                                    "[0.93, 0.66, 0.12]", "[0.16, 0.45, 0.24]", "[0.45, 0.08, 0.22]",
                                    "[0.62, 0.64, 0.68]", "[0.55, 0.75, 0.2]",  "[0.15, 0.15, 0.16]",
@@ -216,9 +217,12 @@ class Day {
       return;
     }
     std::vector<Object*> small;
+    const auto fits = [&](const Object& object) {
+      return object.at && object.model.radius < 0.07 && object.model.height < open_->room_m &&
+             !in_drawer(object);
+    };
     for (size_t i = 0; i < kObjects; ++i)
-      if (true_objects_[i].at && true_objects_[i].model.radius < 0.07 && !in_drawer(true_objects_[i]))
-        small.push_back(&true_objects_[i]);
+      if (fits(true_objects_[i])) small.push_back(&true_objects_[i]);
     if (small.empty()) return;
     Object* chosen = small[drawer_random_.index(small.size())];
     if (std::ranges::any_of(actions, [&](const std::string& action) {
