@@ -330,7 +330,8 @@ Command forget_command() {
           }();
           OutputOptions secret = session.outputs();
           secret.mode = 0600;
-          const memory::ForgetResult result = memory::forget(arguments->memory, request, arguments->output, session.progress());
+          const memory::ForgetResult result =
+              memory::forget(arguments->memory, request, arguments->output, session.progress());
           if (!arguments->tokens.empty())
             write_output(arguments->tokens, Json{{"loci_forgotten", to_json(result.tokens)}}.dump(1) + "\n",
                          secret);
