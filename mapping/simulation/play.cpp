@@ -177,8 +177,7 @@ SupportTop ScenarioPlay::known_top(const std::string& link) {
 
 /// The joint that a link slides along, its own or that of a link which carries it; nullptr = none.
 const Joint* ScenarioPlay::slide_of(const std::string& link) const {
-  const Joint* joint = world_.parent_joint(link);
-  while (joint != nullptr && joint->type == JointType::fixed) joint = world_.parent_joint(joint->parent);
+  const Joint* joint = moving_joint(world_, link);
   return joint != nullptr && joint->type == JointType::prismatic && joint->limits ? joint : nullptr;
 }
 

@@ -161,7 +161,7 @@ void write_most(const EmptinessAnswer& answer, const ReplyContext& context, Repl
   reply.evidence.push_back(fmt::format("the fullest of {}", counted(place.looks, "look")));
 }
 
-/// Whether anybody looked: a view of a corner is no look.
+/// Whether anybody looked: a view of a corner does not count.
 void write_views(const EmptinessAnswer& answer, const ReplyContext& context, Reply& reply) {
   const PlaceEmptiness& place = *std::ranges::max_element(answer.places, {}, &PlaceEmptiness::looks);
   reply.places = {place.place.name};

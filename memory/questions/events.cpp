@@ -54,14 +54,6 @@ bool is_of_kind(const Change& change, const std::string& kind, const std::set<Id
   return kind.empty() || to_text(change.kind) == kind;
 }
 
-/// Of the time in which a change may have happened, the part before a time: the look at nine shows what
-/// happened since the look at eight.
-double share_before(const Change& change, TimeNs time) {
-  if (!change.since || *change.since >= time) return 0;
-  return std::min(
-      1.0, static_cast<double>(time - *change.since) / static_cast<double>(change.time - *change.since));
-}
-
 constexpr double kHardly = 0.05;  ///< such a share is not worth a word
 
 SceneSummary summary_of(const Snapshot& snapshot, const SceneRow& scene) {
@@ -130,6 +122,12 @@ void keep_repeated(std::vector<Change>& changes, size_t min_times) {
 }
 
 }  // namespace
+
+double share_before(const Change& change, TimeNs time) {
+  if (!change.since || *change.since >= time) return 0;
+  return std::min(
+      1.0, static_cast<double>(time - *change.since) / static_cast<double>(change.time - *change.since));
+}
 
 ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
   if (!question.kind.empty() && std::ranges::count(kChangeKinds, question.kind) == 0)

@@ -34,6 +34,9 @@ struct ChangesAnswer {
   /// have happened in it.
   std::vector<Change> perhaps = {};
 };
+/// Of the time in which a change may have happened, the part before a time: the look at nine shows what
+/// happened since the look at eight.
+double share_before(const Change& change, TimeNs time);
 /// Error that lists the kinds for an unknown one.
 ChangesAnswer ask(const Store& store, const ChangesQuestion& question);
 std::string to_text(const ChangesAnswer& answer, const TimeWriter& times);

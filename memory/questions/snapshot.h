@@ -156,7 +156,7 @@ class Snapshot {
                                   Among among) const;
   bool is_named(const Candidate& candidate) const;
   /// Whether one that is named has the word for its name: a can that some views take for a cup is meant by
-  /// "cup" only where there is no cup.
+  /// "cup" only where nothing is called so.
   bool is_by_verdict(const Candidate& candidate, const std::string& word) const;
   bool is_by_verdict(Id object, const std::string& word) const;
   const std::vector<Id>& present_candidates() const;

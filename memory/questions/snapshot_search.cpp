@@ -262,10 +262,12 @@ std::vector<Id> Snapshot::find_by_word(const std::string& word) const {
     found = find_named(with_underscores(word));
   const std::vector<std::string> related = names_related_to(word, !found.empty());
   const bool known = !found.empty();
-  for (const std::string& name : related)
-    for (const Id id : find_named(name))
-      if ((!is_color_word(name) || is_labelled(id, name)) && (!known || is_by_verdict(id, name)))
-        found.push_back(id);
+  for (const std::string& name : related) {
+    const std::vector<Id>& named = find_named(name);  // all by verdict, or none
+    if (known && !named.empty() && !is_by_verdict(named.front(), name)) continue;
+    for (const Id id : named)
+      if (!is_color_word(name) || is_labelled(id, name)) found.push_back(id);
+  }
   return related.empty() ? found : unique(std::move(found));
 }
 

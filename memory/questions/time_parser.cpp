@@ -99,10 +99,6 @@ std::optional<unsigned> day_of_month(std::string word) {
                                                  : std::nullopt;
 }
 
-TimeNs midnight_of(const std::chrono::year_month_day& date) {
-  return std::chrono::sys_days(date).time_since_epoch().count() * kDay;
-}
-
 bool is_date(const std::string& word) {
   return word.size() == 10 && word[4] == '-' && word[7] == '-';
 }
@@ -257,7 +253,7 @@ class TimePhrase {
     if (!given && date > today) date -= std::chrono::years(1);
     if (!date.ok()) return std::nullopt;
     next_ += at + (given ? 1 : 0);
-    return midnight_of(date);
+    return std::chrono::sys_days(date).time_since_epoch().count() * kDay;
   }
 
   std::optional<TimeSpan> read_time_of_day() {
@@ -353,8 +349,7 @@ TimeSpan TimeReader::read(std::string_view text) const {
   if (!span)
     throw Error(fmt::format("'{}' is not a time", text), {},
                 "write 2026-05-01T08:30:00Z, 2026-05-01 08:30, 08:30, 1 May at 9:00, yesterday 9:00, this "
-                "morning, last Monday at "
-                "nine, or 20 minutes ago");
+                "morning, last Monday at nine, or 20 minutes ago");
   return *span;
 }
 

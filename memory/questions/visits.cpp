@@ -37,6 +37,13 @@ std::optional<TimeNs> last_visit_begin(const Store& store, const AsOf& as_of) {
   }
 }
 
+double fraction_of_visit(const Snapshot& snapshot, const PlaceRow& place, TimeNs from, TimeNs to,
+                         double best_view) {
+  return best_view >= kMinSeenFraction || from == to
+             ? best_view
+             : std::max(best_view, seen_fraction(snapshot, place, from, to));
+}
+
 std::optional<PlaceLook> last_look(const Snapshot& snapshot, const PlaceRow& place, double min_fraction) {
   const Store& store = snapshot.store();
   std::optional<VisibilityRow> last = store.last_visibility(place.id, snapshot.as_of());
@@ -45,8 +52,7 @@ std::optional<PlaceLook> last_look(const Snapshot& snapshot, const PlaceRow& pla
     PlaceLook look{views.back().time, last->time, last->scene, last->fraction};
     for (const VisibilityRow& view : views)
       if (view.fraction) look.fraction = std::max(look.fraction.value_or(0), *view.fraction);
-    if (views.size() > 1 && look.fraction.value_or(0) < kMinSeenFraction)
-      look.fraction = std::max(look.fraction.value_or(0), seen_fraction(snapshot, place, look.from, look.to));
+    if (look.fraction) look.fraction = fraction_of_visit(snapshot, place, look.from, look.to, *look.fraction);
     if (look.fraction.value_or(0) >= min_fraction) return look;
     last = store.last_visibility(place.id, {.at = look.from - 1});
   }

@@ -16,6 +16,10 @@ struct PlaceLook {
   Id scene = 0;                         ///< the last of them
   std::optional<double> fraction = {};  ///< of the place; unset where no view states it
 };
+/// The part of a place that the views of a visit saw: of the best view where that is enough, else of all
+/// together.
+double fraction_of_visit(const Snapshot& snapshot, const PlaceRow& place, TimeNs from, TimeNs to,
+                         double best_view);
 /// The last visit that saw at least `min_fraction` of a place as of the moment of the snapshot; unset without
 /// one.
 std::optional<PlaceLook> last_look(const Snapshot& snapshot, const PlaceRow& place, double min_fraction = 0);

@@ -342,18 +342,12 @@ void how_long_ago(const Change& last, const std::string& what, const ReplyContex
                            context.times.text(last.time));
 }
 
-/// Which share of the time in which a change may have happened lies in the period that was asked about.
-double share_within(const Change& change, const ChangesAnswer& answer) {
-  if (!answer.from || !change.since || *change.since >= *answer.from) return 1;
-  return static_cast<double>(change.time - *answer.from) / static_cast<double>(change.time - *change.since);
-}
-
 void whether_changed(const ChangesAnswer& answer, const Names& names, const ReplyContext& context,
                      Reply& reply) {
   const Change& last = last_of(answer.changes);
   const std::string what = happened(last, names);
   double none = 1;  // probability that all happened before
-  for (const Change& change : answer.changes) none *= 1 - share_within(change, answer);
+  for (const Change& change : answer.changes) none *= answer.from ? share_before(change, *answer.from) : 0;
   if (none <= 0.5) {
     reply.verdict = Verdict::yes;
     reply.text = fmt::format("Yes: {} by {}.", what, context.times.text(last.time));

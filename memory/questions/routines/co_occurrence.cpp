@@ -7,7 +7,6 @@
 #include <cmath>
 #include <set>
 
-#include "memory/questions/presence.h"
 #include "memory/questions/question.h"
 #include "memory/questions/replies/answer_fields.h"
 #include "memory/questions/replies/answer_format.h"
@@ -80,8 +79,8 @@ std::vector<PlaceVisit> visits_of(const Snapshot& snapshot, const ScenesOfObject
     if (seen != there.end()) visit.objects.insert(seen->second.begin(), seen->second.end());
   }
   for (PlaceVisit& visit : visits)
-    if (visit.fraction > 0 && visit.fraction < kMinSeenFraction && visit.to > visit.from)
-      visit.fraction = std::max(visit.fraction, seen_fraction(snapshot, visited, visit.from, visit.to));
+    if (visit.fraction > 0)
+      visit.fraction = fraction_of_visit(snapshot, visited, visit.from, visit.to, visit.fraction);
   return visits;
 }
 
