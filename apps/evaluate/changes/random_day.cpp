@@ -217,14 +217,12 @@ class Day {
       return;
     }
     std::vector<Object*> small;
-    const auto fits = [&](const Object& object) {
-      return object.at && object.model.radius < 0.07 && object.model.height < open_->room_m &&
-             !in_drawer(object);
-    };
     for (size_t i = 0; i < kObjects; ++i)
-      if (fits(true_objects_[i])) small.push_back(&true_objects_[i]);
+      if (true_objects_[i].at && true_objects_[i].model.radius < 0.07 && !in_drawer(true_objects_[i]))
+        small.push_back(&true_objects_[i]);
     if (small.empty()) return;
     Object* chosen = small[drawer_random_.index(small.size())];
+    if (chosen->model.height > open_->room_m) return;
     if (std::ranges::any_of(actions, [&](const std::string& action) {
           return action.find(chosen->name) != std::string::npos;
         }))
