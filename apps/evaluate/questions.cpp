@@ -9,7 +9,7 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> tables;
-  std::string samples = "apps/samples", kitchens = "tests/data/kitchens", keep;
+  std::string samples = "apps/samples", days = "tests/data/questions/days", keep;
   bool all = false;
 };
 
@@ -29,8 +29,8 @@ void run(const Arguments& arguments, Session& session) {
     PartialProgress progress(session.progress(), done, done + share);
     done += share;
     const questions::AskedMemory memory =
-        questions::asked_memory(name, folder, {arguments.samples, arguments.kitchens},
-                                session.flags().threads, progress, session.warnings());
+        questions::asked_memory(name, folder, {arguments.samples, arguments.days}, session.flags().threads,
+                                progress, session.warnings());
     const memory::Store store = memory::Store::open_read(memory.file);
     for (const questions::AskedQuestion& one : asked)
       figures.answers.push_back(judge(one, store, memory.names, memory.twins));
@@ -49,10 +49,9 @@ Command questions_command() {
             auto arguments = std::make_shared<Arguments>();
             table.positional("TABLE...", &arguments->tables, "Questions with their answers, as YAML");
             table.flag("--all", arguments->all, "Print every answer, not only those that are not right");
-            table.option("--samples FOLDER", &arguments->samples,
-                         "Folder of day.yaml and the sample kitchens");
-            table.option("--kitchens FOLDER", &arguments->kitchens,
-                         "Folder of the kitchens that a table names as memories");
+            table.option("--samples FOLDER", &arguments->samples, "Folder of the sample day");
+            table.option("--days FOLDER", &arguments->days,
+                         "Folder of the scenarios that a table names as memories");
             table.option("-o,--output FOLDER", &arguments->keep,
                          "Keep recordings and memories in this folder; what is there is used again");
             return [arguments](Session& session) { run(*arguments, session); };

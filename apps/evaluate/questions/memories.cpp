@@ -7,7 +7,6 @@
 #include <sstream>
 #include <string_view>
 
-#include "apps/evaluate/changes/random_day.h"
 #include "apps/evaluate/changes/remember.h"
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
@@ -22,8 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kScenes = 12;
-constexpr uint64_t kFirstSeed = 41;
+constexpr int kFirstSeed = 41;
 
 struct TrueObject {
   std::string name, model;
@@ -103,52 +101,42 @@ Twins twins_of(const fs::path& scenario) {
   return twins;
 }
 
-/// Where a day is.
-struct Setting {
-  fs::path map, scenario;
-  uint64_t seed = 0;
-  std::optional<changes::DayWorld> world = {};  ///< of a random day
-};
+/// The scenario of a memory's day.
+fs::path scenario_of(const std::string& name, const AskedFolders& from) {
+  if (name == "day" || name == "plain") return from.samples / "day.yaml";
+  const fs::path day = from.days / (name + ".yaml");
+  if (!fs::exists(day))
+    throw Error(fmt::format("no memory '{}' is known", name), {from.days.string(), 0, {}},
+                "take day, plain or a scenario of this folder");
+  return day;
+}
 
-Setting setting_of(const std::string& name, const fs::path& folder, const AskedFolders& from,
-                   Warnings& warnings) {
-  if (name == "day" || name == "plain")
-    return {.map = from.samples / "kitchen.urdf", .scenario = from.samples / "day.yaml"};
-  const fs::path scenario = folder / (name + ".yaml"), drawn = from.kitchens / (name + ".urdf");
-  if (name == "kitchen" || name == "corner") {
-    const std::string world = name == "kitchen" ? "kitchen" : "kitchen_l";
-    return {from.samples / (world + ".urdf"), scenario, kFirstSeed + (name == "kitchen" ? 0 : 1),
-            changes::sample_day_world(world)};
-  }
-  if (!fs::exists(drawn))
-    throw Error(fmt::format("no memory '{}' is known", name), {from.kitchens.string(), 0, {}},
-                "take day, plain, kitchen, corner or a kitchen of this folder");
-  const uint64_t seed = std::accumulate(name.begin(), name.end(), kFirstSeed);
-  return {drawn, scenario, seed, changes::find_day_world(drawn, {}, seed, warnings)};
+/// Other noise in each kitchen.
+int seed_of(const std::string& name) {
+  if (name == "day" || name == "plain") return mapping::RecordOptions().seed;
+  if (name == "kitchen") return kFirstSeed;
+  if (name == "corner") return kFirstSeed + 1;
+  return std::accumulate(name.begin(), name.end(), kFirstSeed);
 }
 
 }  // namespace
 
 AskedMemory asked_memory(const std::string& name, const fs::path& folder, const AskedFolders& from,
                          int threads, Progress& progress, Warnings& warnings) {
-  const Setting setting = setting_of(name, folder, from, warnings);
-  const fs::path recording = folder / (setting.world ? name : "day"), file = folder / (name + ".loci");
+  const mapping::Scenario scenario = mapping::read_scenario(scenario_of(name, from));
+  const fs::path recording = folder / (name == "plain" ? "day" : name), file = folder / (name + ".loci");
   PartialProgress recording_it(progress, 0, 0.6), remembering(progress, 0.6, 1);
   if (!fs::exists(recording / "frames.csv")) {
     mapping::RecordOptions options;
     options.threads = threads;
-    if (setting.world) {
-      options.seed = static_cast<int>(setting.seed);
-      write_file_atomically(setting.scenario, changes::random_day(*setting.world, fs::absolute(setting.map),
-                                                                  setting.seed, kScenes, true));
-    }
-    record(mapping::read_scenario(setting.scenario), recording, options, recording_it, warnings);
+    options.seed = seed_of(name);
+    record(scenario, recording, options, recording_it, warnings);
   }
   const bool fresh = !fs::exists(file);
   if (fresh) {
     changes::RememberOptions options;
     options.memory = file;
-    options.map = setting.map;
+    options.map = scenario.world;
     options.program = "loci-evaluate questions";
     options.threads = threads;
     changes::remember(mapping::open_recording(recording), options, remembering, warnings);
@@ -156,7 +144,7 @@ AskedMemory asked_memory(const std::string& name, const fs::path& folder, const 
   const auto objects = true_objects(memory::Store::open_read(file), recording);
   if (fresh && name != "plain") name_objects(file, objects, from.samples);
   AskedMemory asked{.file = file};
-  asked.twins = twins_of(setting.scenario);
+  asked.twins = twins_of(scenario_of(name, from));
   for (const auto& [id, object] : objects) asked.names[id] = object.name;
   return asked;
 }

@@ -24,15 +24,16 @@ struct AskedMemory {
   Twins twins = {};
 };
 
-/// Where worlds are.
+/// Where scenarios are.
 struct AskedFolders {
-  std::filesystem::path samples = {};   ///< of day.yaml and the sample kitchens
-  std::filesystem::path kitchens = {};  ///< of further kitchens, as URDF
+  std::filesystem::path samples = {};  ///< of day.yaml and the household's taxonomy
+  std::filesystem::path days = {};     ///< of further days
 };
 
 /// Makes a memory of the tables in `folder`, unless it is there: the sample day perceived (plain), the same
-/// with its objects named by class as people would and the household's taxonomy (day), and random days in the
-/// two sample kitchens (kitchen, corner) or a kitchen that is called so in `from.kitchens`, named likewise.
+/// with its objects named by class as people would and the household's taxonomy (day), and the scenario that
+/// is called so in `from.days`, named likewise. Those were drawn by `loci-evaluate days` and are kept as
+/// files, as the truth of the tables is that of these days.
 AskedMemory asked_memory(const std::string& name, const std::filesystem::path& folder,
                          const AskedFolders& from, int threads, Progress& progress, Warnings& warnings);
 
