@@ -64,6 +64,8 @@ class Conversation {
     answer.sentence = sentence;
     if (!answer.query) {
       set_not_understood(answer);
+      if (references_.last_subject().empty() && find_pronoun(sentence_words(sentence)))
+        answer.why_not->hint = "nothing was spoken of before: say what is meant";
       answer.nearest = nearest_examples(sentence);
     }
     return answer;
@@ -271,7 +273,8 @@ class Conversation {
 
   /// What is not understood is said in plainer words, once.
   NaturalLanguageAnswer answer_or_rephrase(const std::string& sentence) {
-    if (const auto contrary = contrary_question(sentence)) {
+    const auto is_known = [&](const std::string& words) { return is_name(words); };
+    if (const auto contrary = contrary_question(sentence, is_known)) {
       NaturalLanguageAnswer other = answer_or_rephrase(contrary->question);
       if (other.reply && other.reply->verdict) {
         other.reply = contrary_of(*other.reply);
@@ -281,7 +284,7 @@ class Conversation {
     }
     NaturalLanguageAnswer answer = answer_with_names(sentence);
     if (answer.query && !(answer.why_not && !answer.reply)) return answer;
-    const auto plain = rephrased(sentence, [&](const std::string& words) { return is_name(words); });
+    const auto plain = rephrased(sentence, is_known);
     if (!plain) return answer;
     NaturalLanguageAnswer other = answer_with_names(plain->sentence);
     if (!other.reply && (answer.query || plain->contrary)) return answer;

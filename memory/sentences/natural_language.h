@@ -15,7 +15,7 @@ namespace loci::memory {
 struct NaturalLanguageQuestion {
   std::vector<std::string> sentences = {};
   AsOf as_of = {};               ///< `at` holds for sentences without a time
-  std::optional<Id> about = {};  ///< what "it" means at first; unset = the object seen last
+  std::optional<Id> about = {};  ///< what "it" means at first; unset = nothing
 };
 
 /// Why there is no answer.

@@ -49,8 +49,8 @@ Reply not_then(Reply reply) {
 bool QueryAnswerer::try_reading(Query query, NaturalLanguageAnswer& answer) const {
   const bool first = !answer.query, then = query.argument("at") == "then";
   std::vector<std::string> notes;
-  references_.resolve(query, notes);
-  if (query.argument("object") == "one") return false;  // of what was not said
+  // "It", "one": of what was not said.
+  if (!references_.resolve(query, notes) || query.argument("object") == "one") return false;
   // The name of a place means what is there, but "where is table_1", "how high is it" ask for the table.
   const bool of_furniture = (query.question == "where" && query.asks == Asks::place) ||
                             (query.question == "about" && query.argument("property") == "size");

@@ -17,6 +17,12 @@ const std::set<std::string> kPronouns = {"it", "them", "that",     "this",    "t
 bool is_place(ParameterType type) {
   return type == ParameterType::place || type == ParameterType::part;
 }
+/// "Red mug" of "red mug that was put away in a drawer".
+std::string kind_of(const std::string& name) {
+  size_t end = name.size();
+  for (const char* link : {" on ", " in ", " that ", " which "}) end = std::min(end, name.find(link));
+  return name.substr(0, end);
+}
 bool names_something(ParameterType type) {
   return type == ParameterType::object || type == ParameterType::place || type == ParameterType::part ||
          type == ParameterType::spot;
@@ -64,7 +70,8 @@ void ReferenceResolver::remember_objects(const Query& query) {
 void ReferenceResolver::remember_place(const Query& query, const Reply& reply) {
   const auto place = argument_of(query, {ParameterType::place, ParameterType::part});
   if (place) last_place_ = *place;
-  const bool answers = place ? snapshot_.places_meant(*place).size() > 1 : reply.objects.empty();
+  const bool answers =
+      place ? snapshot_.places_meant(*place).size() > 1 : reply.objects.empty() || query.asks == Asks::place;
   if (answers && reply.places.size() == 1) last_place_ = name_in_words(reply.places[0]);
 }
 
@@ -74,7 +81,7 @@ void ReferenceResolver::remember(const std::string& subject, const std::string& 
   if (!place.empty()) last_place_ = place;
 }
 
-void ReferenceResolver::resolve(Query& query, std::vector<std::string>& notes) {
+bool ReferenceResolver::resolve(Query& query, std::vector<std::string>& notes) {
   for (const Parameter& parameter : find_question(query.question)->parameters) {
     const auto given = query.arguments.find(parameter.name);
     if (given == query.arguments.end() || !names_something(parameter.type)) continue;
@@ -82,11 +89,12 @@ void ReferenceResolver::resolve(Query& query, std::vector<std::string>& notes) {
     if (text.ends_with(" one") && text != "other one" && text != "this one" && text != "that one" &&
         !last_subject_.empty())
       text.replace(text.size() - 3, 3, last_subject_.substr(last_subject_.rfind(' ') + 1));
-    const size_t end = std::min(last_subject_.find(" on "), last_subject_.find(" in "));
-    if (text == "other one" || text == "other" || text == "other ones")
-      replace_other(text, last_subject_.substr(0, end), notes);
-    else if (text.starts_with("other "))
+    if (text == "other one" || text == "other" || text == "other ones") {
+      if (last_subject_.empty()) return false;
+      replace_other(text, kind_of(last_subject_), notes);
+    } else if (text.starts_with("other ")) {
       replace_other(text, text.substr(text.find(' ') + 1), notes);
+    }
     if (kPronouns.contains(text) && is_place(parameter.type) && !last_place_.empty()) {
       notes.push_back(fmt::format("'{}' is taken as {}", text, last_place_));
       text = last_place_;
@@ -96,13 +104,14 @@ void ReferenceResolver::resolve(Query& query, std::vector<std::string>& notes) {
       notes.push_back(fmt::format("'{}' is taken as {}", text, referent_));
       text = referent_;
     }
-    if (one || kPronouns.contains(text)) replace_pronoun(text, notes);
+    if ((one || kPronouns.contains(text)) && !replace_pronoun(text, notes)) return false;
     if (text.starts_with("this ") || text.starts_with("that ")) replace_demonstrative(text, notes);
   }
   for (const Parameter& parameter : find_question(query.question)->parameters)
     if (parameter.type == ParameterType::place && query.argument(parameter.name) == "there")
       replace_there(query, parameter, notes);
   if (query.argument("at") == "then") replace_then(query, notes);
+  return true;
 }
 
 /// "then" is when the object that a spot is named by was last seen.
@@ -122,23 +131,11 @@ void ReferenceResolver::replace_then(Query& query, std::vector<std::string>& not
   }
 }
 
-void ReferenceResolver::replace_pronoun(std::string& text, std::vector<std::string>& notes) const {
-  if (!last_subject_.empty()) {
-    notes.push_back(fmt::format("'{}' is taken as '{}'", text, last_subject_));
-    text = last_subject_;
-    return;
-  }
-  const BeliefRow* latest = nullptr;
-  const auto seen = [&](const BeliefRow& row) {
-    const SceneRow* scene = row.last_scene ? snapshot_.scene(*row.last_scene) : nullptr;
-    return scene == nullptr ? TimeNs{0} : scene->time;
-  };
-  for (const BeliefRow& row : snapshot_.beliefs())
-    if (latest == nullptr || seen(row) > seen(*latest)) latest = &row;
-  if (latest == nullptr) return;
-  notes.push_back(fmt::format("nothing was spoken of before: '{}' is taken as {}, which was seen last", text,
-                              object_name(latest->object)));
-  text = object_name(latest->object);
+bool ReferenceResolver::replace_pronoun(std::string& text, std::vector<std::string>& notes) const {
+  if (last_subject_.empty()) return false;
+  notes.push_back(fmt::format("'{}' is taken as '{}'", text, last_subject_));
+  text = last_subject_;
+  return true;
 }
 
 /// "The other one" is of the kind spoken of, "the other cup" a cup, and neither what the last answer named.
@@ -176,8 +173,8 @@ std::string ReferenceResolver::place_of(const std::string& subject) const {
 /// "there" is the place named last, else where the object was seen last.
 void ReferenceResolver::replace_there(Query& query, const Parameter& parameter,
                                       std::vector<std::string>& notes) const {
-  const auto subject = argument_of(query, {ParameterType::object});
-  const std::string place = !last_place_.empty() ? last_place_ : subject ? place_of(*subject) : "";
+  const std::string subject = argument_of(query, {ParameterType::object}).value_or(last_subject_);
+  const std::string place = !last_place_.empty() ? last_place_ : subject.empty() ? "" : place_of(subject);
   if (!place.empty()) {
     notes.push_back(fmt::format("'there' is taken as {}", place));
     query.arguments[parameter.name] = place;

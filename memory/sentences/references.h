@@ -16,7 +16,7 @@ bool is_reference(const std::string& word);
 /// Replaces "it", "there", "this drawer" and "the other one" by what they mean.
 class ReferenceResolver {
  public:
-  /// `about`: what "it" means at first; unset = the object seen last.
+  /// `about`: what "it" means at first; unset = nothing.
   ReferenceResolver(const Store& store, const AsOf& as_of, const std::optional<Id>& about)
       : snapshot_(store, as_of), last_subject_(about ? object_name(*about) : "") {}
 
@@ -29,11 +29,12 @@ class ReferenceResolver {
   /// What the last answer named.
   const std::vector<Id>& last_objects() const { return last_objects_; }
 
-  /// Replaces references in the arguments; what they were taken as is added to the notes.
-  void resolve(Query& query, std::vector<std::string>& notes);
+  /// Replaces references in the arguments; what they were taken as is added to the notes. False where "it"
+  /// stands for what was not said.
+  bool resolve(Query& query, std::vector<std::string>& notes);
 
  private:
-  void replace_pronoun(std::string& text, std::vector<std::string>& notes) const;
+  bool replace_pronoun(std::string& text, std::vector<std::string>& notes) const;
   void replace_other(std::string& text, const std::string& kind, std::vector<std::string>& notes) const;
   std::string place_of(const std::string& subject) const;
   void replace_there(Query& query, const Parameter& parameter, std::vector<std::string>& notes) const;

@@ -217,6 +217,25 @@ bool drops_relation(const std::string& form, const Tokens& tokens) {
   return false;
 }
 
+/// Whether a form that names nothing leaves out what the sentence names by a word that it has not met: "have
+/// you seen the kitchen roll" is not "what did you see".
+bool drops_name(const IntentReading& reading, const Words& words, const Tokens& tokens) {
+  const std::string& form = trained_intents().forms[reading.form];
+  if (form.find("OBJECT") != std::string::npos || form.find("PLACE") != std::string::npos) return false;
+  const Words uncovered = uncovered_words(trained_intents(), reading.form, tokens);
+  const auto is_uncovered_noun = [&](const std::string& word) {
+    const Tokens one = intent_tokens({word});
+    return !one.lemmas.empty() && std::ranges::count(uncovered, one.lemmas[0]) > 0 &&
+           !wordnet::base_forms(word, wordnet::PartOfSpeech::noun).empty();
+  };
+  for (size_t i = 0; i + 1 < words.size(); ++i) {
+    if (class_of(lemma_of(words[i])) != WordClass::article) continue;
+    if (is_uncovered_noun(words[i + 1]) || (i + 2 < words.size() && is_uncovered_noun(words[i + 2])))
+      return true;
+  }
+  return false;
+}
+
 bool has_event(const Tokens& tokens) {
   static const std::set<std::string> events = {"move", "change", "happen", "come", "vanish", "take", "open"};
   return std::ranges::any_of(tokens.lemmas, [](const std::string& one) { return events.contains(one); });
@@ -318,7 +337,7 @@ std::optional<PlainQuestion> classified(const Delexicalised& sentence, const std
   if (tokens.lemmas.size() < 2 || best.probability < kMinProbability || form == kNoIntent)
     return std::nullopt;
   if (!is_covered(best, tokens) || drops_relation(form, tokens) || drops_negation(form, tokens) ||
-      drops_deed(form, tokens) || drops_question(form, tokens))
+      drops_deed(form, tokens) || drops_question(form, tokens) || drops_name(best, sentence.words, tokens))
     return std::nullopt;
   // "Is it on the table or on the counter?" asks for one of them.
   const bool choice = form == "Is OBJECT on PLACE?" && sentence.places[0].find(" or ") != std::string::npos;

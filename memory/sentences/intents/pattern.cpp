@@ -58,6 +58,9 @@ class Matcher {
              is_name_(join_words(words_, first + (article ? 1 : 0), last));
     }
     if (kind == "colour") return single && is_color_word(words_[first]);
+    if (kind == "asking")
+      return single && (class_of(lemma_of(words_[first])) == WordClass::question ||
+                        class_of(lemma_of(words_[first])) == WordClass::auxiliary);
     if (kind == "furniture") return single && is_furniture(words_[first]);
     if (kind == "doing")
       return single && words_[first].ends_with("ing") &&

@@ -234,8 +234,9 @@ std::optional<Rephrasing> rephrased(const std::string& sentence, const IsName& i
   return result;
 }
 
-std::optional<ContraryQuestion> contrary_question(const std::string& sentence) {
+std::optional<ContraryQuestion> contrary_question(const std::string& sentence, const IsName& is_name) {
   Words words = words_and_marks(sentence);
+  if (apply_all(contraries(), words, is_name)) return ContraryQuestion{joined(words, " "), true};
   for (size_t i = 0; i + 1 < words.size(); ++i)
     if (words[i] == "no" && words[i + 1] == "one") replace_words(words, i, 2, {"nobody"});
   const auto at = only_negative(words);

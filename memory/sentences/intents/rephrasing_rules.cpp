@@ -12,6 +12,11 @@ const std::vector<Pattern>& meanings() {
       {"^ what is|was it that? i|we|you|someone|somebody <x>", "what did someone <x>"},
       {"^ where is|was it that? i|we|you|someone|somebody <x>", "where did someone <x>"},
       {"^ when is|was it that? i|we|you|someone|somebody <x>", "when did someone <x>"},
+      {"what the|my|our? <p:name> has|holds|carries on it", "what is on the <p>"},
+      // What is spoken of comes first: "the bottle where was that at ten".
+      {"^ the|my|our <x:name> <q:asking> <y> it|that|they|them $", "<q> <y> the <x>"},
+      {"^ the|my|our <x:name> <q:asking> <y> it|that|they|them <z>", "<q> <y> the <x> <z>"},
+      {"^ the|my|our <x:name> ,? when did it|they last show up $", "when was the <x> last seen"},
       // What changed since then.
       {"^ what|anything is? different|changed from|than|to <t> $", "what changed since <t>"},
       {"^ is|are everything|all still? where|as it|they was|were <t> $", "was nothing moved since <t>"},
@@ -161,12 +166,6 @@ const std::vector<Pattern>& meanings() {
       {"^ which|what place|places|surface|surfaces|spot|spots is|are empty|free|clear|unused $",
        "what furniture is empty"},
       {"^ has|have|was|were <x:name> ever? been? anywhere|somewhere else $", "where has <x> been"},
-      {"^ has|have|was|were <x:name> ever? been? anywhere|somewhere but|other|else|except than? on|in|at? "
-       "<p:name> $",
-       "where has <x> been"},
-      {"^ has|have|was|were <x:name> ever? been? anywhere|somewhere but|other|else|except than? on|in|at? "
-       "<p:name> <t> $",
-       "where has <x> been <t>"},
       // Telegrams.
       {"^ objects|things|items that|which <x>", "what <x>"},
       {"^ objects|things|items within <x>", "what is within <x>"},
@@ -190,6 +189,18 @@ const std::vector<Pattern>& meanings() {
       // "Which of my ingredients has moved: the oil, the milk or the jam?"
       {"which|what of the|my|our|these|those <n:noun> has|have|was|were|did <v> , <a> or <b:name> $",
        "which <a> or <b> was <v>"}};
+  return all;
+}
+
+const std::vector<Pattern>& contraries() {
+  static const std::vector<Pattern> all = {
+      {"^ has|have|was|were <x:name> ever? been? anywhere|somewhere but|other|else|except than? on|in|at? "
+       "<p:name> $",
+       "did <x> stay on <p>"},
+      {"^ has|have|was|were <x:name> ever? been? anywhere|somewhere but|other|else|except than? on|in|at? "
+       "<p:name> <t> $",
+       "did <x> stay on <p> <t>"},
+  };
   return all;
 }
 

@@ -37,14 +37,40 @@ TEST_F(NaturalLanguage, AnswersAsTheCommandWould) {
   EXPECT_EQ(to_json(answer)["answer"]["objects"][0]["place"], "counter_1");
 }
 
-TEST_F(NaturalLanguage, ItIsWhatTheSentenceBeforeWasAboutOrWhatWasSeenLast) {
+TEST_F(NaturalLanguage, ItIsWhatTheSentenceBeforeWasAbout) {
   const auto answers =
       ask(*store_,
           NaturalLanguageQuestion{{"Where is the blue thing?", "When was the last time you saw it?"}, {}});
   EXPECT_EQ(answers[1].answer->get<WhereAnswer>().objects[0].object.id, 2);
   const NaturalLanguageAnswer alone = say("When was the last time you saw it?");
-  EXPECT_EQ(alone.answer->get<WhereAnswer>().objects[0].last_seen->scene, 6);
-  EXPECT_THAT(alone.notes, testing::Contains(HasSubstr("nothing was spoken of before")));
+  EXPECT_FALSE(alone.reply);
+  EXPECT_THAT(alone.why_not->hint, HasSubstr("nothing was spoken of before"));
+}
+
+TEST_F(NaturalLanguage, ThereIsWhereWhatWasSpokenOfIs) {
+  const auto answers =
+      ask(*store_, NaturalLanguageQuestion{{"Where is the tea cup?", "What else is there?"}, {}});
+  EXPECT_EQ(answers[1].query->text(), "on counter_1");
+}
+
+TEST_F(NaturalLanguage, WhatIsSpokenOfMayComeFirst) {
+  EXPECT_EQ(say("the tea cup where was that at nine").query->text(), "where 'tea cup' --at nine");
+  EXPECT_EQ(say("the tea cup, when did it last show up?").query->text(), "where 'tea cup'");
+  EXPECT_EQ(say("Show me what the table has on it").query->text(), "on table");
+}
+
+TEST_F(NaturalLanguage, OtherPlacesAreTheContraryOfStaying) {
+  const std::string question = "Was the tea cup ever anywhere but on the counter?";
+  see_red_at("counter_1", "11:00");
+  EXPECT_EQ(say(question).query->question, "was");
+  const Verdict before = *say(question).reply->verdict;
+  see_red_at("table_1", "12:00");
+  EXPECT_EQ(say(question).reply->verdict, Verdict::yes) << say(question).reply->text;
+  EXPECT_NE(before, Verdict::yes);
+}
+
+TEST_F(NaturalLanguage, ANameThatIsNotKnownIsNotLeftOut) {
+  EXPECT_EQ(say("Have you seen the kitchen roll?").query->text(), "where 'kitchen roll'");
 }
 
 TEST_F(NaturalLanguage, StaysBetweenWhichItWasElsewhereAreApart) {

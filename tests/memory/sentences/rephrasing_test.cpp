@@ -128,7 +128,7 @@ TEST(Rephrasing, PeopleAreSomeoneUnlessTheMemoryKnowsThem) {
 
 TEST(Rephrasing, ANegativeSubjectAsksForTheContrary) {
   const auto contrary = [](const std::string& sentence) {
-    const auto one = contrary_question(sentence);
+    const auto one = contrary_question(sentence, is_name);
     return one ? one->question : "";
   };
   EXPECT_EQ(contrary("So nobody moved the pot, right?"), "so did somebody moved the pot , right ?");
