@@ -57,6 +57,7 @@ struct PairParameters {
   size_t candidates = 3;            ///< that differ and are carried to the next level
   size_t samples_coarse = 1500;     ///< surfels on the coarsest level
   size_t samples_middle = 3000;     ///< surfels on the levels between
+  double same_match_cells = 0.05;   ///< matches are searched again after so much motion
   double same_position_m = 0.1;     ///< poses that are nearer to one another are the same …
   double same_angle = 3 * kDegree;  ///< … and less turned, radians
   double correlated = 10;       ///< errors of neighbouring surfels (calibration, beams): so many count as one

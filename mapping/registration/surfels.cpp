@@ -25,7 +25,8 @@ CellGrid::CellGrid(const Eigen::Vector3i& low, const Eigen::Vector3i& high, cons
     last = last.cwiseMin((blocks_of(centre).array() + reach).matrix());
   }
   size_ = (last - low_).array().max(-1) + 1;
-  directory_.assign(static_cast<size_t>(size_.cast<int64_t>().prod()), kNone);
+  directory_.assign(static_cast<size_t>(size_.cast<int64_t>().prod()), 0);
+  blocks_.emplace_back().fill(kNone);
 }
 
 namespace {
@@ -35,10 +36,46 @@ double rising(double value, double low, double high) {
 }
 
 /// Lower corner of the 2x2x2 cells whose union holds everything within half a cell of the point.
-Eigen::Vector3i corner_of(const Eigen::Vector3f& point, double per_metre) {
-  constexpr double far = 1 << 20;  // Adding it makes all positive: then the conversion rounds down.
-  const Eigen::Array3d cells = point.cast<double>().array() * per_metre + (far - 0.5);
-  return cells.cast<int>() - static_cast<int>(far);
+Eigen::Vector3i corner_of(const Eigen::Vector3f& point, float per_metre) {
+  const Eigen::Array3f cells = point.array() * per_metre - 0.5F;
+  const Eigen::Array3i towards_zero = cells.cast<int>();
+  return towards_zero - (towards_zero.cast<float>() > cells).cast<int>();
+}
+
+/// The two smaller eigenvalues of a covariance, and the eigenvector of the smallest.
+struct Thinnest {
+  double thickness = 0, width = 0;
+  Vector3d direction = Vector3d::UnitZ();
+};
+
+/// Newton's method from 0 on the characteristic polynomial, which has no root below the smallest: planes need
+/// few steps. Where the two smaller ones are nearly equal it stops before; that is no plane.
+Thinnest thinnest(const Eigen::Matrix3d& covariance) {
+  const auto minor = [&](Eigen::Index i, Eigen::Index j) {
+    return covariance(i, i) * covariance(j, j) - covariance(i, j) * covariance(i, j);
+  };
+  const double trace = covariance.trace(), minors = minor(0, 1) + minor(0, 2) + minor(1, 2);
+  const double determinant = covariance.determinant();
+  double smallest = 0;
+  for (int k = 0; k < 12; ++k) {
+    const double value = ((smallest - trace) * smallest + minors) * smallest - determinant;
+    const double slope = (3 * smallest - 2 * trace) * smallest + minors;
+    const double step = slope > 0 ? -value / slope : 0;
+    if (!(step > 1e-9 * trace)) break;
+    smallest += step;
+  }
+  Thinnest result{.thickness = smallest};
+  const double rest = trace - smallest, product = minors - smallest * rest;
+  result.width = rest / 2 - std::sqrt(std::max(0.0, rest * rest / 4 - product));
+  const Eigen::Matrix3d shifted = covariance - smallest * Eigen::Matrix3d::Identity();
+  double longest = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vector3d across = shifted.col(k).cross(shifted.col((k + 1) % 3));
+    if (across.squaredNorm() <= longest) continue;
+    longest = across.squaredNorm();
+    result.direction = across / std::sqrt(longest);
+  }
+  return result;
 }
 
 void fit_plane(Surfels& surfels, size_t i, const Moments<3>& moments, const PlaneFit& fit) {
@@ -46,15 +83,13 @@ void fit_plane(Surfels& surfels, size_t i, const Moments<3>& moments, const Plan
   surfels.position[i] = own.cast<float>();
   if (moments.count < kSurfels.min_plane_points) return;
   const Vector3d mean = moments.mean();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(moments.covariance());
-  const Vector3d values = solver.eigenvalues().cwiseMax(0.0);
+  const auto [thickness, width, direction] = thinnest(moments.covariance());
   const double smallest_extent = 0.15 * surfels.cell;  // Less is a line or a spot.
-  if (values[1] < smallest_extent * smallest_extent) return;
-  Vector3d normal = solver.eigenvectors().col(0);
+  if (width < smallest_extent * smallest_extent) return;
+  Vector3d normal = direction;
   const Vector3d ray = surfels.origin[i].cast<double>() - own;
   const Vector3d view = ray.normalized();
-  double weight = 1 - rising(values[0] / values[1], 0.05, kSurfels.max_thickness_ratio);
+  double weight = 1 - rising(thickness / width, 0.05, kSurfels.max_thickness_ratio);
   if (fit.oriented) {
     const double cosine = std::abs(normal.dot(view));
     const double depth =
@@ -62,7 +97,7 @@ void fit_plane(Surfels& surfels, size_t i, const Moments<3>& moments, const Plan
     weight *= rising(cosine, kSurfels.grazing_cosine, kSurfels.steep_cosine) *
               (1 - rising(depth, kSurfels.shallow_spot_m, kSurfels.deep_spot_m));
   }
-  if (values[0] > kSurfels.max_thickness_ratio * values[1]) return;
+  if (thickness > kSurfels.max_thickness_ratio * width) return;
   if (normal.dot(view) < 0) normal = -normal;
   surfels.normal[i] = normal.cast<float>();
   surfels.weight[i] = static_cast<float>(weight);
@@ -105,7 +140,7 @@ uint32_t Surfels::nearest(const Eigen::Vector3f& point, const Eigen::Vector3f& f
   const bool has_side = facing.squaredNorm() > 0.5F;
   float best = radius * radius;
   uint32_t found = CellGrid::kNone;
-  for (const uint32_t i : grid.find_eight(corner_of(point, 1 / cell))) {
+  for (const uint32_t i : grid.find_eight(corner_of(point, 1 / static_cast<float>(cell)))) {
     if (i == CellGrid::kNone) continue;
     const float squared = (position[i] - point).squaredNorm();
     if (squared >= best) continue;
@@ -118,7 +153,7 @@ uint32_t Surfels::nearest(const Eigen::Vector3f& point, const Eigen::Vector3f& f
 }
 
 bool Surfels::near(const Eigen::Vector3f& point) const {
-  const auto around = grid.find_eight(corner_of(point, 1 / cell));
+  const auto around = grid.find_eight(corner_of(point, 1 / static_cast<float>(cell)));
   return std::any_of(around.begin(), around.end(), [](uint32_t i) { return i != CellGrid::kNone; });
 }
 
@@ -136,22 +171,38 @@ Surfels coarser(const Surfels& fine) {
   return coarse;
 }
 
+namespace {
+
+/// The moments of each cell with those of its 26 neighbours: each pair is looked up once.
+std::vector<Moments<3>> moments_around(const Surfels& surfels) {
+  std::vector<Moments<3>> around = surfels.moments;
+  const auto add_pair = [&](uint32_t i, const Eigen::Vector3i& step) {
+    const uint32_t j = surfels.grid.find(surfels.cells[i] + step);
+    if (j == CellGrid::kNone) return;
+    around[i].add(surfels.moments[j]);
+    around[j].add(surfels.moments[i]);
+  };
+  for (uint32_t i = 0; i < surfels.cells.size(); ++i) {
+    add_pair(i, {0, 0, 1});
+    for (int z = -1; z <= 1; ++z) {
+      add_pair(i, {0, 1, z});
+      for (int y = -1; y <= 1; ++y) add_pair(i, {1, y, z});
+    }
+  }
+  return around;
+}
+
+}  // namespace
+
 void fit_planes(Surfels& surfels, bool finest, const PlaneFit& fit) {
   const size_t count = surfels.moments.size();
   surfels.position.assign(count, Eigen::Vector3f::Zero());
   surfels.normal.assign(count, Eigen::Vector3f::Zero());
   surfels.weight.assign(count, 0.F);
+  const std::vector<Moments<3>> around = moments_around(surfels);
   for (size_t i = 0; i < count; ++i) {
-    if (!finest && surfels.moments[i].count >= kSurfels.min_own_points) {
-      fit_plane(surfels, i, surfels.moments[i], fit);
-      continue;
-    }
-    Moments<3> around;
-    for_neighbours(surfels.cells[i], [&](const Eigen::Vector3i& cell) {
-      const uint32_t j = surfels.grid.find(cell);
-      if (j != CellGrid::kNone) around.add(surfels.moments[j]);
-    });
-    fit_plane(surfels, i, around, fit);
+    const bool alone = !finest && surfels.moments[i].count >= kSurfels.min_own_points;
+    fit_plane(surfels, i, alone ? surfels.moments[i] : around[i], fit);
   }
 }
 

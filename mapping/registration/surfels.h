@@ -32,8 +32,7 @@ class CellGrid {
         static_cast<uint32_t>(at.y()) >= static_cast<uint32_t>(size_.y()) ||
         static_cast<uint32_t>(at.z()) >= static_cast<uint32_t>(size_.z()))
       return kNone;
-    const uint32_t block = directory_[directory_index(at)];
-    return block == kNone ? kNone : blocks_[block][slot_of(cell)];
+    return blocks_[directory_[directory_index(at)]][slot_of(cell)];
   }
 
   /// Numbers of the 2x2x2 cells from `corner` on, x fastest.
@@ -57,7 +56,7 @@ class CellGrid {
     for (size_t k = 0; k < 8; ++k) {
       const size_t x = k & 1, y = k >> 1 & 1, z = k >> 2;
       const uint32_t block = directory_[first + blocks[0][x] + blocks[1][y] + blocks[2][z]];
-      found[k] = block == kNone ? kNone : blocks_[block][slots[0][x] | slots[1][y] | slots[2][z]];
+      found[k] = blocks_[block][slots[0][x] | slots[1][y] | slots[2][z]];
     }
     return found;
   }
@@ -65,7 +64,7 @@ class CellGrid {
   /// The number of a covered cell, to be set: kNone at first.
   uint32_t& at(const Eigen::Vector3i& cell) {
     uint32_t& block = directory_[directory_index(block_of(cell))];
-    if (block == kNone) {
+    if (block == 0) {
       block = static_cast<uint32_t>(blocks_.size());
       blocks_.emplace_back().fill(kNone);
     }
@@ -87,7 +86,7 @@ class CellGrid {
 
   Eigen::Vector3i low_ = Eigen::Vector3i::Zero();   ///< first block
   Eigen::Vector3i size_ = Eigen::Vector3i::Zero();  ///< in blocks
-  std::vector<uint32_t> directory_;
+  std::vector<uint32_t> directory_;  ///< 0 = the first block, which stays empty: look-ups need no branch
   std::vector<std::array<uint32_t, 64>> blocks_;
 };
 
