@@ -177,7 +177,9 @@ class HttpServer::Loop::Connection : public std::enable_shared_from_this<Connect
     const auto& header = parser_.get();
     const std::string& token = loop_.token_;
     const std::string given = text_of(header[http::field::authorization]);
-    if (!token.empty() && !same_secret(given, "Bearer " + token))
+    constexpr beast::string_view kScheme = "Bearer ";
+    const bool has_scheme = beast::iequals(given.substr(0, kScheme.size()), kScheme);
+    if (!token.empty() && (!has_scheme || !same_secret(given.substr(kScheme.size()), token)))
       return HttpReply{401, "this server asks for a token (--token-file)\n"};
     if (header.count(http::field::origin) > 0)
       return HttpReply{403, "this server is for programs, not for web pages\n"};

@@ -255,8 +255,13 @@ NearAnswer ask(const Store& store, const NearQuestion& question) {
   return answers.front();
 }
 
+std::string point_text(const NearAnswer& answer) {
+  return answer.level ? fmt::format("({:.2f}, {:.2f})", answer.point.x(), answer.point.y())
+                      : point_text(answer.point);
+}
+
 std::string to_text(const NearAnswer& answer, const TimeWriter& times) {
-  const std::string around = answer.around.empty() ? point_text(answer.point) : answer.around;
+  const std::string around = answer.around.empty() ? point_text(answer) : answer.around;
   if (answer.objects.empty())
     return fmt::format("Nothing is believed to be within {:.2f} m of {}.\n", answer.radius_m, around);
   const std::string how = answer.relation == Relation::near ? "" : " (" + name_of(answer.relation) + ")";

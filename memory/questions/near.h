@@ -45,6 +45,8 @@ struct NearAnswer {
   std::vector<NearObject> objects = {};  ///< nearest first; gone objects are left out
 };
 NearAnswer ask(const Store& store, const NearQuestion& question);
+/// The point asked about: "(1.00, 2.00, 0.80)", or "(1.00, 2.00)" without a height.
+std::string point_text(const NearAnswer& answer);
 std::string to_text(const NearAnswer& answer, const TimeWriter& times);
 void write_reply(const NearAnswer& answer, const ReplyContext& context, Reply& reply);
 Json to_json(const NearAnswer& answer);

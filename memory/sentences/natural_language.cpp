@@ -35,6 +35,8 @@ std::string without_mark(std::string sentence) {
   return sentence;
 }
 
+constexpr size_t kMaxSentence = 1000;  ///< characters: readings are tried for all parts of a sentence
+
 /// Answers sentences, one after the other.
 class Conversation {
  public:
@@ -47,6 +49,11 @@ class Conversation {
         names_(store, snapshot_) {}
 
   NaturalLanguageAnswer answer(const std::string& sentence) {
+    if (sentence.size() > kMaxSentence) {
+      NaturalLanguageAnswer refused = not_understood(sentence);
+      refused.why_not->hint = fmt::format("a question has at most {} characters", kMaxSentence);
+      return refused;
+    }
     const std::string named =
         snapshot_.with_names_joined(joined(words_of(at_time_of_last(without_sounds(sentence))), " "));
     const std::vector<Id> spoken_of = references_.last_objects();

@@ -106,9 +106,11 @@ class PeriodReader {
     return period;
   }
 
-  /// "all day", "throughout the morning", "at any time today".
+  /// "all day", "throughout the morning", "all day yesterday", "all of Monday".
   std::optional<SentencePeriod> read_whole() const {
     static const std::vector<Words> wholes = {{"all"},
+                                              {"all", "of"},
+                                              {"the", "whole", "of"},
                                               {"the", "whole"},
                                               {"all", "through", "the"},
                                               {"throughout", "the"},
@@ -120,11 +122,25 @@ class PeriodReader {
                                               {"that"}};
     static const WordSet within = {"that", "during", "in", "over"};
     for (const Words& whole : wholes)
-      if (starts_with_words(words_, whole, first_) && first_ + whole.size() + 1 == last_) {
-        const std::string text = words_[last_ - 1] == "day" ? "today" : "this " + words_[last_ - 1];
-        if (times_.try_read(text)) return SentencePeriod{text, text, false, !within.contains(whole[0])};
-      }
+      if (starts_with_words(words_, whole, first_))
+        if (const std::string text = day_or_part(first_ + whole.size()); !text.empty())
+          return SentencePeriod{text, text, false, !within.contains(whole[0])};
     return std::nullopt;
+  }
+
+  /// From a word on, "day", "morning", "yesterday", "day on Monday", "morning yesterday"; "" = none.
+  std::string day_or_part(size_t first) const {
+    if (first >= last_) return "";
+    const std::string& part = words_[first];
+    size_t day = first + 1;
+    if (day + 1 < last_ && (words_[day] == "on" || words_[day] == "of")) ++day;
+    std::string text = join(day, last_);
+    if (day == last_)
+      text = part == "day" ? "today" : part == "yesterday" || weekday_of(part) ? part : "this " + part;
+    else if (part != "day")
+      text += " " + part;
+    const auto span = times_.try_read(text);
+    return span && span->last - span->first >= kLongSpan ? text : "";
   }
 
   /// "the whole time from ten to two".

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <charconv>
 #include <map>
 
@@ -61,10 +62,24 @@ bool is_offered(const Parameter& parameter) {
   return parameter.type != ParameterType::file;
 }
 
+/// As which JSON a value may be given: argument_text() reads all of them.
+Json types_of(ParameterType type) {
+  switch (type) {
+    case ParameterType::number:
+    case ParameterType::length:
+      return {"string", "number"};
+    case ParameterType::spot:
+    case ParameterType::point:
+      return {"string", "array"};
+    default:
+      return "string";
+  }
+}
+
 Json schema_of(const Parameter& parameter) {
   std::string help = fmt::format("{} ({})", parameter.help, to_text(parameter.type));
   if (!parameter.default_text.empty()) help += fmt::format("; default: {}", parameter.default_text);
-  Json schema = {{"type", "string"}, {"description", help}};
+  Json schema = {{"type", types_of(parameter.type)}, {"description", help}};
   if (!parameter.choices.empty()) schema["enum"] = parameter.choices;
   return schema;
 }
@@ -132,6 +147,8 @@ Json tool_result(const std::string& text, const Json& data, bool is_error = fals
 /// A value as people write it: the numbers of a point stand between commas.
 std::string argument_text(const std::string& name, const Json& value) {
   if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float() && value.get<double>() == std::round(value.get<double>()))
+    return fmt::format("{:.0f}", value.get<double>());  // 2.0 is a whole number
   if (value.is_number()) return value.dump();
   const bool numbers = value.is_array() && !value.empty() &&
                        std::ranges::all_of(value, [](const Json& each) { return each.is_number(); });
@@ -148,7 +165,8 @@ Query query_of(const std::string& asked, const std::vector<Parameter>& parameter
     const auto parameter = std::ranges::find(parameters, name, &Parameter::name);
     if (parameter != parameters.end() && !is_offered(*parameter))
       throw Error(fmt::format("'{}' names a file, which is not offered here", name));
-    query.arguments[name] = argument_text(name, value);
+    // What is unknown is refused by its name.
+    query.arguments[name] = parameter == parameters.end() ? value.dump() : argument_text(name, value);
   }
   return query;
 }

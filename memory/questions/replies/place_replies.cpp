@@ -286,7 +286,9 @@ void write_list(const ContentsAnswer& answer, const Contents& contents, const st
     return;
   }
   reply.number = list.size();
-  if (context.query.asks != Asks::number)
+  if (list.empty() && !answer.subject.empty() && context.query.asks != Asks::number)
+    reply.text = fmt::format("No {} {} {}.", answer.subject, is_or_was(context), contents.where);
+  else if (context.query.asks != Asks::number)
     reply.text =
         fmt::format("{} {} {}.", list_in_words(list), is_or_was(context, list.size()), contents.where);
   else if (list.empty())
@@ -410,7 +412,7 @@ std::string around_in_words(const NearAnswer& answer, const Snapshot& snapshot, 
   const auto object = object_id(answer.around);
   if (none_of_several(answer, snapshot)) return fmt::format("any '{}'", answer.asked);
   if (object) return names.subject(snapshot.object_ref(*object));
-  return answer.around.empty() ? point_text(answer.point) : answer.around;
+  return answer.around.empty() ? point_text(answer) : answer.around;
 }
 
 /// Those that are there, in words; they are the objects and the evidence of the reply, too.
