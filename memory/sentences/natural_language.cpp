@@ -318,6 +318,10 @@ class Conversation {
   }
 
   NaturalLanguageAnswer answer_with_names(const std::string& sentence) {
+    if (auto state = answer_state_before(sentence)) {
+      if (state->reply) keep(*state->query, *state->reply);
+      return *state;
+    }
     NaturalLanguageAnswer answer = answer_by_rules(with_choices_joined(at_last_visit(sentence)));
     // A name of several words that nothing is called by may be more than a name: "the bowl land".
     const bool failed = answer.query && answer.why_not && !answer.reply;
@@ -382,6 +386,23 @@ class Conversation {
     if (!answer.query)
       if (auto in_parts = answer_in_parts(sentence)) answer = std::move(*in_parts);
     return answer;
+  }
+
+  /// "Was the cup on the table before the bottle came?": at any time before, not which of them came first.
+  std::optional<NaturalLanguageAnswer> answer_state_before(const std::string& sentence) {
+    static const std::set<std::string> events = {"come", "vanish", "leave", "move", "take", "bring"};
+    const Words words = sentence_words(sentence);
+    if (words.empty() || (words[0] != "was" && words[0] != "were")) return std::nullopt;
+    const auto clause = find_event_clause(sentence, snapshot_);
+    if (!clause || clause->link != EventClause::Link::before) return std::nullopt;
+    const auto happens = [&](const std::string& text) {
+      return std::ranges::any_of(tokens_of(sentence_words(text)).lemmas,
+                                 [&](const std::string& one) { return events.contains(one); });
+    };
+    if (!happens(clause->event) || happens(clause->question)) return std::nullopt;
+    NaturalLanguageAnswer event = answer_plainly("when " + clause->event);
+    if (event.why_not && event.why_not->reason == "never_seen") return event;
+    return answer_at_event(sentence);
   }
 
   /// "Where was the cup when the drawer was opened?": first when that was; unset when this is not understood.

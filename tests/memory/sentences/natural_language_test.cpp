@@ -69,6 +69,29 @@ TEST_F(NaturalLanguage, OtherPlacesAreTheContraryOfStaying) {
   EXPECT_NE(before, Verdict::yes);
 }
 
+TEST_F(NaturalLanguage, AStateBeforeAnEventIsAskedForAtAnyTimeBefore) {
+  const NaturalLanguageAnswer unknown = say("Was the tea cup on the counter before the bottle came?");
+  EXPECT_THAT(unknown.why_not->text, HasSubstr("'bottle'"));
+  see_red_at("table_1", "11:00", EventRow{.kind = EventKind::moved, .from_place = 1});
+  const NaturalLanguageAnswer state = say("Was the blue thing on the counter before the tea cup moved?");
+  EXPECT_EQ(state.query->question, "was");
+}
+
+TEST_F(NaturalLanguage, AllOfADayIsThatDay) {
+  EXPECT_EQ(say("Was the tea cup on the table all day yesterday?").query->text(),
+            "was 'tea cup' on table --between yesterday yesterday");
+  EXPECT_EQ(say("Was the tea cup on the table the whole morning yesterday?").query->text(),
+            "was 'tea cup' on table --between 'yesterday morning' 'yesterday morning'");
+  EXPECT_EQ(say("Was the tea cup on the table all day?").query->text(),
+            "was 'tea cup' on table --between today today");
+}
+
+TEST_F(NaturalLanguage, ALongTextIsNoQuestion) {
+  std::string text;
+  for (int i = 0; i < 100; ++i) text += "Where is the cup ";
+  EXPECT_THAT(say(text).why_not->hint, HasSubstr("at most 1000 characters"));
+}
+
 TEST_F(NaturalLanguage, ANameThatIsNotKnownIsNotLeftOut) {
   EXPECT_EQ(say("Have you seen the kitchen roll?").query->text(), "where 'kitchen roll'");
 }
