@@ -60,17 +60,43 @@ std::optional<LevelPlane> level_plane(const Surface& surface, double around, flo
   return plane;
 }
 
-void level(const ScanSet& scans, Surface& surface, InterpretedMap& map) {
-  std::optional<Isometry3d> levelled;
-  for (const Vector3d& up : up_hints(scans))
-    if (!levelled) levelled = level_by_floor(surface, up);
+std::optional<Isometry3d> level_by_floor(const Surface& surface, const std::vector<Vector3d>& hints) {
+  for (const Vector3d& up : hints)
+    if (auto levelled = level_by_floor(surface, up)) return levelled;
+  return std::nullopt;
+}
+
+/// Moves what was taken for the floor to the height of a table, where it is the top of one.
+void raise_table(const Ground& ground, double assumed_height, Surface& surface, InterpretedMap& map) {
+  const double height = ground.floor_height ? -*ground.floor_height : assumed_height;
+  const Isometry3d raised(Eigen::Translation3d(0, 0, height));
+  transform(surface, raised);
+  map.semantics.map_from_input = raised * map.semantics.map_from_input;
+  map.notes.push_back(fmt::format(
+      "the largest level surface in view is taken for the top of a table, as {}; {}", ground.because,
+      ground.floor_height
+          ? fmt::format("the floor is {:.2f} m below", height)
+          : fmt::format("its height over the floor is not known, {:.2f} m is assumed (--table-height-m){}", height,
+                        ground.certain ? "" : ". If it is the floor, record what stands around it, too")));
+}
+
+void level(const ScanSet& scans, const InterpretationOptions& options, Surface& surface,
+           InterpretedMap& map) {
+  const std::vector<Vector3d> hints = up_hints(scans);
+  std::optional<Isometry3d> levelled = level_by_floor(surface, hints);
+  const bool camera = scans.sensor == kDepthCameraSensor && surface.free_space;
+  if (!levelled && camera) levelled = level_by_largest_plane(surface, hints.front());
   if (!levelled) {
     map.notes.push_back("the input is not levelled and no floor was found to level it by: z was taken as up");
     return;
   }
   transform(surface, *levelled);
   map.semantics.map_from_input = *levelled;
-  map.notes.push_back("the input was levelled by its floor; map_from_input holds the motion");
+  const Ground ground = camera ? ground_at_zero(surface) : Ground();
+  if (ground.is_floor)
+    map.notes.push_back("the input was levelled by its floor; map_from_input holds the motion");
+  else
+    raise_table(ground, options.table_height_m, surface, map);
 }
 
 void find_levels(const Surface& surface, RecognisedRoom& room, InterpretedMap& map) {
@@ -100,6 +126,8 @@ void InterpretationOptions::declare(OptionTable& table) {
                0.2);
   table.number("slab_thickness_m", slab_thickness_m, "m",
                "Thickness of a support's box in the URDF; it is not measured.", 0.001, 0.5);
+  table.number("table_height_m", table_height_m, "m",
+               "Height of a table top that fills the view, so that the floor is not seen.", 0.2, 2);
 }
 
 InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& options, Progress& progress) {
@@ -120,7 +148,7 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
   if (!surface.free_space)
     map.notes.push_back(
         "no free-space evidence: the input is a bare cloud; outlines and classes are less certain");
-  if (!scans.levelled) level(scans, surface, map);
+  if (!scans.levelled) level(scans, options, surface, map);
   if (surface.free_space) remove_bad_scans(scans, surface, map.notes);
 
   RecognisedRoom room;
