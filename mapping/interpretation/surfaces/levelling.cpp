@@ -159,7 +159,8 @@ std::optional<double> floor_below(const Surface& surface) {
   std::vector<double> heights;
   for (const SurfacePoint& point : surface.points) {
     const double z = static_cast<double>(point.position.z());
-    if (point.is_upward() && std::abs(z - static_cast<double>(most->first) * kGround.on_plane_m) < kGround.on_plane_m)
+    if (point.is_upward() &&
+        std::abs(z - static_cast<double>(most->first) * kGround.on_plane_m) < kGround.on_plane_m)
       heights.push_back(z);
   }
   return median(std::move(heights));
@@ -239,7 +240,9 @@ std::optional<Isometry3d> level_by_largest_plane(const Surface& surface, const V
   return level_by(surface, up, largest_along);
 }
 
-Ground ground_at_zero(const Surface& surface) {
+Ground ground_of(const Surface& input, const Isometry3d& levelled) {
+  Surface surface = input;
+  transform(surface, levelled);
   const GroundView view = view_of_ground(surface);
   const auto because = [&](bool is_floor, bool certain, std::string reason) {
     return Ground{is_floor, certain, is_floor ? std::nullopt : view.floor_height, std::move(reason)};
@@ -252,10 +255,11 @@ Ground ground_at_zero(const Surface& surface) {
     return because(true, true, fmt::format("the camera was {:.1f} m over it", view.camera_height));
   if (view.high_share > kGround.min_high_share)
     return because(true, true, "furniture or walls stand beside it");
-  return because(false, false,
-                 fmt::format("it fills the view, the camera was only {:.1f} m over it, and nothing high stands "
-                             "on it",
-                             view.camera_height));
+  return because(
+      false, false,
+      fmt::format("it fills the view, the camera was only {:.1f} m over it, and nothing high stands "
+                  "on it",
+                  view.camera_height));
 }
 
 std::vector<Vector3d> up_hints(const ScanSet& scans) {
