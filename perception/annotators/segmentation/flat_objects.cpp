@@ -319,8 +319,9 @@ void FlatSearch::assign_depth_pixels(const cv::Mat& heights, const cv::Mat& obje
     if (!over[i].empty()) objects[i].height = static_cast<double>(median(over[i]));
 }
 
-/// Noise of the heights over a surface, metres: it grows with the range as that of every camera that
-/// triangulates, and is as large as this one's.
+/// Noise of the heights over a surface, metres: that which a pixel of a Kinect has at its range, and that
+/// which these heights have, smoothed as they are. Both grow with the range as with every camera that
+/// triangulates.
 class HeightNoise {
  public:
   /// `heights`: over the surface. Noise alone lies below it; objects do not.
@@ -333,19 +334,19 @@ class HeightNoise {
       for (int u = 0; u < depth.cols; u += 2)
         if (surface.inside.at<unsigned char>(v, u) != 0 && heights.at<float>(v, u) < 0)
           below.push_back(-static_cast<double>(heights.at<float>(v, u)) / expected({u, v}));
-    if (!below.empty()) scale_ = std::max(1.0, median(std::move(below)) / kDeviations);
+    if (!below.empty()) measured_ = median(std::move(below)) / kDeviations;
   }
-
-  double at(const cv::Point& pixel) const { return scale_ * expected(pixel); }
 
   /// What is certainly above the surface, CV_32F: noise lifts few pixels so high.
   cv::Mat certain_heights(double min_m) const {
     constexpr double kNoises = 2.5;
+    constexpr double kPatchNoises = 4;  // the highest of a few thousand patches that share their noise
+    const double noises = std::max(kNoises, kPatchNoises * measured_);
     cv::Mat certain(depth_.size(), CV_32F, cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
     for (int v = 0; v < depth_.rows; ++v)
       for (int u = 0; u < depth_.cols; ++u)
         if (!std::isnan(depth_.at<float>(v, u)))
-          certain.at<float>(v, u) = static_cast<float>(std::max(min_m, kNoises * at({u, v})));
+          certain.at<float>(v, u) = static_cast<float>(std::max(min_m, noises * expected({u, v})));
     return certain;
   }
 
@@ -353,7 +354,8 @@ class HeightNoise {
   double min_step(const std::vector<int>& pixels, double min_m) const {
     constexpr double kNoises = 3;
     const int middle = pixels[pixels.size() / 2];
-    return std::max(min_m, kNoises * at({middle % depth_.cols, middle / depth_.cols}));
+    const double noise = std::max(1.0, measured_) * expected({middle % depth_.cols, middle / depth_.cols});
+    return std::max(min_m, kNoises * noise);
   }
 
  private:
@@ -365,7 +367,7 @@ class HeightNoise {
   const cv::Mat& depth_;
   const mapping::PinholeCamera& camera_;
   const FlatSurface& surface_;
-  double scale_ = 1;
+  double measured_ = 0;  ///< in units of what is expected of a pixel
 };
 
 /// The part of a frame that shows a surface.
