@@ -168,15 +168,15 @@ cv::Mat color_log_odds(const cv::Mat& bin_of, const FlatSeeds& seeds, int bins) 
 }
 
 /// The same for a height, whose error has the standard deviation `noise` (metres): surfaces are below
-/// `table_m`, objects above `object_m` (CV_32F). Within ±3, and 0 where there is none.
-cv::Mat height_log_odds(const cv::Mat& heights, double table_m, const cv::Mat& object_m, double noise) {
+/// `table_m`, objects above `object_m`. Within ±3, and 0 where there is none.
+cv::Mat height_log_odds(const cv::Mat& heights, double table_m, double object_m, double noise) {
+  const auto middle = static_cast<float>((table_m + object_m) / 2);
+  // Two normal distributions, as far apart as an object at the limit and the surface itself.
+  const auto slope = static_cast<float>(2 * middle / (noise * noise));
   cv::Mat odds(heights.size(), CV_32F);
   for (int v = 0; v < odds.rows; ++v)
     for (int u = 0; u < odds.cols; ++u) {
       const float height = heights.ptr<float>(v)[u];
-      const float middle = (static_cast<float>(table_m) + object_m.ptr<float>(v)[u]) / 2;
-      // Two normal distributions, as far apart as an object at the limit and the surface itself.
-      const float slope = 2 * middle / static_cast<float>(noise * noise);
       odds.ptr<float>(v)[u] =
           std::isnan(height) ? 0 : std::clamp(slope * (height - middle), -kMaxByHeight, kMaxByHeight);
     }
@@ -190,8 +190,8 @@ class FlatSearch {
              const FlatSurface& surface, const FlatOptions& options);
 
   /// Objects of which at least a quarter is higher than `object_m`, with the pixels of both images.
-  /// `heights`: over the surface, as `object_m` CV_32F, metres, of the depth image.
-  std::vector<FlatObject> find(const cv::Mat& heights, const cv::Mat& object_m) const;
+  /// `heights`: over the surface, CV_32F, metres, of the depth image.
+  std::vector<FlatObject> find(const cv::Mat& heights, double object_m) const;
   /// What was found, and what is next to it, is not looked at again.
   void leave_out(const std::vector<FlatObject>& objects);
   /// Depth pixels that are looked at, CV_8U.
@@ -253,10 +253,8 @@ void FlatSearch::leave_out(const std::vector<FlatObject>& objects) {
   open_.setTo(0, taken);
 }
 
-std::vector<FlatObject> FlatSearch::find(const cv::Mat& over_depth, const cv::Mat& object_over_depth) const {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  const cv::Mat heights = registration_.seen_by_color(over_depth, kNone);
-  const cv::Mat object_m = registration_.seen_by_color(object_over_depth, kNone);
+std::vector<FlatObject> FlatSearch::find(const cv::Mat& over_depth, double object_m) const {
+  const cv::Mat heights = registration_.seen_by_color(over_depth, std::numeric_limits<double>::quiet_NaN());
   const cv::Mat inside = registration_.seen_by_color(open_, 0);
   const cv::Mat low = heights < options_.table_m;
   const cv::Mat high = heights > object_m;
@@ -319,56 +317,33 @@ void FlatSearch::assign_depth_pixels(const cv::Mat& heights, const cv::Mat& obje
     if (!over[i].empty()) objects[i].height = static_cast<double>(median(over[i]));
 }
 
-/// Noise of the heights over a surface, metres: that which a pixel of a Kinect has at its range, and that
-/// which these heights have, smoothed as they are. Both grow with the range as with every camera that
-/// triangulates.
-class HeightNoise {
- public:
-  /// `heights`: over the surface. Noise alone lies below it; objects do not.
-  HeightNoise(const cv::Mat& depth, const mapping::PinholeCamera& camera, const FlatSurface& surface,
-              const cv::Mat& heights)
-      : depth_(depth), camera_(camera), surface_(surface) {
-    constexpr double kDeviations = 0.6745;  // of a normal distribution, to the median of either half
-    std::vector<double> below;
-    for (int v = 0; v < depth.rows; v += 2)
-      for (int u = 0; u < depth.cols; u += 2)
-        if (surface.inside.at<unsigned char>(v, u) != 0 && heights.at<float>(v, u) < 0)
-          below.push_back(-static_cast<double>(heights.at<float>(v, u)) / expected({u, v}));
-    if (!below.empty()) measured_ = median(std::move(below)) / kDeviations;
-  }
+/// Noise of the height over a surface that one pixel measures, metres.
+double height_noise(const cv::Mat& depth, const mapping::PinholeCamera& camera, const FlatSurface& surface,
+                    const cv::Point& pixel) {
+  const double slope = std::abs(surface.normal.dot(camera.unproject(pixel.x, pixel.y, 1)));
+  return slope * depth_noise(static_cast<double>(depth.at<float>(pixel)));
+}
 
-  /// What is certainly above the surface, CV_32F: noise lifts few pixels so high.
-  cv::Mat certain_heights(double min_m) const {
-    constexpr double kNoises = 2.5;
-    constexpr double kPatchNoises = 4;  // the highest of a few thousand patches that share their noise
-    const double noises = std::max(kNoises, kPatchNoises * measured_);
-    cv::Mat certain(depth_.size(), CV_32F, cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
-    for (int v = 0; v < depth_.rows; ++v)
-      for (int u = 0; u < depth_.cols; ++u)
-        if (!std::isnan(depth_.at<float>(v, u)))
-          certain.at<float>(v, u) = static_cast<float>(std::max(min_m, noises * expected({u, v})));
-    return certain;
-  }
+/// A step in height that the sensor tells from steps of its disparity, metres: one and a half of them.
+double min_step(const cv::Mat& depth, const mapping::PinholeCamera& camera, const FlatSurface& surface,
+                const std::vector<int>& pixels, const FlatOptions& options) {
+  constexpr double kNoises = 3;
+  const int middle = pixels[pixels.size() / 2];
+  return std::max(options.step_m,
+                  kNoises * height_noise(depth, camera, surface, {middle % depth.cols, middle / depth.cols}));
+}
 
-  /// A step in height that the sensor tells from steps of its disparity: one and a half of them.
-  double min_step(const std::vector<int>& pixels, double min_m) const {
-    constexpr double kNoises = 3;
-    const int middle = pixels[pixels.size() / 2];
-    const double noise = std::max(1.0, measured_) * expected({middle % depth_.cols, middle / depth_.cols});
-    return std::max(min_m, kNoises * noise);
-  }
-
- private:
-  double expected(const cv::Point& pixel) const {
-    const double slope = std::abs(surface_.normal.dot(camera_.unproject(pixel.x, pixel.y, 1)));
-    return slope * depth_noise(static_cast<double>(depth_.at<float>(pixel)));
-  }
-
-  const cv::Mat& depth_;
-  const mapping::PinholeCamera& camera_;
-  const FlatSurface& surface_;
-  double measured_ = 0;  ///< in units of what is expected of a pixel
-};
+/// What is certainly above a surface, metres: noise lifts few pixels so high.
+double certain_height(const cv::Mat& depth, const mapping::PinholeCamera& camera, const FlatSurface& surface,
+                      const FlatOptions& options) {
+  constexpr double kNoises = 2.5;
+  std::vector<double> noises;
+  for (int v = 0; v < depth.rows; ++v)
+    for (int u = 0; u < depth.cols; ++u)
+      if (surface.inside.at<unsigned char>(v, u) != 0 && !std::isnan(depth.at<float>(v, u)))
+        noises.push_back(height_noise(depth, camera, surface, {u, v}));
+  return noises.empty() ? options.object_m : std::max(options.object_m, kNoises * median(noises));
+}
 
 /// The part of a frame that shows a surface.
 struct SurfacePart {
@@ -510,12 +485,13 @@ std::vector<FlatObject> find_flat_objects(const cv::Mat& depth, const cv::Mat& c
   if (part.depth_box.empty() || part.color_box.empty()) return {};
   const SurfaceHeights heights = measure_heights(part.depth, part.camera.depth, part.surface, options);
   FlatSearch search(part.depth, part.color, part.camera, part.surface, options);
-  const HeightNoise noise(part.depth, part.camera.depth, part.surface, heights.uneven);
-  std::vector<FlatObject> objects = search.find(heights.uneven, noise.certain_heights(options.object_m));
+  std::vector<FlatObject> objects =
+      search.find(heights.uneven, certain_height(part.depth, part.camera.depth, part.surface, options));
   search.leave_out(objects);
   const auto rises = [&](const FlatObject& object) {
-    return !object.pixels.empty() && rises_all_around(heights.raw, object.pixels, search.open_ground(),
-                                                      noise.min_step(object.pixels, options.step_m));
+    return !object.pixels.empty() &&
+           rises_all_around(heights.raw, object.pixels, search.open_ground(),
+                            min_step(part.depth, part.camera.depth, surface, object.pixels, options));
   };
   // Neighbouring pixels share the noise of their depth: what is as high as an object for a few centimetres
   // may be nothing else, unless it looks different, too.
@@ -524,9 +500,8 @@ std::vector<FlatObject> find_flat_objects(const cv::Mat& depth, const cv::Mat& c
     return color_contrast(part.color, object.box, object.mask, ground) < options.min_contrast &&
            !rises(object);
   });
-  const cv::Mat thin_m(part.depth.size(), CV_32F, cv::Scalar(options.thin_m));
   if (options.thin_m > 0)
-    for (FlatObject& thin : search.find(heights.bent, thin_m))
+    for (FlatObject& thin : search.find(heights.bent, options.thin_m))
       if (rises(thin)) objects.push_back(std::move(thin));
   for (FlatObject& object : objects) part.to_whole(object, depth.cols);
   return objects;

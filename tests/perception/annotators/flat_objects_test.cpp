@@ -13,8 +13,6 @@
 namespace loci::perception {
 namespace {
 
-constexpr float kFocalTimesBaseline = 0.075f * 585;
-
 /// A camera before a plane that it looks at from 50° above; the surface waves by millimetres and bears
 /// one flat piece of another hue.
 struct Workspace {
@@ -126,6 +124,7 @@ TEST(FlatObjects, PatchesOfNoiseInTheColourOfTheTableAreNone) {
   for (float& value : cv::Mat_<float>(noise)) value = static_cast<float>(random.normal(0.63));
   cv::blur(noise, noise, {9, 9});
   cv::Mat depth = workspace.depth(false, Random(2));
+  constexpr float kFocalTimesBaseline = 0.075f * 585;
   for (int v = 0; v < depth.rows; ++v)
     for (int u = 0; u < depth.cols; ++u)
       depth.at<float>(v, u) =
@@ -135,29 +134,6 @@ TEST(FlatObjects, PatchesOfNoiseInTheColourOfTheTableAreNone) {
   EXPECT_TRUE(find_flat_objects(depth, color, workspace.camera, workspace.surface, options).empty());
   options.min_contrast = 0;
   EXPECT_FALSE(find_flat_objects(depth, color, workspace.camera, workspace.surface, options).empty());
-}
-
-TEST(FlatObjects, PatchesOfAPatternedCarpetBeforeAStereoCameraAreNone) {
-  // Its disparity is noisier than a Kinect's, neighbours share the noise, and the colours differ from place
-  // to place.
-  const Workspace workspace(3.0);
-  Random random(5), colors(6);
-  cv::Mat noise(workspace.camera.depth.height, workspace.camera.depth.width, CV_32F);
-  for (float& value : cv::Mat_<float>(noise)) value = static_cast<float>(random.normal(3.0));
-  cv::blur(noise, noise, {9, 9});
-  cv::Mat depth = workspace.depth(false, Random(3));
-  for (int v = 0; v < depth.rows; ++v)
-    for (int u = 0; u < depth.cols; ++u) {
-      const Vector3d p = workspace.meet(u, v);
-      depth.at<float>(v, u) =
-          kFocalTimesBaseline / (kFocalTimesBaseline / static_cast<float>(p.z()) + noise.at<float>(v, u));
-    }
-  cv::Mat blotches(24, 32, CV_8UC3), color;
-  for (cv::Vec3b& value : cv::Mat_<cv::Vec3b>(blotches))
-    for (int c = 0; c < 3; ++c) value[c] = static_cast<unsigned char>(60 + colors.index(140));
-  cv::resize(blotches, color, {workspace.camera.color.width, workspace.camera.color.height}, 0, 0,
-             cv::INTER_NEAREST);
-  EXPECT_TRUE(find_flat_objects(depth, color, workspace.camera, workspace.surface, FlatOptions()).empty());
 }
 
 TEST(ColorContrast, CountsInStandardDeviations) {
