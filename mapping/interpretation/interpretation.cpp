@@ -60,17 +60,54 @@ std::optional<LevelPlane> level_plane(const Surface& surface, double around, flo
   return plane;
 }
 
-void level(const ScanSet& scans, Surface& surface, InterpretedMap& map) {
-  std::optional<Isometry3d> levelled;
-  for (const Vector3d& up : up_hints(scans))
-    if (!levelled) levelled = level_by_floor(surface, up);
-  if (!levelled) {
+/// A motion that puts a level surface at z = 0, and what that surface is.
+struct Levelling {
+  Isometry3d levelled;
+  Ground ground;
+};
+
+/// Only a camera's own views tell a floor from a table top; a scanner stands on the floor.
+std::optional<Levelling> find_levelling(const ScanSet& scans, const Surface& surface) {
+  const bool camera = scans.sensor == kDepthCameraSensor && surface.free_space;
+  for (const Vector3d& up : up_hints(scans)) {
+    if (const auto levelled = level_by_floor(surface, up))
+      return Levelling{*levelled, camera ? ground_of(surface, *levelled) : Ground()};
+    const auto top = camera ? level_by_largest_plane(surface, up) : std::nullopt;
+    if (!top) continue;
+    const Ground ground = ground_of(surface, *top);
+    if (!ground.is_floor) return Levelling{*top, ground};
+  }
+  return std::nullopt;
+}
+
+/// Moves what lies at z = 0 to the height of a table top.
+void raise_table(const Ground& ground, double assumed_height, Surface& surface, InterpretedMap& map) {
+  const double height = ground.floor_height ? -*ground.floor_height : assumed_height;
+  const Isometry3d raised(Eigen::Translation3d(0, 0, height));
+  transform(surface, raised);
+  map.semantics.map_from_input = raised * *map.semantics.map_from_input;
+  map.notes.push_back(fmt::format(
+      "the largest level surface in view is taken for the top of a table, as {}; {}", ground.because,
+      ground.floor_height
+          ? fmt::format("the floor is {:.2f} m below", height)
+          : fmt::format("its height over the floor is not known, {:.2f} m is assumed (--table-height-m){}",
+                        height,
+                        ground.certain ? "" : ". If it is the floor, record what stands around it, too")));
+}
+
+void level(const ScanSet& scans, const InterpretationOptions& options, Surface& surface,
+           InterpretedMap& map) {
+  const auto found = find_levelling(scans, surface);
+  if (!found) {
     map.notes.push_back("the input is not levelled and no floor was found to level it by: z was taken as up");
     return;
   }
-  transform(surface, *levelled);
-  map.semantics.map_from_input = *levelled;
-  map.notes.push_back("the input was levelled by its floor; map_from_input holds the motion");
+  transform(surface, found->levelled);
+  map.semantics.map_from_input = found->levelled;
+  if (found->ground.is_floor)
+    map.notes.push_back("the input was levelled by its floor; map_from_input holds the motion");
+  else
+    raise_table(found->ground, options.table_height_m, surface, map);
 }
 
 void find_levels(const Surface& surface, RecognisedRoom& room, InterpretedMap& map) {
@@ -100,6 +137,8 @@ void InterpretationOptions::declare(OptionTable& table) {
                0.2);
   table.number("slab_thickness_m", slab_thickness_m, "m",
                "Thickness of a support's box in the URDF; it is not measured.", 0.001, 0.5);
+  table.number("table_height_m", table_height_m, "m",
+               "Height of a table top that fills the view, so that the floor is not seen.", 0.2, 2);
 }
 
 InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& options, Progress& progress) {
@@ -120,7 +159,7 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
   if (!surface.free_space)
     map.notes.push_back(
         "no free-space evidence: the input is a bare cloud; outlines and classes are less certain");
-  if (!scans.levelled) level(scans, surface, map);
+  if (!scans.levelled) level(scans, options, surface, map);
   if (surface.free_space) remove_bad_scans(scans, surface, map.notes);
 
   RecognisedRoom room;

@@ -19,6 +19,7 @@ struct InterpretationOptions {
   double min_wall_top_m = 1.2;
   double plane_tolerance_m = 0.02;
   double slab_thickness_m = 0.04;
+  double table_height_m = 0.75;
   int threads = 0;  ///< 0 = all cores; not declared as an option: the result is the same on any number
 
   void declare(OptionTable& table);

@@ -36,6 +36,21 @@ struct LevelParameters {
 };
 inline constexpr LevelParameters kLevels;
 
+/// Whether the level plane that fills the view is a floor or the top of a table.
+struct GroundParameters {
+  double on_plane_m = 0.03;       ///< a depth camera's noise and drift
+  double min_drop_m = 0.15;       ///< below a top; steps, plinths and noise far away are lower
+  double min_drop_share = 0.02;   ///< of the points: fewer may be wrong
+  double max_length_m = 3;        ///< of tables
+  double max_width_m = 1.6;       ///< of tables
+  double max_camera_m = 1.2;      ///< over a table: eyes are 1.7 m over the floor, and tables 0.5 m or more
+  double high_m = 0.3;            ///< little on a table is higher
+  double min_high_share = 0.2;    ///< of the points, that furniture and walls beside a floor have
+  size_t min_floor_points = 200;  ///< about 0.1 m² at the resolution of fused scans
+  double min_floor_share = 0.3;   ///< of what faces up below a top
+};
+inline constexpr GroundParameters kGround;
+
 /// Vertical planes, and which of them are walls.
 struct WallParameters {
   double surfel_m = 0.03;            ///< points are thinned to these before planes are sought

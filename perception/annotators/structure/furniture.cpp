@@ -34,6 +34,12 @@ bool is_wall(const std::string& class_name) {
   return class_name.starts_with("wall");
 }
 
+/// One can walk around tables and islands; a counter belongs to its row, whether or not the wall behind it is
+/// in the map.
+bool is_counter(const std::string& class_name) {
+  return class_name.starts_with("counter");
+}
+
 bool is_of_room(const std::string& class_name) {
   return is_wall(class_name) || class_name.starts_with("floor") || class_name.starts_with("ceiling");
 }
@@ -239,8 +245,11 @@ std::vector<Furniture> movable_furniture(const KnownMap& map) {
     }
   }
   std::vector<Furniture> pieces;
-  for (const auto& part : parts)
+  for (const auto& part : parts) {
+    if (std::ranges::any_of(part, [](const Branch* branch) { return is_counter(branch->class_name); }))
+      continue;
     if (Furniture piece = piece_of(part, walls); !piece.samples.empty()) pieces.push_back(std::move(piece));
+  }
   return pieces;
 }
 

@@ -168,6 +168,50 @@ TEST(Interpretation, LevelsATiltedInputByItsFloorAndSaysHow) {
   EXPECT_NEAR(height_of(map, "table_1"), 0.74, 0.01);
 }
 
+/// Views of a table from 0.6 m over it in the frame of the first camera, as of a recording whose floor is not
+/// known; `keep` decides by position in the room what is in view.
+template <typename Keep>
+ScanSet views_of_a_table(const Keep& keep) {
+  ScanSet scans = scan_room(kitchen(), {{1.7, 0.9, 1.34}, {2.2, 0.9, 1.34}}, 0.002, 31);
+  scans.sensor = kDepthCameraSensor;
+  scans.levelled = false;
+  for (Scan& scan : scans.scans) {
+    std::erase_if(scan.points, [&](const ScanPoint& point) {
+      return !point.returned || !keep(Vector3d(scan.map_from_scan * point.position.cast<double>()));
+    });
+    scan.map_from_scan = Eigen::Translation3d(-1.7, -0.9, -1.34) * scan.map_from_scan;
+  }
+  return scans;
+}
+
+TEST(Interpretation, TableTopThatFillsTheViewIsATableAtAnAssumedHeight) {
+  const InterpretedMap map = interpreted(views_of_a_table([](const Vector3d& at) {
+    return at.z() > 0.7 && at.z() < 1 && at.x() > 1.42 && at.x() < 2.58 && at.y() > 0.52 && at.y() < 1.28;
+  }));
+  EXPECT_FALSE(map.semantics.links.contains("floor"));
+  ASSERT_TRUE(map.semantics.links.contains("table_1")) << map.summary();
+  EXPECT_NEAR(height_of(map, "table_1"), InterpretationOptions().table_height_m, 0.01);
+  EXPECT_THAT(map.notes, testing::Contains(testing::HasSubstr("its height over the floor is not known")));
+}
+
+TEST(Interpretation, TableWhoseFloorIsSeenBeyondItsEdgesStandsOnThat) {
+  const InterpretedMap map = interpreted(views_of_a_table(
+      [](const Vector3d& at) { return at.x() > 1.1 && at.x() < 2.8 && at.y() > 0.4 && at.y() < 1.7; }));
+  ASSERT_TRUE(map.semantics.links.contains("table_1")) << map.summary();
+  EXPECT_NEAR(height_of(map, "table_1"), 0.74, 0.015);
+}
+
+TEST(Interpretation, TableAmongClutterIsNoFloorAlthoughNoneIsSeen) {
+  // Beyond the edges nothing level is seen, only legs and what stands there.
+  const InterpretedMap map = interpreted(views_of_a_table([](const Vector3d& at) {
+    return at.x() > 1.1 && at.x() < 2.9 && at.y() > 0.4 && at.y() < 3.1 && (at.z() > 0.1 && at.z() < 0.89);
+  }));
+  EXPECT_FALSE(map.semantics.links.contains("floor")) << map.summary();
+  ASSERT_TRUE(map.semantics.links.contains("table_1")) << map.summary();
+  EXPECT_NEAR(height_of(map, "table_1"), InterpretationOptions().table_height_m, 0.01);
+  EXPECT_THAT(map.notes, testing::Contains(testing::HasSubstr("goes down below it")));
+}
+
 TEST(Interpretation, BareCloudSaysThatThereIsNoFreeSpaceEvidence) {
   ScanSet scans = scan_room(kitchen(), kOrigins, 0.002, 9);
   scans.free_space = false;

@@ -163,6 +163,23 @@ TEST_F(MovedFurnitureTest, TheIslandMovesWithItsCabinetAndDrawer) {
   EXPECT_NE(map_->world.parent_joint("cabinet_1")->parent_from_joint.translation().x(), 2);
 }
 
+TEST_F(MovedFurnitureTest, AnEdgeSeenInPartShowsNoMotionAlongItself) {
+  // The middle of the table's long side, which moved towards the camera.
+  const Isometry3d truth = motion(kTable, 0, -0.1, 0),
+                   camera = mapping::looking_at({0, -1.7, 1.3}, {0, -0.8, 0.7});
+  for (int i = 0; i < 3; ++i) look(room({{"table_1", truth}}), camera);
+  EXPECT_LT(std::abs(state("table_1").shift.x()), 0.02) << state("table_1").shift.transpose();
+}
+
+TEST(MovableFurniture, ACounterIsBuiltInAlthoughTheMapLacksTheWallBehindIt) {
+  mapping::World world = kitchen_with_table();
+  std::erase_if(world.links, [](const mapping::Link& one) { return one.name == "wall_north"; });
+  std::erase_if(world.joints, [](const mapping::Joint& one) { return one.child == "wall_north"; });
+  const std::vector<Furniture> pieces = movable_furniture(*map_of(std::move(world)));
+  EXPECT_TRUE(std::ranges::none_of(pieces, [](const Furniture& piece) { return piece.name == "counter_1"; }));
+  EXPECT_TRUE(std::ranges::any_of(pieces, [](const Furniture& piece) { return piece.name == "table_1"; }));
+}
+
 TEST_F(MovedFurnitureTest, WhatStandsBeforeItIsNoEvidence) {
   mapping::RenderScene scene = room();
   Warnings warnings;
