@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 
+#include "mapping/base/math/math.h"
 #include "mapping/base/math/pose.h"
 #include "mapping/recording/gravity.h"
 #include "mapping/recording/view_agreement.h"
@@ -24,6 +25,7 @@ constexpr struct {
   double coarse_step = 1.04;         ///< between them at first; a factor 5 % off shows clearly
   double fine_step = 1.005;          ///< at the end
   int64_t max_shift = 90;            ///< frames that poses are late or early: 3 s of a video
+  double max_height_m = 6;           ///< of what a camera in a room sees
   double level = 0.94;               ///< z of the poses is up within 20 degrees
   double level_without_poses = 0.7;  ///< what is up in the first image within 45: the camera may turn
 } kCheck;
@@ -198,6 +200,12 @@ bool raises_doubt(const CountsByGap& counts) {
   });
 }
 
+/// Reads as many frames as there are places, spread over the recording.
+void for_some_frames(const Recording& recording, const std::function<void(const RgbdFrame&)>& look) {
+  const size_t count = std::min(recording.size(), kViews.places);
+  for (size_t i = 0; i < count; ++i) look(recording.frame(i * recording.size() / count));
+}
+
 /// As parse_direction() takes it: an axis where it is near one.
 std::string direction_text(const Vector3d& direction) {
   for (int i = 0; i < 3; ++i)
@@ -326,21 +334,56 @@ PoseAgreement check_poses(const Recording& recording) {
   return result;
 }
 
-std::vector<std::string> doubts_about_poses(const Recording& recording, const PoseAgreement& agreement,
-                                            const RecordingOptions& options) {
+std::optional<std::string> doubt_about_up(const Recording& recording, const RecordingOptions& options) {
   const RecordingInfo& info = recording.info();
   const bool is_given = options.up != "auto" && options.up != "keep", has_poses = info.frames_with_pose > 0;
-  if (const std::string text = agreement.text(); !text.empty()) return {text};
-  if (options.up == "keep" || !(is_given || (has_poses && info.levelled))) return {};
+  if (options.up == "keep" || !(is_given || (has_poses && info.levelled))) return std::nullopt;
   // Poses were turned so that what was given is z; without poses cameras turn between frames.
   const Vector3d given = is_given ? parse_direction(options.up) : Vector3d::UnitZ();
   const Vector3d z = has_poses ? Vector3d::UnitZ() : given;
   const std::optional<Vector3d> seen = find_up(recording);
-  if (!seen || seen->dot(z) > (has_poses ? kCheck.level : kCheck.level_without_poses)) return {};
+  if (!seen || seen->dot(z) > (has_poses ? kCheck.level : kCheck.level_without_poses)) return std::nullopt;
   const Vector3d up = rotation_between(given, z).transpose() * *seen;
-  return {fmt::format("{} is not up as the images show: up looks like {} (if so, give --up={})",
-                      is_given ? "--up=" + options.up : "z of the poses", direction_text(up),
-                      direction_text(up))};
+  return fmt::format("{} is not up as the images show: up looks like {} (if so, give --up={})",
+                     is_given ? "--up=" + options.up : "z of the poses", direction_text(up),
+                     direction_text(up));
+}
+
+std::optional<std::string> missing_depth(const Recording& recording) {
+  size_t looked_at = 0, without = 0;
+  for_some_frames(recording, [&](const RgbdFrame& frame) {
+    ++looked_at;
+    if (!has_depth(frame)) ++without;
+  });
+  if (2 * without <= looked_at) return std::nullopt;
+  return fmt::format(
+      "{} of {} frames that were looked at have no depth: check the depth images and their invalid values",
+      without, looked_at);
+}
+
+std::optional<std::string> implausible_height(const Recording& recording) {
+  std::vector<double> heights;
+  for_some_frames(recording, [&](const RgbdFrame& frame) {
+    if (!frame.map_from_camera) return;
+    const int step = std::max(1, std::max(frame.depth.cols, frame.depth.rows) / kViews.samples);
+    for (int v = 0; v < frame.depth.rows; v += step)
+      for (int u = 0; u < frame.depth.cols; u += step)
+        if (const auto z = static_cast<double>(frame.depth.at<float>(v, u)); z > 0)
+          heights.push_back((*frame.map_from_camera * frame.camera.depth.unproject(u, v, z)).z());
+  });
+  if (heights.empty()) return std::nullopt;
+  const auto [low, high] = quantiles(heights, 0.01, 0.99);
+  if (high - low < kCheck.max_height_m) return std::nullopt;
+  return fmt::format(
+      "what the camera sees is {:.1f} m high: is the unit of depth right ({})?", high - low,
+      recording.info().format == "loci" ? "depth_scale in recording.yaml" : "unit_m in cameras.yaml");
+}
+
+std::vector<std::string> doubts_about_poses(const Recording& recording, const PoseAgreement& agreement,
+                                            const RecordingOptions& options) {
+  if (const std::string text = agreement.text(); !text.empty()) return {text};
+  if (const auto doubt = doubt_about_up(recording, options)) return {*doubt};
+  return {};
 }
 
 std::vector<std::string> doubts_about_poses(const Recording& recording, const RecordingOptions& options) {
@@ -349,6 +392,7 @@ std::vector<std::string> doubts_about_poses(const Recording& recording, const Re
 
 std::vector<std::string> problems_of(const Recording& recording, const RecordingOptions& options) {
   std::vector<std::string> problems = recording.info().problems;
+  if (const auto missing = missing_depth(recording)) problems.push_back(*missing);
   for (std::string& doubt : doubts_about_poses(recording, options)) problems.push_back(std::move(doubt));
   return problems;
 }

@@ -29,14 +29,24 @@ struct PoseAgreement {
 /// itself roughly is tried with other focal lengths and units, as distance along rays, and mirrored.
 PoseAgreement check_poses(const Recording& recording);
 
+/// Another direction that is up in what is seen than z of the poses, or, without poses, than the options say:
+/// a line that names it.
+std::optional<std::string> doubt_about_up(const Recording& recording, const RecordingOptions& options);
+
+/// A line where most frames have no depth, by some of them.
+std::optional<std::string> missing_depth(const Recording& recording);
+
+/// A line where what some frames see is higher than a room: depth without given poses is in another unit
+/// then. z is up.
+std::optional<std::string> implausible_height(const Recording& recording);
+
 /// Lines for people about a recording that was opened with these options: about poses that do not fit the
-/// depth, by check_poses(), or else about another direction that is up in what is seen than z of the poses,
-/// or, without poses, than the options say.
+/// depth, by check_poses(), or else by doubt_about_up().
 std::vector<std::string> doubts_about_poses(const Recording& recording, const PoseAgreement& agreement,
                                             const RecordingOptions& options);
 std::vector<std::string> doubts_about_poses(const Recording& recording, const RecordingOptions& options);
 
-/// All that is odd about a recording: RecordingInfo::problems and the doubts.
+/// All that is odd about a recording: RecordingInfo::problems, missing_depth() and the doubts.
 std::vector<std::string> problems_of(const Recording& recording, const RecordingOptions& options);
 
 }  // namespace loci::mapping
