@@ -114,11 +114,7 @@ TEST_F(PoseCheck, DistancesAlongRaysAndMirroredImagesAreNamed) {
   });
   EXPECT_THAT(check_poses(along_rays).text(), HasSubstr("'depth: {along_rays: true}'"));
   const ChangedDepth mirrored(open_recording(folder_), [](cv::Mat& depth, const PinholeCamera&) {
-    cv::Mat copy;
-    for (int u = 0; u < depth.cols; ++u) {
-      if (u == 0) copy = depth.clone();
-      copy.col(depth.cols - 1 - u).copyTo(depth.col(u));
-    }
+    cv::flip(depth.clone(), depth, 1);
   });
   EXPECT_THAT(check_poses(mirrored).text(), HasSubstr("the images are mirrored"));
 }

@@ -152,9 +152,9 @@ TEST_F(RecordingFiles, AClockThatIsSetBackGoesOn) {
     return open_recording(rec_);
   };
   const auto order = [](const Recording& recording) {
-    std::vector<int64_t> order;
-    for (size_t i = 0; i < recording.size(); ++i) order.push_back(recording.index_of(i));
-    return order;
+    std::vector<int64_t> indices;
+    for (size_t i = 0; i < recording.size(); ++i) indices.push_back(recording.index_of(i));
+    return indices;
   };
   const auto back = with_seconds({0, 0.5, 1, 1.5, 2, 2.5, 3, 1, 1.5, 2, 2.5, 3, 3.5, 4});
   EXPECT_THAT(order(*back), testing::ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13));
