@@ -183,11 +183,17 @@ std::vector<Cause> causes_in_depth(const PoseOf& given, const RecordingInfo& inf
           {"the images are mirrored", "mirror them back, left to right", given, mirrored}};
 }
 
+/// Read once: some layouts read images for them.
+std::vector<std::optional<Isometry3d>> poses_of(const Recording& recording) {
+  std::vector<std::optional<Isometry3d>> poses;
+  for (size_t i = 0; i < recording.size(); ++i) poses.push_back(recording.pose_of(i));
+  return poses;
+}
+
 /// Whether all poses are one.
-bool never_move(const Recording& recording) {
+bool never_move(const std::vector<std::optional<Isometry3d>>& poses) {
   std::optional<Isometry3d> first;
-  for (size_t i = 0; i < recording.size(); ++i) {
-    const std::optional<Isometry3d> pose = recording.pose_of(i);
+  for (const std::optional<Isometry3d>& pose : poses) {
     if (!first) first = pose;
     if (pose && !pose->isApprox(*first, 1e-9)) return false;
   }
@@ -308,11 +314,12 @@ PoseAgreement check_poses(const Recording& recording) {
   const RecordingInfo& info = recording.info();
   if (info.frames_with_pose < 2) return result;
   Views views(recording);
-  const PoseOf given = [&](size_t i) { return i < recording.size() ? recording.pose_of(i) : std::nullopt; };
+  const std::vector<std::optional<Isometry3d>> poses = poses_of(recording);
+  const PoseOf given = [&](size_t i) { return i < poses.size() ? poses[i] : std::nullopt; };
   const CountsByGap now = views.counts(given);
   result.compared = worst(now).compared;
   result.share = worst(now).share();
-  if (never_move(recording)) return check_still(views, given, result);
+  if (never_move(poses)) return check_still(views, given, result);
   if (views.far_apart(given)) {
     check_millimetres(views, given, sum(now), result);
     return result;

@@ -80,6 +80,7 @@ class ChangedDepth : public Recording {
   }
   const RecordingInfo& info() const override { return info_; }
   size_t size() const override { return recording_->size(); }
+  std::optional<Isometry3d> pose_of(size_t i) const override { return recording_->pose_of(i); }
   RgbdFrame frame(size_t i) const override {
     RgbdFrame frame = recording_->frame(i);
     if (change_) change_(frame.depth, frame.camera.depth);
@@ -128,7 +129,8 @@ TEST_F(PoseCheck, FramesWithoutDepthAreNamed) {
 
 TEST_F(PoseCheck, AHeightThatNoRoomHasIsNamed) {
   EXPECT_FALSE(implausible_height(*open_recording(folder_)));
-  const ChangedDepth large(open_recording(folder_), [](cv::Mat& depth, const PinholeCamera&) { depth *= 4; });
+  const ChangedDepth large(open_recording(folder_),
+                           [](cv::Mat& depth, const PinholeCamera&) { depth *= 10; });
   EXPECT_THAT(implausible_height(large).value_or(""), HasSubstr("unit_m in cameras.yaml"));
 }
 
