@@ -290,15 +290,15 @@ double find_cause_in_poses(Views& views, const std::vector<Cause>& causes, const
   return difference_m;
 }
 
-/// A cause in the depth with which it differs less than `least_m`, and much less than now.
+/// A cause in the depth with which it differs less than `min_difference_m`, and much less than now.
 void find_cause_in_depth(Views& views, const std::vector<Cause>& causes, const CountsByGap& now,
-                         double least_m, PoseAgreement& result) {
+                         double min_difference_m, PoseAgreement& result) {
   for (const Cause& cause : causes) {
     const CountsByGap then = views.counts(cause.pose, *cause.reading);
     const double difference_m = sum(then).mean_difference_m();
     const Sharpening found = sharpening(then, now);
-    if (found.times < kCheck.min_sharpening || difference_m >= least_m) continue;
-    least_m = difference_m;
+    if (found.times < kCheck.min_sharpening || difference_m >= min_difference_m) continue;
+    min_difference_m = difference_m;
     result.cause = cause.text;
     result.hint = cause.hint;
     result.gain = found.times;
@@ -324,7 +324,7 @@ PoseAgreement check_poses(const Recording& recording) {
     check_millimetres(views, given, sum(now), result);
     return result;
   }
-  double least_m = sum(now).mean_difference_m();
+  double min_difference_m = sum(now).mean_difference_m();
   if (raises_doubt(now)) {
     // What is wrong with poses shows in them as they were read, not as they were turned.
     std::vector<Cause> causes = causes_for(
@@ -335,9 +335,9 @@ PoseAgreement check_poses(const Recording& recording) {
                                      static_cast<double>(kSecond) / static_cast<double>(recording.size() - 1);
     for (int64_t shift = -kCheck.max_shift; shift <= kCheck.max_shift; ++shift)
       if (shift != 0) causes.push_back(late_by(shift, frame_s, given));
-    least_m = std::min(least_m, find_cause_in_poses(views, causes, now, result));
+    min_difference_m = std::min(min_difference_m, find_cause_in_poses(views, causes, now, result));
   }
-  find_cause_in_depth(views, causes_in_depth(given, info, views), now, least_m, result);
+  find_cause_in_depth(views, causes_in_depth(given, info, views), now, min_difference_m, result);
   return result;
 }
 
