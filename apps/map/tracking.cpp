@@ -21,7 +21,8 @@ void write_posed(const mapping::Recording& recording, const mapping::TrackingRes
                                   {.time_assumed = info.time_assumed,
                                    .time_zone = info.time_zone,
                                    .depth_unit_m = info.depth_unit_m,
-                                   .inputs = {info.path}});
+                                   .inputs = {info.path},
+                                   .force = session.flags().force});
   for (size_t i = 0; i < result.frames.size(); ++i) {
     session.progress().check(static_cast<double>(i) / static_cast<double>(result.frames.size()), "writing");
     const mapping::RgbdFrame frame = recording.frame(result.frames[i].number);
@@ -61,7 +62,8 @@ Command track_command() {
             auto arguments = std::make_shared<TrackArguments>();
             table.positional("RECORDING", &arguments->recording, "Folder of the recording");
             table.output("POSED", &arguments->out,
-                         "Folder of the recording with poses; frames that are lost have none");
+                         "Folder of the recording with poses; frames that are lost have none",
+                         {.replaces = true});
             table.options(table_of(arguments->reading), "Recording");
             table.options(table_of(arguments->options), "Tracking");
             return [arguments](Session& session) { run_track(*arguments, session); };

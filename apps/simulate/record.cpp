@@ -17,11 +17,12 @@ Command record_command() {
             };
             auto arguments = std::make_shared<Arguments>();
             table.positional("SCENARIO", &arguments->scenario, "Scenario (YAML)");
-            table.output("FOLDER", &arguments->output, "Folder of the recording");
+            table.output("FOLDER", &arguments->output, "Folder of the recording", {.replaces = true});
             table.package_path(&arguments->options.package_paths);
             table.options(table_of(arguments->options), "Rendering");
             return [arguments](Session& session) {
               arguments->options.threads = session.flags().threads;
+              arguments->options.force = session.flags().force;
               const mapping::RecordResult result =
                   record(mapping::read_scenario(arguments->scenario), arguments->output, arguments->options,
                          session.progress(), session.warnings());

@@ -157,7 +157,7 @@ FusionResult collect(std::vector<Part>& parts, const RecordingInfo& info, const 
                             options.min_observations),
                 {info.path, 0, ""}, "check --range-max-m, --min-observations, and the poses");
   result.scans.sensor = kDepthCameraSensor;
-  result.scans.levelled = info.map_frame == "map";
+  result.scans.levelled = info.map_frame == "map" && info.levelled;
   result.scans.range_max = options.range_max_m;
   result.scans.resolution = options.voxel_m;
   result.scans.free_space = true;

@@ -33,7 +33,8 @@ class LociSink : public RecordingSink {
                 {.time_assumed = info.time_assumed,
                  .time_zone = info.time_zone,
                  .depth_unit_m = info.depth_unit_m,
-                 .inputs = options.inputs}) {}
+                 .inputs = options.inputs,
+                 .force = options.force}) {}
   void add(const RgbdFrame& frame) override { writer_.add(frame); }
   void finish() override { writer_.finish(); }
 

@@ -18,8 +18,8 @@ struct ConvertOptions {
   RecordingFormat format = RecordingFormat::loci;
   int every = 1;                              ///< takes every n-th frame
   std::vector<std::filesystem::path> inputs;  ///< what the same command reads; never replaced
-  bool force = false;                         ///< an MCAP file may replace one that loci did not write
-  std::vector<MarkerLayer> layers = {};       ///< drawn over the recording; MCAP only
+  bool force = false;                    ///< may replace a recording or MCAP file that loci did not write
+  std::vector<MarkerLayer> layers = {};  ///< drawn over the recording; MCAP only
 };
 
 /// Writes a recording in another layout; frames whose depth cannot be read are left out.

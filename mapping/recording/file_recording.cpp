@@ -14,6 +14,7 @@
 #include "mapping/base/text/text_file.h"
 #include "mapping/base/time_limits.h"
 #include "mapping/image/image_io.h"
+#include "mapping/recording/clock.h"
 #include "mapping/recording/depth_image.h"
 #include "mapping/recording/formats/layouts.h"
 
@@ -130,13 +131,7 @@ void complete_info(RecordingInfo& info, std::vector<FrameFiles>& frames) {
     if (!is_within_limits(frame.time_ns))
       throw Error("the time stamp is too far off", frame.location,
                   "stamps are nanoseconds since 1970, from 1824 to 2115");
-  const auto earlier = [](const FrameFiles& a, const FrameFiles& b) { return a.time_ns < b.time_ns; };
-  if (!std::is_sorted(frames.begin(), frames.end(), earlier)) {
-    const auto late = std::is_sorted_until(frames.begin(), frames.end(), earlier);
-    info.problems.push_back(
-        fmt::format("{}: the stamps go back here; frames are taken in order of time", late->location.text()));
-    std::stable_sort(frames.begin(), frames.end(), earlier);
-  }
+  order_by_time(frames, info);
   for (size_t i = 1; i < frames.size(); ++i) {
     if (frames[i].time_ns != frames[i - 1].time_ns) continue;
     info.problems.push_back(fmt::format("{}: the same stamp as the frame before", frames[i].location.text()));
@@ -205,7 +200,8 @@ ImageCorrection FileRecording::correction_of(const FrameFiles& from) const {
   if (!from.lens) return correction_;
   const RgbdCamera& camera = content_.info.camera;
   return {Rectifier(camera.depth, content_.depth_distortion, from.lens->depth),
-          Rectifier(camera.color, content_.color_distortion, from.lens->color), correction_.close_grid_holes};
+          Rectifier(camera.color, content_.color_distortion, from.lens->color), correction_.z_of_distance,
+          correction_.close_grid_holes};
 }
 
 cv::Mat FileRecording::depth_of(const FrameFiles& from) const {
@@ -240,6 +236,10 @@ void FileRecording::set_correction() {
   };
   set(content_.info.camera.depth, content_.depth_distortion, correction_.depth, "depth");
   set(content_.info.camera.color, content_.color_distortion, correction_.color, "colour");
+  if (content_.depth_along_rays) {
+    correction_.z_of_distance = z_along_rays(content_.info.camera.depth);
+    content_.info.guesses.emplace_back("depth along rays is turned into z on reading");
+  }
   const std::optional<cv::Mat> depth = first_depth();
   if (!depth) return;
   if (const std::string why = implausible_because(*depth); !why.empty())
@@ -420,6 +420,7 @@ bool read_cameras(const fs::path& path, FileRecordingContent& content) {
   content.invalid_depth = depth.get<std::vector<int>>("invalid", {0, 65535});
   for (const int raw : content.invalid_depth)
     if (raw < 0 || raw > 65535) throw Error("depth values are 0 to 65535", depth.location("invalid"));
+  content.depth_along_rays = depth.get<bool>("along_rays", false);
   depth.finish();
   const Config color = config.map("color");
   if (config.has("color"))

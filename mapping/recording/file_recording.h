@@ -35,6 +35,7 @@ struct FileRecordingContent {
   bool camera_assumed = false;           ///< nothing describes the cameras
   double depth_scale = 0.001;            ///< metres per unit of 16-bit depth
   double float_depth_scale = 1;          ///< metres per unit of floating-point depth
+  bool depth_along_rays = false;         ///< depth is the distance from the camera, not z
   std::vector<int> invalid_depth = {0};  ///< raw values that are no measurement
   std::shared_ptr<const Video> video;    ///< of frames with video_frame
   int min_confidence = 0;                ///< depth of less does not count as measured

@@ -5,134 +5,35 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
-#include <tuple>
+#include <limits>
 
+#include "mapping/base/math/math.h"
 #include "mapping/base/math/pose.h"
 #include "mapping/recording/gravity.h"
+#include "mapping/recording/view_agreement.h"
 
 namespace loci::mapping {
 namespace {
 
 constexpr struct {
-  size_t places = 12;                       ///< in the recording, where pairs are taken
-  std::array<size_t, 3> gaps = {1, 5, 30};  ///< frames between the two of a pair: far ones show late poses
-  int samples = 60;                         ///< pixels along the longer side of an image
-  double tolerance_m = 0.03;                ///< in depth
-  double tolerance_share = 0.02;            ///< of the depth, besides
-  size_t min_compared = 2000;               ///< pixels that say anything
-  double min_share = 0.55;                  ///< of poses that fit
-  double no_doubt = 0.85;                   ///< of poses for which no other cause is tried
-  double far = 30;                          ///< depths that cameras are apart: between metres and millimetres
-  double min_gain = 1.25;                   ///< times as much agrees with a cause that is named
-  double min_share_then = 0.5;              ///< of what is compared then
-  int64_t max_shift = 90;                   ///< frames that poses are late or early: 3 s of a video
-  double level = 0.94;                      ///< z of the poses is up within 20 degrees
-  double level_without_poses = 0.7;         ///< what is up in the first image within 45: the camera may turn
+  double min_share = 0.55;           ///< of poses that fit, in the pairs that agree least
+  double no_doubt = 0.85;            ///< of poses for which no other cause is tried
+  double min_gain = 1.25;            ///< times as much agrees with a cause that is named
+  double min_share_then = 0.5;       ///< of what is compared then
+  double min_sharpening = 1.5;       ///< times as little does depth differ with a camera that is named
+  double max_factor = 2;             ///< of focal lengths and units that are tried, either way
+  double coarse_step = 1.04;         ///< between them at first; a factor 5 % off shows clearly
+  double fine_step = 1.005;          ///< at the end
+  int64_t max_shift = 90;            ///< frames that poses are late or early: 3 s of a video
+  double max_height_m = 6;           ///< of what a camera in a room sees
+  double level = 0.94;               ///< z of the poses is up within 20 degrees
+  double level_without_poses = 0.7;  ///< what is up in the first image within 45: the camera may turn
 } kCheck;
-
-using Pose = std::function<std::optional<Isometry3d>(size_t)>;
-
-struct Counts {
-  size_t sampled = 0, compared = 0, agreeing = 0;
-  double share() const {
-    return compared == 0 ? 0 : static_cast<double>(agreeing) / static_cast<double>(compared);
-  }
-};
-
-/// By the frames between the two of a pair, as kCheck.gaps.
-using CountsByGap = std::array<Counts, kCheck.gaps.size()>;
-
-Counts sum(const CountsByGap& counts) {
-  Counts sum;
-  for (const Counts& of_gap : counts) {
-    sum.sampled += of_gap.sampled;
-    sum.compared += of_gap.compared;
-    sum.agreeing += of_gap.agreeing;
-  }
-  return sum;
-}
-
-/// The frames that are compared, read once.
-class Views {
- public:
-  explicit Views(const Recording& recording)
-      : recording_(recording), camera_(recording.info().camera.depth) {}
-
-  CountsByGap counts(const Pose& pose) {
-    CountsByGap counts;
-    const size_t size = recording_.size(), step = std::max<size_t>(1, size / kCheck.places);
-    for (size_t first = 0; first < size; first += step)
-      for (size_t g = 0; g < kCheck.gaps.size(); ++g) {
-        const size_t second = first + kCheck.gaps[g];
-        if (second >= size) continue;
-        const auto from = pose(first), to = pose(second);
-        if (from && to) compare(depth(first), depth(second), to->inverse() * *from, counts[g]);
-      }
-    return counts;
-  }
-
-  /// Whether the cameras are farther apart than a room is large, by what they see of it.
-  bool far_apart(const Pose& pose) {
-    Eigen::AlignedBox3d positions;
-    std::vector<double> depths;
-    const size_t size = recording_.size(), step = std::max<size_t>(1, size / kCheck.places);
-    for (size_t i = 0; i < size; i += step) {
-      if (const auto at = pose(i)) positions.extend(at->translation());
-      const cv::Mat& image = depth(i);
-      const auto middle = static_cast<double>(image.at<float>(image.rows / 2, image.cols / 2));
-      if (middle > 0) depths.push_back(middle);
-    }
-    return !positions.isEmpty() && !depths.empty() &&
-           positions.diagonal().norm() > kCheck.far * median(depths);
-  }
-
-  /// Of the first frame with others all over the recording.
-  Counts counts_with_first(const Pose& pose) {
-    Counts counts;
-    const size_t size = recording_.size(), step = std::max<size_t>(1, size / kCheck.places);
-    const auto from = pose(0);
-    for (size_t second = step; from && second < size; second += step)
-      if (const auto to = pose(second)) compare(depth(0), depth(second), to->inverse() * *from, counts);
-    return counts;
-  }
-
- private:
-  const cv::Mat& depth(size_t i) {
-    const auto [at, is_new] = depths_.try_emplace(i);
-    if (is_new) at->second = recording_.frame(i).depth;
-    return at->second;
-  }
-
-  void compare(const cv::Mat& from, const cv::Mat& to, const Isometry3d& to_from_from, Counts& counts) const {
-    const int step = std::max(1, std::max(from.cols, from.rows) / kCheck.samples);
-    for (int v = step / 2; v < from.rows; v += step)
-      for (int u = step / 2; u < from.cols; u += step) {
-        const auto depth = static_cast<double>(from.at<float>(v, u));
-        if (!(depth > 0)) continue;
-        ++counts.sampled;
-        const Vector3d point = to_from_from * camera_.unproject(u, v, depth);
-        if (point.z() <= 0) continue;
-        const double x = camera_.fx * point.x() / point.z() + camera_.cx,
-                     y = camera_.fy * point.y() / point.z() + camera_.cy;
-        if (!(x >= 0 && y >= 0 && x <= to.cols - 1 && y <= to.rows - 1)) continue;
-        const auto measured = static_cast<double>(
-            to.at<float>(static_cast<int>(std::lround(y)), static_cast<int>(std::lround(x))));
-        if (!(measured > 0)) continue;
-        ++counts.compared;
-        if (std::abs(measured - point.z()) < kCheck.tolerance_m + kCheck.tolerance_share * measured)
-          ++counts.agreeing;
-      }
-  }
-
-  const Recording& recording_;
-  PinholeCamera camera_;
-  std::map<size_t, cv::Mat> depths_;
-};
 
 struct Cause {
   std::string text, hint;
-  Pose pose;
+  PoseOf pose;
+  std::optional<DepthReading> reading = {};  ///< unset = as it is read
 };
 
 Isometry3d with_w_first(const Isometry3d& pose) {
@@ -142,33 +43,39 @@ Isometry3d with_w_first(const Isometry3d& pose) {
   return result;
 }
 
-Pose changed(const Pose& given, const std::function<Isometry3d(Isometry3d)>& change) {
+PoseOf changed(const PoseOf& given, const std::function<Isometry3d(Isometry3d)>& change) {
   return [=](size_t i) {
     const auto pose = given(i);
     return pose ? std::optional(change(*pose)) : std::nullopt;
   };
 }
 
-Pose scaled(const Pose& given, double factor) {
+PoseOf scaled(const PoseOf& given, double factor) {
   return changed(given, [factor](Isometry3d pose) {
     pose.translation() *= factor;
     return pose;
   });
 }
 
+/// What to write about the depth camera, by the key that the recording's layout has for it.
+std::string key_hint(const RecordingInfo& info, const std::string& of_loci, const std::string& of_cameras) {
+  for (const char* format : {"7-scenes", "tum", "redwood"})
+    if (info.format == format) return fmt::format("write a cameras.yaml with 'depth: {{{}}}'", of_cameras);
+  return fmt::format("{}write '{}' into recording.yaml",
+                     info.format == "loci" ? "" : "convert it with loci-perceive convert, and ", of_loci);
+}
+
 /// Depth that is in units `factor` times as long as it is read in.
-Cause in_other_unit(double factor, const RecordingInfo& info, const Pose& given) {
-  const std::string times =
-                        factor > 1 ? fmt::format("{:g} times", factor) : fmt::format("1/{:g} of", 1 / factor),
-                    unit = fmt::format("{:g}", info.depth_unit_m * factor);
+Cause in_other_unit(double factor, const RecordingInfo& info, const PoseOf& given) {
+  const std::string times = factor >= 1 ? fmt::format("{:.3g} times", factor)
+                                        : fmt::format("1/{:.3g} of", 1 / factor),
+                    unit = fmt::format("{:.3g}", info.depth_unit_m * factor);
   return {"right and depth is " + times + " what is read",
-          info.format == "loci" ? fmt::format("write 'depth_scale: {}' into recording.yaml", unit)
-                                : fmt::format("write a cameras.yaml with 'depth: {{unit_m: {}}}'", unit),
-          scaled(given, 1 / factor)};
+          key_hint(info, "depth_scale: " + unit, "unit_m: " + unit), scaled(given, 1 / factor)};
 }
 
 /// `given` are the poses as they were read.
-std::vector<Cause> causes_for(const Pose& given, const RecordingInfo& info) {
+std::vector<Cause> causes_for(const PoseOf& given, const RecordingInfo& info) {
   const auto of_camera_axes = [&](const Eigen::Matrix3d& given_from_camera) {
     return changed(given, [=](Isometry3d pose) {
       pose.linear() = pose.linear() * given_from_camera;
@@ -190,7 +97,7 @@ std::vector<Cause> causes_for(const Pose& given, const RecordingInfo& info) {
 }
 
 /// Poses of a clock that runs `shift` frames, of so many seconds, late.
-Cause late_by(int64_t shift, double frame_s, const Pose& given) {
+Cause late_by(int64_t shift, double frame_s, const PoseOf& given) {
   std::string by = std::abs(shift) == 1 ? "one frame" : fmt::format("{} frames", std::abs(shift));
   if (frame_s > 0) by += fmt::format(", {:.2g} s", static_cast<double>(std::abs(shift)) * frame_s);
   return {fmt::format("{} by about {}", shift > 0 ? "late" : "early", by),
@@ -203,18 +110,90 @@ Cause late_by(int64_t shift, double frame_s, const Pose& given) {
 double gain(const CountsByGap& then, const CountsByGap& now) {
   double gain = 0;
   for (size_t g = 0; g < then.size(); ++g)
-    if (now[g].compared >= kCheck.min_compared && then[g].compared >= kCheck.min_compared &&
-        then[g].share() > kCheck.min_share_then)
+    if (now[g].says_something() && then[g].says_something() && then[g].share() > kCheck.min_share_then)
       gain = std::max(gain, static_cast<double>(then[g].agreeing) /
                                 static_cast<double>(std::max<size_t>(1, now[g].agreeing)));
   return gain;
 }
 
+/// The gap at which depth differs by so many times less then.
+struct Sharpening {
+  double times = 0;
+  size_t gap = 0;
+};
+Sharpening sharpening(const CountsByGap& then, const CountsByGap& now) {
+  Sharpening best;
+  for (size_t g = 0; g < then.size(); ++g) {
+    if (!now[g].says_something() || !then[g].says_something() || then[g].share() <= kCheck.min_share_then)
+      continue;
+    const double times = now[g].mean_difference_m() / std::max(1e-6, then[g].mean_difference_m());
+    if (times > best.times) best = {times, g};
+  }
+  return best;
+}
+
+/// Makes the cause of a factor, e.g. of the focal length.
+using CauseOfFactor = std::function<Cause(double)>;
+
+/// The factor with which depth differs least between the views.
+Cause best_factor(const CauseOfFactor& cause_of, Views& views) {
+  double best = 1, least = std::numeric_limits<double>::infinity();
+  const auto search = [&](double from, double to, double step) {
+    for (double factor = from; factor <= to; factor *= step) {
+      const Cause cause = cause_of(factor);
+      const ViewCounts all = sum(views.counts(cause.pose, *cause.reading));
+      if (!all.says_something() || all.mean_difference_m() >= least) continue;
+      least = all.mean_difference_m();
+      best = factor;
+    }
+  };
+  search(1 / kCheck.max_factor, kCheck.max_factor, kCheck.coarse_step);
+  search(best / kCheck.coarse_step, best * kCheck.coarse_step, kCheck.fine_step);
+  return cause_of(best);
+}
+
+/// What may be wrong with the depth images and their camera while the poses are right.
+std::vector<Cause> causes_in_depth(const PoseOf& given, const RecordingInfo& info, Views& views) {
+  const PinholeCamera& camera = info.camera.depth;
+  const auto of_focal_length = [&](double factor) {
+    DepthReading reading{camera};
+    reading.camera.fx *= factor;
+    reading.camera.fy *= factor;
+    const std::string focal = fmt::format("fx: {:.4g}, fy: {:.4g}", reading.camera.fx, reading.camera.fy);
+    return Cause{fmt::format("the focal length is {:.3g} times as long", factor),
+                 key_hint(info, "depth: {…, " + focal + ", …}",
+                          fmt::format("width: {}, height: {}, {}, cx: {:g}, cy: {:g}", camera.width,
+                                      camera.height, focal, camera.cx, camera.cy)),
+                 given, reading};
+  };
+  const auto of_unit = [&](double factor) {
+    Cause cause = in_other_unit(factor, info, given);
+    cause.text =
+        fmt::format("it is {:.3g} times what is read, or positions 1/{:.3g} of theirs", factor, factor);
+    cause.reading = DepthReading{camera};
+    return cause;
+  };
+  DepthReading mirrored{camera};
+  mirrored.camera.fx = -camera.fx;
+  mirrored.camera.cx = camera.width - 1 - camera.cx;
+  return {best_factor(of_focal_length, views),
+          best_factor(of_unit, views),
+          {"it is the distance along rays instead of z",
+           key_hint(info, "depth_along_rays: true", "along_rays: true"), given, DepthReading{camera, true}},
+          {"the images are mirrored", "mirror them back, left to right", given, mirrored}};
+}
+
+/// Read once: some layouts read images for them.
+std::vector<std::optional<Isometry3d>> poses_of(const Recording& recording) {
+  std::vector<std::optional<Isometry3d>> poses;
+  for (size_t i = 0; i < recording.size(); ++i) poses.push_back(recording.pose_of(i));
+  return poses;
+}
+
 /// Whether all poses are one.
-bool never_move(const Recording& recording) {
+bool never_move(const std::vector<std::optional<Isometry3d>>& poses) {
   std::optional<Isometry3d> first;
-  for (size_t i = 0; i < recording.size(); ++i) {
-    const std::optional<Isometry3d> pose = recording.pose_of(i);
+  for (const std::optional<Isometry3d>& pose : poses) {
     if (!first) first = pose;
     if (pose && !pose->isApprox(*first, 1e-9)) return false;
   }
@@ -222,9 +201,15 @@ bool never_move(const Recording& recording) {
 }
 
 bool raises_doubt(const CountsByGap& counts) {
-  return std::any_of(counts.begin(), counts.end(), [](const Counts& of_gap) {
-    return of_gap.compared >= kCheck.min_compared && of_gap.share() <= kCheck.no_doubt;
+  return std::ranges::any_of(counts, [](const ViewCounts& of_gap) {
+    return of_gap.says_something() && of_gap.share() <= kCheck.no_doubt;
   });
+}
+
+/// Reads as many frames as there are places, spread over the recording.
+void for_some_frames(const Recording& recording, const std::function<void(const RgbdFrame&)>& look) {
+  const size_t count = std::min(recording.size(), kViews.places);
+  for (size_t i = 0; i < count; ++i) look(recording.frame(i * recording.size() / count));
 }
 
 /// As parse_direction() takes it: an axis where it is near one.
@@ -238,7 +223,7 @@ std::string direction_text(const Vector3d& direction) {
 }  // namespace
 
 bool PoseAgreement::fits() const {
-  return cause.empty() && (compared < kCheck.min_compared || share >= kCheck.min_share);
+  return cause.empty() && (compared < kViews.min_compared || share >= kCheck.min_share);
 }
 
 std::string PoseAgreement::text() const {
@@ -253,79 +238,159 @@ std::string PoseAgreement::text() const {
         "the poses do not fit the depth: {:.0f} % of it agrees between frames (check poses and intrinsics; "
         "without poses the camera is tracked)",
         100 * share);
+  if (in_depth)
+    return fmt::format(
+        "the depth does not fit the poses: between frames it differs by {:.0f} mm, and by {:.0f} mm if {} "
+        "({})",
+        1e3 * difference_m, 1e3 * difference_m / gain, cause, hint);
   return fmt::format("the poses do not fit the depth: {:.1f} times as much of it agrees if they are {} ({})",
                      gain, cause, hint);
 }
+
+namespace {
+
+/// Poses that never move, of a camera that does.
+PoseAgreement check_still(Views& views, const PoseOf& given, const PoseAgreement& otherwise) {
+  // A slow camera is seen to move between frames that are far apart only.
+  const ViewCounts all = views.counts_with_first(given);
+  if (!all.says_something() || all.share() >= kCheck.min_share) return otherwise;
+  return {.compared = all.compared,
+          .share = all.share(),
+          .cause = "of a camera that moves",
+          .hint = "without poses it is tracked",
+          .never_move = true};
+}
+
+/// Poses of cameras that are too far apart: only what a camera at rest sees meets itself then.
+void check_millimetres(Views& views, const PoseOf& given, const ViewCounts& now, PoseAgreement& result) {
+  const ViewCounts then = sum(views.counts(scaled(given, 1e-3)));
+  if (!then.says_something() || then.share() <= kCheck.min_share_then) return;
+  result.cause = "in millimetres";
+  result.hint = "write positions in metres";
+  result.gain = static_cast<double>(then.agreeing) / static_cast<double>(std::max<size_t>(1, now.agreeing));
+}
+
+/// The cause with which most depth agrees, of those that are about the poses; and how little it differs then.
+double find_cause_in_poses(Views& views, const std::vector<Cause>& causes, const CountsByGap& now,
+                           PoseAgreement& result) {
+  size_t agreeing = sum(now).agreeing;
+  double difference_m = std::numeric_limits<double>::infinity();
+  for (const Cause& cause : causes) {
+    const CountsByGap then = views.counts(cause.pose);
+    const ViewCounts all = sum(then);
+    if (gain(then, now) <= kCheck.min_gain || all.agreeing <= agreeing ||
+        all.share() <= kCheck.min_share_then || !all.says_something())
+      continue;
+    agreeing = all.agreeing;
+    difference_m = all.mean_difference_m();
+    result.cause = cause.text;
+    result.hint = cause.hint;
+    result.gain = gain(then, now);
+  }
+  return difference_m;
+}
+
+/// A cause in the depth with which it differs less than `min_difference_m`, and much less than now.
+void find_cause_in_depth(Views& views, const std::vector<Cause>& causes, const CountsByGap& now,
+                         double min_difference_m, PoseAgreement& result) {
+  for (const Cause& cause : causes) {
+    const CountsByGap then = views.counts(cause.pose, *cause.reading);
+    const double difference_m = sum(then).mean_difference_m();
+    const Sharpening found = sharpening(then, now);
+    if (found.times < kCheck.min_sharpening || difference_m >= min_difference_m) continue;
+    min_difference_m = difference_m;
+    result.cause = cause.text;
+    result.hint = cause.hint;
+    result.gain = found.times;
+    result.difference_m = now[found.gap].mean_difference_m();
+    result.in_depth = true;
+  }
+}
+
+}  // namespace
 
 PoseAgreement check_poses(const Recording& recording) {
   PoseAgreement result;
   const RecordingInfo& info = recording.info();
   if (info.frames_with_pose < 2) return result;
   Views views(recording);
-  const Pose given = [&](size_t i) { return i < recording.size() ? recording.pose_of(i) : std::nullopt; };
+  const std::vector<std::optional<Isometry3d>> poses = poses_of(recording);
+  const PoseOf given = [&](size_t i) { return i < poses.size() ? poses[i] : std::nullopt; };
   const CountsByGap now = views.counts(given);
-  result.compared = sum(now).compared;
-  result.share = sum(now).share();
-  if (never_move(recording)) {
-    // A slow camera is seen to move between frames that are far apart only.
-    const Counts all = views.counts_with_first(given);
-    if (all.compared < kCheck.min_compared || all.share() >= kCheck.min_share) return result;
-    return {.compared = all.compared,
-            .share = all.share(),
-            .cause = "of a camera that moves",
-            .hint = "without poses it is tracked",
-            .never_move = true};
-  }
+  result.compared = worst(now).compared;
+  result.share = worst(now).share();
+  if (never_move(poses)) return check_still(views, given, result);
   if (views.far_apart(given)) {
-    // Only what a camera at rest sees meets itself then.
-    const Counts then = sum(views.counts(scaled(given, 1e-3)));
-    if (then.compared < kCheck.min_compared || then.share() <= kCheck.min_share_then) return result;
-    result.cause = "in millimetres";
-    result.hint = "write positions in metres";
-    result.gain =
-        static_cast<double>(then.agreeing) / static_cast<double>(std::max<size_t>(1, sum(now).agreeing));
+    check_millimetres(views, given, sum(now), result);
     return result;
   }
-  if (!raises_doubt(now)) return result;
-  // What is wrong with poses shows in them as they were read, not as they were turned.
-  std::vector<Cause> causes = causes_for(
-      changed(given, [&](const Isometry3d& pose) { return info.map_from_input.inverse() * pose; }), info);
-  const double frame_s = info.time_assumed
-                             ? 0
-                             : static_cast<double>(info.last_time - info.first_time) /
-                                   static_cast<double>(kSecond) / static_cast<double>(recording.size() - 1);
-  for (int64_t shift = -kCheck.max_shift; shift <= kCheck.max_shift; ++shift)
-    if (shift != 0) causes.push_back(late_by(shift, frame_s, given));
-  size_t agreeing = sum(now).agreeing;
-  for (const Cause& cause : causes) {
-    const CountsByGap then = views.counts(cause.pose);
-    const Counts all = sum(then);
-    if (gain(then, now) <= kCheck.min_gain || all.agreeing <= agreeing ||
-        all.share() <= kCheck.min_share_then || all.compared < kCheck.min_compared)
-      continue;
-    agreeing = all.agreeing;
-    result.cause = cause.text;
-    result.hint = cause.hint;
-    result.gain = gain(then, now);
+  double min_difference_m = sum(now).mean_difference_m();
+  if (raises_doubt(now)) {
+    // What is wrong with poses shows in them as they were read, not as they were turned.
+    std::vector<Cause> causes = causes_for(
+        changed(given, [&](const Isometry3d& pose) { return info.map_from_input.inverse() * pose; }), info);
+    const double frame_s = info.time_assumed
+                               ? 0
+                               : static_cast<double>(info.last_time - info.first_time) /
+                                     static_cast<double>(kSecond) / static_cast<double>(recording.size() - 1);
+    for (int64_t shift = -kCheck.max_shift; shift <= kCheck.max_shift; ++shift)
+      if (shift != 0) causes.push_back(late_by(shift, frame_s, given));
+    min_difference_m = std::min(min_difference_m, find_cause_in_poses(views, causes, now, result));
   }
+  find_cause_in_depth(views, causes_in_depth(given, info, views), now, min_difference_m, result);
   return result;
 }
 
-std::vector<std::string> doubts_about_poses(const Recording& recording, const PoseAgreement& agreement,
-                                            const RecordingOptions& options) {
+std::optional<std::string> doubt_about_up(const Recording& recording, const RecordingOptions& options) {
   const RecordingInfo& info = recording.info();
   const bool is_given = options.up != "auto" && options.up != "keep", has_poses = info.frames_with_pose > 0;
-  if (const std::string text = agreement.text(); !text.empty()) return {text};
-  if (options.up == "keep" || !(is_given || (has_poses && info.levelled))) return {};
+  if (options.up == "keep" || !(is_given || (has_poses && info.levelled))) return std::nullopt;
   // Poses were turned so that what was given is z; without poses cameras turn between frames.
   const Vector3d given = is_given ? parse_direction(options.up) : Vector3d::UnitZ();
   const Vector3d z = has_poses ? Vector3d::UnitZ() : given;
   const std::optional<Vector3d> seen = find_up(recording);
-  if (!seen || seen->dot(z) > (has_poses ? kCheck.level : kCheck.level_without_poses)) return {};
+  if (!seen || seen->dot(z) > (has_poses ? kCheck.level : kCheck.level_without_poses)) return std::nullopt;
   const Vector3d up = rotation_between(given, z).transpose() * *seen;
-  return {fmt::format("{} is not up as the images show: up looks like {} (if so, give --up={})",
-                      is_given ? "--up=" + options.up : "z of the poses", direction_text(up),
-                      direction_text(up))};
+  return fmt::format("{} is not up as the images show: up looks like {} (if so, give --up={})",
+                     is_given ? "--up=" + options.up : "z of the poses", direction_text(up),
+                     direction_text(up));
+}
+
+std::optional<std::string> missing_depth(const Recording& recording) {
+  size_t looked_at = 0, without = 0;
+  for_some_frames(recording, [&](const RgbdFrame& frame) {
+    ++looked_at;
+    if (!has_depth(frame)) ++without;
+  });
+  if (2 * without <= looked_at) return std::nullopt;
+  return fmt::format(
+      "{} of {} frames that were looked at have no depth: check the depth images and their invalid values",
+      without, looked_at);
+}
+
+std::optional<std::string> implausible_height(const Recording& recording) {
+  std::vector<double> heights;
+  for_some_frames(recording, [&](const RgbdFrame& frame) {
+    if (!frame.map_from_camera) return;
+    const int step = std::max(1, std::max(frame.depth.cols, frame.depth.rows) / kViews.samples);
+    for (int v = 0; v < frame.depth.rows; v += step)
+      for (int u = 0; u < frame.depth.cols; u += step)
+        if (const auto z = static_cast<double>(frame.depth.at<float>(v, u)); z > 0)
+          heights.push_back((*frame.map_from_camera * frame.camera.depth.unproject(u, v, z)).z());
+  });
+  if (heights.empty()) return std::nullopt;
+  const auto [low, high] = quantiles(heights, 0.01, 0.99);
+  if (high - low < kCheck.max_height_m) return std::nullopt;
+  return fmt::format(
+      "what the camera sees is {:.1f} m high: is the unit of depth right ({})?", high - low,
+      recording.info().format == "loci" ? "depth_scale in recording.yaml" : "unit_m in cameras.yaml");
+}
+
+std::vector<std::string> doubts_about_poses(const Recording& recording, const PoseAgreement& agreement,
+                                            const RecordingOptions& options) {
+  if (const std::string text = agreement.text(); !text.empty()) return {text};
+  if (const auto doubt = doubt_about_up(recording, options)) return {*doubt};
+  return {};
 }
 
 std::vector<std::string> doubts_about_poses(const Recording& recording, const RecordingOptions& options) {
@@ -334,6 +399,7 @@ std::vector<std::string> doubts_about_poses(const Recording& recording, const Re
 
 std::vector<std::string> problems_of(const Recording& recording, const RecordingOptions& options) {
   std::vector<std::string> problems = recording.info().problems;
+  if (const auto missing = missing_depth(recording)) problems.push_back(*missing);
   for (std::string& doubt : doubts_about_poses(recording, options)) problems.push_back(std::move(doubt));
   return problems;
 }

@@ -138,6 +138,12 @@ std::unique_ptr<Recording> with_up(std::unique_ptr<Recording> recording, const V
   return std::make_unique<ChangedRecording>(std::move(recording), std::move(info), [](RgbdFrame&, size_t) {});
 }
 
+std::unique_ptr<Recording> not_levelled(std::unique_ptr<Recording> recording) {
+  RecordingInfo info = recording->info();
+  info.levelled = false;
+  return std::make_unique<ChangedRecording>(std::move(recording), std::move(info), [](RgbdFrame&, size_t) {});
+}
+
 std::unique_ptr<Recording> without_depth_error(std::unique_ptr<Recording> recording,
                                                const cv::Mat& inverse_depth_error) {
   RecordingInfo info = recording->info();

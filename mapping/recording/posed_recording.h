@@ -30,6 +30,9 @@ std::unique_ptr<Recording> seconds_apart(std::unique_ptr<Recording> recording, d
 /// where they were not made up.
 std::unique_ptr<Recording> started_at(std::unique_ptr<Recording> recording, TimeNs start);
 
+/// A recording of which is not known that z is up.
+std::unique_ptr<Recording> not_levelled(std::unique_ptr<Recording> recording);
+
 /// A recording without poses of which is known what is up in its first frame's camera.
 std::unique_ptr<Recording> with_up(std::unique_ptr<Recording> recording, const Vector3d& up_in_camera);
 

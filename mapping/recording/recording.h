@@ -84,6 +84,7 @@ struct RecordingWriterOptions {
   std::string time_zone = {};  ///< of the clocks where it was recorded, TimeZone::named; empty = unknown
   double depth_unit_m = 0.001;
   std::vector<std::filesystem::path> inputs = {};  ///< what the same command reads; never replaced
+  bool force = false;                              ///< may replace a recording that loci did not write
 };
 
 /// Writes our own layout. Everything goes to a private neighbour of the folder, which takes the folder's name
@@ -91,7 +92,7 @@ struct RecordingWriterOptions {
 class RecordingWriter {
  public:
   /// Error when the folder is or contains an input, or holds anything but what a RecordingWriter wrote (an
-  /// older recording is replaced).
+  /// older recording is replaced; by force any folder with a recording.yaml).
   RecordingWriter(const std::filesystem::path& folder, const RgbdCamera& camera, std::string map_frame,
                   RecordingWriterOptions options = {});
   ~RecordingWriter();

@@ -21,22 +21,27 @@ std::string camera_text(const PinholeCamera& camera) {
                      camera.fx, camera.fy, camera.cx, camera.cy);
 }
 
-/// Refuses a folder that is there and holds anything but what a RecordingWriter wrote.
-void require_own_or_empty(const fs::path& folder) {
+/// Refuses a folder that is there and holds anything but what a RecordingWriter wrote; by force only what is
+/// not a recording.
+void require_own_or_empty(const fs::path& folder, bool force) {
   if (!fs::exists(fs::symlink_status(folder))) return;
   if (!fs::is_directory(folder))
     throw Error("a file is in the way of the recording's folder", {folder.string(), 0, {}});
   if (fs::is_empty(folder)) return;
+  const bool is_recording = fs::exists(folder / "recording.yaml");
+  if (force && is_recording) return;
+  const char* by_force = is_recording ? ", or replace it by --force" : "";
   if (!fs::exists(folder / kRecordingManifest))
     throw Error("the folder is not empty, and loci did not write it", {folder.string(), 0, {}},
-                "choose another folder, or empty this one");
+                fmt::format("choose another folder, or empty this one{}", by_force));
   std::set<std::string> own = {kRecordingManifest};
   for (const std::string& name : split(read_file(folder / kRecordingManifest), '\n')) own.insert(name);
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.is_directory() && !entry.is_symlink()) continue;
     if (!own.contains(entry.path().lexically_relative(folder).string()))
       throw Error("this file is not part of the recording that would be replaced",
-                  {entry.path().string(), 0, {}}, "move it, or choose another folder");
+                  {entry.path().string(), 0, {}},
+                  fmt::format("move it, or choose another folder{}", by_force));
   }
 }
 
@@ -57,7 +62,7 @@ RecordingWriter::RecordingWriter(const fs::path& folder, const RgbdCamera& camer
                                  RecordingWriterOptions options)
     : folder_(folder), camera_(camera), map_frame_(std::move(map_frame)), options_(std::move(options)) {
   refuse_inputs(folder_, options_.inputs);
-  require_own_or_empty(folder_);
+  require_own_or_empty(folder_, options_.force);
   partial_ = make_partial_folder(folder_);
   make_folder(partial_ / "frames");
 }
@@ -119,7 +124,7 @@ void RecordingWriter::finish() {
 }
 
 void RecordingWriter::replace_folder() {
-  require_own_or_empty(folder_);  // Again: writing took its time.
+  require_own_or_empty(folder_, options_.force);  // Again: writing took its time.
   commit_partial_folder(partial_, folder_);
   partial_.clear();
 }

@@ -158,9 +158,19 @@ cv::Mat Rectifier::depth(const cv::Mat& image) const {
   return rectified;
 }
 
+cv::Mat z_along_rays(const PinholeCamera& camera) {
+  cv::Mat z(camera.height, camera.width, CV_32F);
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u)
+      z.at<float>(v, u) = static_cast<float>(1 / camera.unproject(u, v, 1).norm());
+  return z;
+}
+
 void ImageCorrection::apply(RgbdFrame& frame) const {
   if (close_grid_holes) mapping::close_grid_holes(frame.depth);
   frame.depth = depth.depth(frame.depth);
+  if (!z_of_distance.empty())
+    frame.depth = frame.depth.mul(z_of_distance);  // No measurement, NaN, stays NaN.
   frame.color = color.color(frame.color);
 }
 

@@ -43,9 +43,13 @@ class Rectifier {
   cv::Mat source_;  ///< CV_32FC2 position in the stored image of each pixel; empty = identity
 };
 
+/// z of the points at distance 1 along the ray of each pixel, CV_32F: turns distances into z.
+cv::Mat z_along_rays(const PinholeCamera& camera);
+
 /// What is done to each frame between file and program.
 struct ImageCorrection {
   Rectifier depth, color;
+  cv::Mat z_of_distance;  ///< of depth that is the distance along rays: z_along_rays(); else empty
   bool close_grid_holes = false;
 
   void apply(RgbdFrame& frame) const;

@@ -274,7 +274,8 @@ RecordResult record(const Scenario& scenario, const std::filesystem::path& folde
   const World world = read_urdf(scenario.world);
   const MeshSearch search{options.package_paths, scenario.world.parent_path()};
   const ScenarioPlay play(scenario, world, search);
-  RecordingWriter writer(folder, scenario.camera, "map", {.time_zone = scenario.time_zone});
+  RecordingWriter writer(folder, scenario.camera, "map",
+                         {.time_zone = scenario.time_zone, .force = options.force});
   ScenarioRenderer renderer(scenario, world, search, play, warnings);
 
   size_t total = 0;

@@ -15,6 +15,7 @@ namespace loci::mapping {
 struct RecordOptions {
   int seed = 1;
   std::string noise = "kinect";
+  bool force = false;  ///< may replace a recording that loci did not write
   int threads = 0;
   std::vector<std::filesystem::path> package_paths = {};  ///< where package:// of the world is looked for
 

@@ -47,6 +47,7 @@ struct VerdictParameters {
   double max_position_sigma = 0.01;  ///< m
   double max_rotation_sigma = 0.5 * kDegree;
   double max_intensity_error = 14;       ///< mean, on the logarithmic scale
+  double max_noise = 0.0035;             ///< 1/m, of depth over its square: beyond, normals fail, too
   double max_speed = 3.0;                ///< m/s of a hand-held camera
   double max_turn_rate = 300 * kDegree;  ///< rad/s
 };

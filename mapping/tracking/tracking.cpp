@@ -14,6 +14,7 @@
 #include "mapping/recording/gravity.h"
 #include "mapping/recording/posed_recording.h"
 #include "mapping/tracking/depth_calibration.h"
+#include "mapping/tracking/noise_estimate.h"
 #include "mapping/tracking/tracker.h"
 
 namespace loci::mapping {
@@ -102,6 +103,10 @@ std::string advice_for(const TrackingResult& result) {
     if (frame.objection == kUndetermined) ++undetermined;
   }
   if (2 * no_depth > lost) return "keep 0.5 to 4 m from surfaces, and check depth_scale";
+  if (result.too_noisy())
+    return "the noise of the depth is the likely cause: come nearer to the surfaces, as it grows with the "
+           "square "
+           "of the distance, use the camera's filters or a higher resolution, or give poses (--poses)";
   if (2 * undetermined > lost)
     return "keep surfaces with corners or texture in view, or give poses (--poses)";
   if (const double interval = median_interval_s(result.frames); interval >= kMaxGap)
@@ -158,6 +163,8 @@ TrackingResult track(const Recording& recording, const TrackingOptions& options,
   if (!calibration.offsets.empty())
     result.depth_offsets = calibration.offsets - cv::mean(calibration.offsets)[0];
   result.depth_offset = calibration.rms;
+  if (2 * result.good() < result.frames.size())
+    result.depth_noise = depth_noise_per_z2(recording).value_or(0);
   result.still = stands_still(result.frames);
   if (result.still)
     for (TrackedFrame& frame : result.frames)
@@ -204,6 +211,10 @@ std::vector<std::optional<Isometry3d>> TrackingResult::poses(size_t recording_si
   return all;
 }
 
+bool TrackingResult::too_noisy() const {
+  return depth_noise > kVerdict.max_noise;
+}
+
 size_t TrackingResult::good() const {
   return static_cast<size_t>(std::count_if(
       frames.begin(), frames.end(), [](const TrackedFrame& f) { return f.map_from_camera.has_value(); }));
@@ -222,6 +233,9 @@ std::string TrackingResult::summary() const {
   for (const TrackedFrame& frame : frames)
     if (!frame.map_from_camera) ++objections[frame.objection];
   for (const auto& [objection, count] : objections) text += fmt::format("; {} lost: {}", count, objection);
+  if (too_noisy())
+    text += fmt::format("; the depth is noisy: {:.0f} mm at 2 m, tracking needs {:.0f} mm or less",
+                        4e3 * depth_noise, 4e3 * kVerdict.max_noise);
   return text;
 }
 
@@ -242,6 +256,7 @@ Json TrackingResult::report() const {
           {"keyframes", keyframes},
           {"loops", loops},
           {"depth_offset_per_m", depth_offset},
+          {"depth_noise_per_m", depth_noise > 0 ? Json(depth_noise) : Json(nullptr)},
           {"still", still},
           {"seconds", seconds},
           {"tracked", list}};

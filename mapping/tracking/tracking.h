@@ -47,10 +47,14 @@ struct TrackingResult {
   /// a lower resolution, without its mean, which is hardly known; empty = none found.
   cv::Mat depth_offsets;
   double depth_offset = 0;  ///< RMS of what tracking leaves out, mean included
+  /// Of depth, σ = this · z², 1/m; estimated where most frames are lost, else 0.
+  double depth_noise = 0;
   double seconds = 0;
   double cpu_seconds = 0;
 
   size_t good() const;
+  /// Most frames are lost, and depth is too noisy for their surfaces to be compared.
+  bool too_noisy() const;
   /// Of all frames of a recording of that size: unset where the frame is lost or was not tracked.
   std::vector<std::optional<Isometry3d>> poses(size_t recording_size) const;
   std::string summary() const;

@@ -54,8 +54,8 @@ void read_cameras(const Config& cameras, FileRecordingContent& content) {
 
 void read_description(const fs::path& path, FileRecordingContent& content) {
   const Config config = Config::read(path);
-  config.refuse_other_keys({"version", "depth_scale", "float_depth_scale", "invalid_depth", "time_assumed",
-                            "time_zone", "map_frame", "cameras"});
+  config.refuse_other_keys({"version", "depth_scale", "float_depth_scale", "depth_along_rays",
+                            "invalid_depth", "time_assumed", "time_zone", "map_frame", "cameras"});
   const int version = config.get<int>("version", 1);
   if (version != 1)
     throw Error(fmt::format("this recording has version {}, version 1 is read", version),
@@ -65,6 +65,7 @@ void read_description(const fs::path& path, FileRecordingContent& content) {
     throw Error("depth_scale is out of bounds", config.location("depth_scale"),
                 "it is metres per unit, e.g. 0.001");
   content.float_depth_scale = float_scale_of(config, "float_depth_scale");
+  content.depth_along_rays = config.get<bool>("depth_along_rays", false);
   content.invalid_depth = config.get<std::vector<int>>("invalid_depth", {0});
   for (const int raw : content.invalid_depth)
     if (raw < 0 || raw > 65535) throw Error("depth values are 0 to 65535", config.location("invalid_depth"));

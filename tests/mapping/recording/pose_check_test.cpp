@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "mapping/base/math/math.h"
 #include "mapping/recording/gravity.h"
 #include "mapping/recording/posed_recording.h"
@@ -65,6 +67,71 @@ TEST_F(PoseCheck, TheUnitOfDepthIsNamedWithTheKeyOfTheLayout) {
   const std::string text = check_poses(*with([](Isometry3d& pose) { pose.translation() *= 0.25; })).text();
   EXPECT_THAT(text, HasSubstr("depth is 1/4 of what is read"));
   EXPECT_THAT(text, HasSubstr("unit_m: 0.00025"));
+}
+
+/// A recording whose depth and depth camera are changed.
+class ChangedDepth : public Recording {
+ public:
+  using Change = std::function<void(cv::Mat& depth, const PinholeCamera& camera)>;
+  ChangedDepth(std::unique_ptr<Recording> recording, Change change, double focal_factor = 1)
+      : recording_(std::move(recording)), info_(recording_->info()), change_(std::move(change)) {
+    info_.camera.depth.fx *= focal_factor;
+    info_.camera.depth.fy *= focal_factor;
+  }
+  const RecordingInfo& info() const override { return info_; }
+  size_t size() const override { return recording_->size(); }
+  std::optional<Isometry3d> pose_of(size_t i) const override { return recording_->pose_of(i); }
+  RgbdFrame frame(size_t i) const override {
+    RgbdFrame frame = recording_->frame(i);
+    if (change_) change_(frame.depth, frame.camera.depth);
+    frame.camera = info_.camera;
+    return frame;
+  }
+  TimeNs time_of(size_t i) const override { return recording_->time_of(i); }
+  int64_t index_of(size_t i) const override { return recording_->index_of(i); }
+
+ private:
+  std::unique_ptr<Recording> recording_;
+  RecordingInfo info_;
+  Change change_;
+};
+
+TEST_F(PoseCheck, AWrongFocalLengthIsNamedWithTheRightOne) {
+  for (const double factor : {0.8, 0.9, 1.2}) {
+    const PoseAgreement agreement = check_poses(ChangedDepth(open_recording(folder_), {}, factor));
+    EXPECT_THAT(agreement.cause, HasSubstr("the focal length is")) << factor;
+    const size_t at = agreement.hint.find("fx: ");
+    ASSERT_NE(at, std::string::npos) << agreement.hint;
+    EXPECT_NEAR(std::stod(agreement.hint.substr(at + 4)), 585, 9) << factor;
+    EXPECT_THAT(agreement.hint, HasSubstr("cameras.yaml"));
+  }
+}
+
+TEST_F(PoseCheck, DistancesAlongRaysAndMirroredImagesAreNamed) {
+  const ChangedDepth along_rays(open_recording(folder_), [](cv::Mat& depth, const PinholeCamera& camera) {
+    for (int v = 0; v < depth.rows; ++v)
+      for (int u = 0; u < depth.cols; ++u)
+        depth.at<float>(v, u) *= static_cast<float>(camera.unproject(u, v, 1).norm());
+  });
+  EXPECT_THAT(check_poses(along_rays).text(), HasSubstr("'depth: {along_rays: true}'"));
+  const ChangedDepth mirrored(open_recording(folder_), [](cv::Mat& depth, const PinholeCamera&) {
+    cv::flip(depth.clone(), depth, 1);
+  });
+  EXPECT_THAT(check_poses(mirrored).text(), HasSubstr("the images are mirrored"));
+}
+
+TEST_F(PoseCheck, FramesWithoutDepthAreNamed) {
+  EXPECT_FALSE(missing_depth(*open_recording(folder_)));
+  const ChangedDepth blind(open_recording(folder_),
+                           [](cv::Mat& depth, const PinholeCamera&) { depth.setTo(0); });
+  EXPECT_THAT(problems_of(blind, {}), testing::Contains(HasSubstr("12 of 12 frames that were looked at")));
+}
+
+TEST_F(PoseCheck, AHeightThatNoRoomHasIsNamed) {
+  EXPECT_FALSE(implausible_height(*open_recording(folder_)));
+  const ChangedDepth large(open_recording(folder_),
+                           [](cv::Mat& depth, const PinholeCamera&) { depth *= 10; });
+  EXPECT_THAT(implausible_height(large).value_or(""), HasSubstr("unit_m in cameras.yaml"));
 }
 
 TEST_F(PoseCheck, LatePosesOfAVideoAreNamedWithTheirDelay) {

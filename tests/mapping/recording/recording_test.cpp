@@ -117,6 +117,58 @@ TEST_F(RecordingFiles, WriterRefusesFolderWithOtherThings) {
   EXPECT_THROW(RecordingWriter(rec_, small_camera(), "map"), Error);
 }
 
+TEST_F(RecordingFiles, OnlyARecordingIsReplacedByForce) {
+  write_small(3);
+  write_file_atomically(rec_ / "notes.txt", "mine");
+  EXPECT_THROW(RecordingWriter(rec_, small_camera(), "map"), Error);
+  {
+    RecordingWriter writer(rec_, small_camera(), "map", {.force = true});
+    writer.add(small_frame(0));
+    writer.finish();
+  }
+  EXPECT_EQ(open_recording(rec_)->size(), 1U);
+  make_folder(root_ / "home");
+  write_file_atomically(root_ / "home/thesis.txt", "precious");
+  EXPECT_THROW(RecordingWriter(root_ / "home", small_camera(), "map", {.force = true}), Error);
+}
+
+TEST_F(RecordingFiles, DepthAlongRaysIsTurnedIntoZ) {
+  write_small();
+  replace_in("recording.yaml", "depth_scale", "depth_along_rays: true\ndepth_scale");
+  const cv::Mat depth = open_recording(rec_)->frame(0).depth;
+  EXPECT_NEAR(depth.at<float>(3, 4), 1.5, 1e-6);  // The principal point.
+  EXPECT_NEAR(depth.at<float>(0, 0), 1.5 / small_camera().depth.unproject(0, 0, 1).norm(), 1e-6);
+  EXPECT_TRUE(std::isnan(depth.at<float>(2, 3)));
+}
+
+TEST_F(RecordingFiles, AClockThatIsSetBackGoesOn) {
+  const auto with_seconds = [&](const std::vector<double>& seconds) {
+    write_small();
+    std::string rows = "index,time_ns,depth\n";
+    for (size_t i = 0; i < seconds.size(); ++i)
+      rows += fmt::format("{},{},frames/000000_depth.png\n", i,
+                          static_cast<TimeNs>((1.7e9 + seconds[i]) * 10) * (kSecond / 10));
+    write_file_atomically(rec_ / "frames.csv", rows);
+    return open_recording(rec_);
+  };
+  const auto order = [](const Recording& recording) {
+    std::vector<int64_t> indices;
+    for (size_t i = 0; i < recording.size(); ++i) indices.push_back(recording.index_of(i));
+    return indices;
+  };
+  const auto back = with_seconds({0, 0.5, 1, 1.5, 2, 2.5, 3, 1, 1.5, 2, 2.5, 3, 3.5, 4});
+  EXPECT_THAT(order(*back), testing::ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13));
+  EXPECT_EQ(back->time_of(7) - back->time_of(6), kSecond / 2);
+  EXPECT_THAT(back->info().problems,
+              testing::Contains(testing::AllOf(HasSubstr("frames.csv:9"), HasSubstr("goes back by 2.000 s"),
+                                               HasSubstr("2.500 s are added"))));
+  // By name: 1, 10, 11, 12, 2, 3 …
+  const auto by_name = with_seconds({1, 10, 11, 12, 2, 3, 4, 5, 6, 7, 8, 9});
+  EXPECT_THAT(order(*by_name), testing::ElementsAre(0, 4, 5, 6, 7, 8, 9, 10, 11, 1, 2, 3));
+  const auto swapped = with_seconds({0, 1, 3, 2, 4, 5});
+  EXPECT_THAT(order(*swapped), testing::ElementsAre(0, 1, 3, 2, 4, 5));
+}
+
 TEST_F(RecordingFiles, WriterLeavesOtherPeoplesFilesAlone) {
   write_small();
   // Neighbours that only look as if they were ours.

@@ -13,6 +13,7 @@
 #include "mapping/base/text/json.h"
 #include "mapping/tracking/alignment.h"
 #include "mapping/tracking/known_poses.h"
+#include "mapping/tracking/noise_estimate.h"
 #include "mapping/tracking/pose_graph.h"
 
 namespace loci::mapping {
@@ -352,8 +353,9 @@ TEST(Contradiction, EachViewChecksTheOther) {
 }
 
 TEST(Tracking, TheAdviceFitsTheReason) {
-  const auto advice = [](TimeNs interval, const std::string& objection) {
+  const auto advice = [](TimeNs interval, const std::string& objection, double noise = 0) {
     TrackingResult result;
+    result.depth_noise = noise;
     for (int i = 0; i < 20; ++i) result.frames.push_back({0, i, i * interval, {}, {}, objection});
     try {
       require_usable(result, "room");
@@ -365,7 +367,12 @@ TEST(Tracking, TheAdviceFitsTheReason) {
   EXPECT_THAT(advice(60 * kSecond, "no keyframe shows the same"), HasSubstr("frames are 60 s apart"));
   EXPECT_THAT(advice(kSecond / 30, "no keyframe shows the same"), HasSubstr("move more slowly"));
   EXPECT_THAT(advice(kSecond / 30, "there is hardly any depth in range"), HasSubstr("depth_scale"));
+  EXPECT_THAT(advice(kSecond / 30, "the depth does not fit the model", 0.005), HasSubstr("noise"));
   EXPECT_THAT(advice(60 * kSecond, "the surfaces in view do not determine the pose"), HasSubstr("corners"));
+}
+
+TEST(Tracking, TheNoiseOfDepthIsEstimatedFromTheImages) {
+  EXPECT_NEAR(tracking::depth_noise_per_z2(Room(walk(20))).value_or(0), 0.001, 0.0004);
 }
 
 TEST(Tracking, TheFixedErrorOfTheDepthCameraIsFoundAndUndone) {
