@@ -189,9 +189,11 @@ Id SceneTransaction::add_fact(const FactRow& row) {
 void SceneTransaction::set_reasoning(Id scene, std::string_view bytes) {
   const Encoded encoded = encode_bytes(bytes);
   db_.guarded([&] {
-    db_.insert(
-        "reasoning",
-        {{"scene", sql(scene)}, {"encoding", sql(encoded.encoding)}, {"content", BytesView{encoded.bytes}}});
+    db_.run(
+        "INSERT INTO reasoning (scene, encoding, content) VALUES (?, ?, ?) ON CONFLICT DO UPDATE SET "
+        "encoding "
+        "= excluded.encoding, content = excluded.content",
+        {sql(scene), sql(encoded.encoding), BytesView{encoded.bytes}});
   });
 }
 
