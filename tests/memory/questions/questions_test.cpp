@@ -452,8 +452,8 @@ TEST_F(Questions, AnAbsenceEndsAStay) {
 TEST_F(Questions, AReasonForAnAbsenceIsOneInAllAnswers) {
   const std::string reason = "looked for at 09:00 and not seen";
   EXPECT_THAT(text(ask(*store_, WhereQuestion{"red", at("09:10")})), HasSubstr(reason));
-  EXPECT_THAT(was("red", "table_1", "08:50", "09:10").objects[0].reason, HasSubstr(reason));
-  EXPECT_THAT(was("red", "", "08:50", "09:10").objects[0].reason,
+  EXPECT_THAT(was("red", "table_1", "08:50", "09:10").reason, HasSubstr(reason));
+  EXPECT_THAT(was("red", "", "08:50", "09:10").reason,
               HasSubstr("looked for where it stood at 09:00 and not seen"));
 }
 
