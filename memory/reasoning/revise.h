@@ -42,7 +42,7 @@ struct Revision {
 void revise(const Store& store, SceneTransaction& transaction, const Revision& revision, Progress& progress);
 
 constexpr const char* kHindsight = "hindsight";  ///< source of the rows that looking back made
-constexpr size_t kLookBack = 500;  ///< scenes
+constexpr size_t kLookBack = 500;                ///< scenes
 
 /// Corrects what the scenes that are pending (Recorder::begin_review()) decided and later ones of them
 /// contradict, as part of `run`; nothing where there are more than kLookBack. They are not pending then. The
