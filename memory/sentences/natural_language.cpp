@@ -340,11 +340,12 @@ class Conversation {
     static const std::regex habit(
         R"(\b(every|each) (day|morning|noon|afternoon|evening|night|week|weekend)\b|\b(daily|usually|normally)\b)");
     const Query& query = *answer.query;
-    const bool of_all_times = query.question == "contents-history" && query.argument("from").empty();
     std::smatch said;
     const std::string text = lower_case(sentence);
-    if (of_all_times || of_habits.contains(query.question) || !std::regex_search(text, said, habit)) return;
-    answer.notes.push_back(fmt::format("'{}' is left out: the answer is of one time", said.str()));
+    if (of_habits.contains(query.question) || !std::regex_search(text, said, habit)) return;
+    // What was seen at any time is what usually is there, but not that of each morning.
+    if (query.question == "contents-history" && query.argument("from").empty() && !said[1].matched) return;
+    answer.notes.push_back(fmt::format("'{}' is left out: the answer is not of a habit", said.str()));
   }
 
   /// "Bob's cup": whose it is restricts what is asked for.

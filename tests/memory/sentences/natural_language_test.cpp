@@ -66,7 +66,7 @@ TEST_F(NaturalLanguage, AMoveIsCountedAlikeByAllQuestions) {
 
 TEST_F(NaturalLanguage, AHabitThatIsLeftOutIsSaid) {
   EXPECT_THAT(say("What was on the table every morning?").notes,
-              testing::Contains("'every morning' is left out: the answer is of one time"));
+              testing::Contains("'every morning' is left out: the answer is not of a habit"));
   const NaturalLanguageAnswer usual = say("Where is the red thing every day?");
   ASSERT_TRUE(usual.query);
   EXPECT_EQ(usual.query->question, "usual");
