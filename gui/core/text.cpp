@@ -35,6 +35,11 @@ QString duration_text(TimeNs from, TimeNs to) {
   return span < 2 * kDay ? QString("%1 h").arg(span / kHour) : QString("%1 days").arg(span / kDay);
 }
 
+QString apart_text(TimeNs scene, TimeNs time) {
+  if (scene > time) return duration_text(time, scene) + " later";
+  return time - scene < kMinute ? QString() : duration_text(scene, time) + " before";
+}
+
 QString percent_text(double probability) {
   // 100 % is kept for what is certain.
   if (probability < 1 && probability > 0.995) return "> 99 %";

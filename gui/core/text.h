@@ -17,6 +17,8 @@ QString time_text(TimeNs time, const TimeZone& zone);
 QString zone_text(TimeNs time, const TimeZone& zone);
 /// "just now", "3 min", "2 h 5 min", "28 h", "4 days": how long `to` is after `from`.
 QString duration_text(TimeNs from, TimeNs to);
+/// How far a scene is from a time: "2 h 10 min before", "3 min later"; empty where it stands for that time.
+QString apart_text(TimeNs scene, TimeNs time);
 
 QString percent_text(double probability);
 /// A state, kind of event or explanation in words: "out of view".

@@ -31,6 +31,7 @@ void style_table(QTableView& table) {
   table.setSelectionBehavior(QAbstractItemView::SelectRows);
   table.setEditTriggers(QAbstractItemView::NoEditTriggers);
   table.setShowGrid(false);
+  table.setWordWrap(false);  // what does not fit is cut off at its end, not after its first word
   table.verticalHeader()->hide();
   table.verticalHeader()->setDefaultSectionSize(table.fontMetrics().height() + 6);
   table.horizontalHeader()->setDefaultAlignment(Qt::AlignLeft | Qt::AlignVCenter);

@@ -222,6 +222,13 @@ cv::Mat OpenMemory::image(memory::Id object, TimeNs time) const {
   return crop ? read_image(store_, *crop) : cv::Mat();
 }
 
+double OpenMemory::certainty_of_last_sighting(memory::Id object, TimeNs time,
+                                              std::optional<TimeNs> known_at) const {
+  const std::lock_guard lock(mutex_);
+  const auto last = store_.last_observation_before(object, time + 1, {}, {{}, known_at});
+  return last ? last->association.probability : 1;
+}
+
 TimeNs OpenMemory::time_of(const std::string& text) const {
   const std::lock_guard lock(mutex_);
   const memory::TimeSpan span = memory::TimeReader(store_).read(text);

@@ -115,6 +115,9 @@ class OpenMemory {
   std::vector<memory::ObjectStatus> visibility_of_object(memory::Id object, size_t first_scene = 0) const;
   std::vector<memory::ObjectStatus> visibility_of_place(const std::string& place,
                                                         size_t first_scene = 0) const;
+  /// The probability that what was seen last of an object, at a time at most, was this object; 1 where
+  /// nothing was.
+  double certainty_of_last_sighting(memory::Id object, TimeNs time, std::optional<TimeNs> known_at) const;
   /// The newest image of an object at or before a time (CV_8UC3, BGR); empty when there is none.
   cv::Mat image(memory::Id object, TimeNs time) const;
 

@@ -6,7 +6,8 @@
 namespace loci::gui {
 namespace {
 
-const QString kTime = R"((?:\d{4}-\d\d-\d\d )?\b\d\d:\d\d(?::\d\d(?:\.\d+)?)?\b)";
+/// With the offset of an hour that clocks showed twice: "02:30+02:00".
+const QString kTime = R"((?:\d{4}-\d\d-\d\d )?\b\d\d:\d\d(?::\d\d(?:\.\d+)?)?(?:[+-]\d\d:\d\d)?\b)";
 
 /// One expression for all that can be clicked; longer place names first, so that none hides another.
 QRegularExpression clickable(QStringList places) {

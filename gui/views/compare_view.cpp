@@ -42,7 +42,10 @@ CompareView::CompareView(Browser& browser, QWidget* parent)
   table_->setSelectionMode(QAbstractItemView::SingleSelection);
   table_->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
   table_->horizontalHeader()->setResizeContentsPrecision(kRowsMeasured);
-  table_->horizontalHeader()->setStretchLastSection(true);
+  // Both times stay in view: names that are too long are cut off, and tooltips show them.
+  for (const int column :
+       {DifferencesModel::name_column, DifferencesModel::then_column, DifferencesModel::now_column})
+    table_->horizontalHeader()->setSectionResizeMode(column, QHeaderView::Stretch);
   table_->setHorizontalScrollMode(QAbstractItemView::ScrollPerPixel);
   state_->setWordWrap(true);
   auto* head = new QHBoxLayout;
@@ -196,15 +199,18 @@ void CompareView::show_differences(const Belief& then) {
   const TimeZone& zone = browser_.data()->info().zone;
   const TimeNs here = browser_.selection().time();
   const bool same_day = time_text(other_, zone).left(10) == time_text(here, zone).left(10);
-  const auto head = [&](TimeNs time, const OpenMemory& memory) {  // on two lines: the columns are narrow
-    const QString text = time_text(time, zone);
-    if (another_)  // the times may be the same
-      return QFileInfo(QString::fromStdString(memory.info().path)).fileName() + "\n" + text.mid(5);
-    return same_day ? "At " + text.mid(11, 8) : text.mid(5, 5) + "\n" + text.mid(11, 8);
+  const auto head = [&](const QString& which, TimeNs time, const OpenMemory& memory) {
+    const QString text = time_text(time, zone);  // on lines of their own: the columns are narrow
+    if (another_)                                // the times may be the same
+      return which + "\n" + QFileInfo(QString::fromStdString(memory.info().path)).fileName() + "\n" +
+             text.mid(5);
+    return which + "\n" + (same_day ? text.mid(11, 8) : text.mid(5, 14));
   };
   const PlaceNames names = another_ ? PlaceNames::of_two_memories : PlaceNames::of_one_memory;
-  const QString head_then = head(other_, another_ ? *another_ : *browser_.data());
-  model_->set(differences(then, browser_.belief(), names), head_then, head(here, *browser_.data()));
+  model_->set(
+      differences(then, browser_.belief(), names),
+      head(known_at_ ? "As known then" : "Other time", other_, another_ ? *another_ : *browser_.data()),
+      head("Selected", here, *browser_.data()));
   if (other_ == browser_.selection().time() && !known_at_ && !another_)
     state_->setText("This is the selected time: select another one below.");
   else if (shown().empty())

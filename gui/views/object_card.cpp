@@ -178,6 +178,8 @@ void ObjectDetailsView::show_histograms() {
 namespace {
 
 constexpr int kImageSide = 64;
+constexpr const char* kState = "State";
+constexpr double kCertain = 0.995;  ///< shown as 100 %
 
 QLabel* selectable_label(QWidget* parent) {
   auto* label = new QLabel(parent);
@@ -243,16 +245,16 @@ void ObjectCard::build_rows() {
   form->setHorizontalSpacing(12);
   form->setVerticalSpacing(2);
   form->setLabelAlignment(Qt::AlignLeft);
-  for (const char* name : {"Place", "State", "Last seen", "Colour", "Size", "Position"}) {
+  for (const char* name : {"Place", kState, "Last seen", "Colour", "Size", "Position"}) {
     auto* value = selectable_label(rows_);
     form->addRow(name, value);
-    if (QString(name) == "State") value->setToolTip(kStatusHelp);
+    if (QString(name) == kState) value->setToolTip(kStatusHelp);
     values_.emplace_back(name, value);
   }
   probability_->setRange(0, 1000);
   probability_->setTextVisible(true);
   probability_->setFixedHeight(fontMetrics().height() + 4);
-  probability_->setToolTip("How probable it is that the object still is at this place");
+  probability_->setToolTip("How probable it is that what was seen last still is at this place");
   form->addRow("Still there", probability_);
 }
 
@@ -355,6 +357,20 @@ void ObjectCard::show_object(const BelievedObject& object) {
   rows_->show();
   pages_->show();
   show_image();
+  show_certainty(state_text(object.status));
+}
+
+void ObjectCard::show_certainty(const QString& state) {
+  const int64_t object = *browser_.selection().object();
+  browser_.reader().read<double>(
+      this, "certainty", Urgency::selection,
+      [object, time = browser_.selection().time(), known_at = browser_.selection().known_at()](
+          const OpenMemory& memory) { return memory.certainty_of_last_sighting(object, time, known_at); },
+      [this, object, state](const double& certainty) {
+        if (certainty >= kCertain || browser_.selection().object() != object) return;
+        for (auto& [name, label] : values_)
+          if (name == kState) label->setText(state + "; identity " + percent_text(certainty) + " sure");
+      });
 }
 
 void ObjectCard::show_image() {

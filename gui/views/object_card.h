@@ -67,6 +67,8 @@ class ObjectCard : public QWidget {
   void show_place(const std::string& place);
   void show_nothing(const QString& title, const QString& hint);
   void show_image();
+  /// Adds to the state how surely what was seen last was this object, where that is in doubt.
+  void show_certainty(const QString& state);
 
   Browser& browser_;
   HistoryModel* model_;

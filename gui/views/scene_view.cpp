@@ -195,13 +195,15 @@ void SceneImage::paintEvent(QPaintEvent*) {
 }
 
 void SceneImage::paint_values(QPainter& painter) const {
-  if (values_.isEmpty()) return;
+  const QString text =
+      values_.isEmpty() ? apart_text(content_->scene.time, browser_.selection().time()) : values_;
+  if (text.isEmpty()) return;
   painter.setFont(small_font(font()));
-  const QSizeF size = painter.fontMetrics().size(Qt::TextSingleLine, values_) + QSize(10, 4);
+  const QSizeF size = painter.fontMetrics().size(Qt::TextSingleLine, text) + QSize(10, 4);
   const QRectF area(QPointF(0, height() - size.height()), size);
   painter.fillRect(area, QColor(0, 0, 0, 190));
   painter.setPen(Qt::white);
-  painter.drawText(area, Qt::AlignCenter, values_);
+  painter.drawText(area, Qt::AlignCenter, text);
 }
 
 /// What the colours of the depth image mean, below it.

@@ -53,6 +53,7 @@ class SceneImage : public QWidget {
   void paint_kinds(QPainter& painter) const;
   void paint_depth_scale(QPainter& painter) const;
   int legend_height() const;
+  /// The values under the cursor, else how far the scene is from the selected time.
   void paint_values(QPainter& painter) const;
   void paint_notes(QPainter& painter) const;
   /// Names where they have space, beside their boxes; that of the selected object always.

@@ -88,7 +88,7 @@ void Docks::show(const std::string& name) const {
 
 void Docks::restore_default() {
   const auto resize = [this] {
-    window_.resizeDocks({find("objects"), find("scene")}, {318, 360}, Qt::Horizontal);
+    window_.resizeDocks({find("objects"), find("scene")}, {318, 390}, Qt::Horizontal);
     window_.resizeDocks({find("scene"), find("selection")}, {230, 330}, Qt::Vertical);
     window_.resizeDocks({find("time")}, {200}, Qt::Vertical);
   };

@@ -13,15 +13,27 @@ bool has_evidence(const Store& store) {
   return store.scenes_without_reasoning() == 0 && !unreadable_belief(store);
 }
 
+/// Whether later looks decided what the observations of a scene are of.
+bool is_decided_by_hindsight(const Store& store, const SceneRow& scene) {
+  return std::ranges::any_of(store.associations(scene.id), [](const AssociationRow& row) {
+    return row.chosen && row.clock.source == kHindsight;
+  });
+}
+
 void reason_after(Store& store, TimeNs period_end, Id run, Progress& progress) {
-  const std::vector<SceneRow> later = store.scenes({}, period_end + 1);
+  const std::vector<SceneRow> scenes = store.scenes();
   const std::vector<ForgottenRow> forgotten = store.forgotten();
-  const auto first = std::ranges::find_if(
-      later, [&](const SceneRow& scene) { return !was_forgotten(forgotten, scene.time); });
+  const auto first = std::ranges::find_if(scenes, [&](const SceneRow& scene) {
+    return !was_forgotten(forgotten, scene.time) &&
+           (scene.time > period_end || is_decided_by_hindsight(store, scene));
+  });
   SceneTransaction rows(store, run);
   rows.postpone_derived();
   revise(store, rows,
-         {.from = first == later.end() ? 0 : first->id, .known = known_identities(store), .source = "forget"},
+         {.from = first == scenes.end() ? 0 : first->id,
+          .known = known_identities(store),
+          .source = "forget",
+          .replace_reasoning = true},
          progress);
   rows.commit();
   store.replace_forgotten(run);

@@ -190,9 +190,10 @@ ChangesAnswer ask(const Store& store, const ChangesQuestion& question) {
 }
 
 std::string to_text(const ChangesAnswer& answer, const TimeWriter& times) {
-  if (answer.changes.empty()) return "Nothing is known to have happened.\n";
   std::vector<std::string> lines;
   for (const Change& change : answer.changes) lines.push_back(change_line(change, times));
+  if (answer.changes.empty()) lines.emplace_back("Nothing is known to have happened.");
+  for (const Change& change : answer.perhaps) lines.push_back("perhaps  " + change_line(change, times));
   return lines_text(lines);
 }
 
@@ -202,7 +203,8 @@ const Record<ChangesAnswer>& changes_record() {
   static const auto record = Record<ChangesAnswer>("ChangesAnswer")
                                  .time("from", &ChangesAnswer::from)
                                  .time("to", &ChangesAnswer::to)
-                                 .record("changes", &ChangesAnswer::changes, change_record());
+                                 .record("changes", &ChangesAnswer::changes, change_record())
+                                 .record("perhaps", &ChangesAnswer::perhaps, change_record());
   return record;
 }
 

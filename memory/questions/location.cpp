@@ -21,11 +21,19 @@ constexpr double kSameSpot_m = 0.08;
 
 std::vector<Stay> stays_of(const Snapshot& snapshot, Id object) {
   std::vector<Stay> stays;
+  std::vector<TimeNs> gone;  // when it was found to be away
+  for (const EventRow& event : snapshot.store().events_of(object, snapshot.as_of(), {}, {}))
+    if (event.kind == EventKind::gone) gone.push_back(event.clock.valid_from);
+  const auto was_away = [&](const Stay& stay, TimeNs until) {
+    return std::ranges::any_of(gone,
+                               [&](TimeNs time) { return time > stay.scenes.back().time && time < until; });
+  };
   for (const ObjectObservation& sighting : snapshot.store().observations_of(object, snapshot.as_of())) {
     const ObservationRow& seen = sighting.observation;
     const auto place = snapshot.place_ref(seen.place);
     const bool at_place = !stays.empty() && stays.back().place.has_value() == place.has_value() &&
-                          (!place || stays.back().place->id == place->id);
+                          (!place || stays.back().place->id == place->id) &&
+                          !was_away(stays.back(), sighting.time);
     bool same = at_place;
     if (same && seen.position && stays.back().position)
       same = (*seen.position - *stays.back().position).norm() <= kSameSpot_m;

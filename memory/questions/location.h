@@ -37,7 +37,7 @@ struct Stay {
   std::optional<Vector3d> position = {};  ///< mean
   std::vector<SceneRef> scenes = {};      ///< in which it was seen there
   double probability = 1;                 ///< least probable of the observations
-  bool moved_in = false;                  ///< the stay before was at another place
+  bool moved_in = false;                  ///< since the stay before it was at another place, or away
 };
 struct HistoryQuestion {
   std::string subject = {};

@@ -417,7 +417,7 @@ class Judge {
     result.probability = presence.chance(absent, result.before, result.after);
     if (!absent.empty() && result.probability <= kMaxChance) {
       result.verdict = Verdict::no;
-      result.reason = reason_of_no(result);
+      result.reason = reason_of_no(absent, result);
     } else if (!absent.empty()) {
       result.reason = what_was_seen(presence, absent, result);
     } else {
@@ -446,14 +446,14 @@ class Judge {
     return fmt::format("{:.0f} % of {}", 100 * coverage_.fraction(), question_.place);
   }
 
-  std::string reason_of_no(const WasObject& result) const {
-    const bool spot_empty = spot_was(result, SpotStatus::seen_empty);
+  std::string reason_of_no(const std::vector<TimeNs>& absent, const WasObject& result) const {
+    const bool place_seen = coverage_.fraction() >= kMinSeenFraction;
     if (!result.seen_elsewhere.empty())
-      return spot_empty || coverage_.fraction() >= kMinSeenFraction
+      return spot_was(result, SpotStatus::seen_empty) || place_seen
                  ? fmt::format("it was seen elsewhere, and {} was seen without it", part_seen())
                  : "it was seen elsewhere";
-    return spot_empty ? "the spot where it stood was seen without it"
-                      : fmt::format("{} was seen and it was not there", part_seen());
+    return fmt::format("it was {}{}", looked_for_text(absent, "", TimeWriter(snapshot_.store())),
+                       place_seen ? fmt::format(" ({} was seen)", part_seen()) : "");
   }
 
   /// "seen there at T1; not there at T2; not observed from T3 to T4".
@@ -488,11 +488,16 @@ class Judge {
            still;
   }
 
-  static void decide_anywhere(WasObject& result) {
+  void decide_anywhere(WasObject& result) const {
     // What lies flat hardly changes the depth of its spot: a view of the spot without it is enough.
-    if (spot_was(result, SpotStatus::seen_empty) || spot_was(result, SpotStatus::seen)) {
+    std::vector<TimeNs> looks;
+    for (const PlaceView& view : result.views)
+      if (view.spot == SpotStatus::seen_empty || view.spot == SpotStatus::seen)
+        looks.push_back(view.scene.time);
+    if (!looks.empty()) {
       result.verdict = Verdict::no;
-      result.reason = "the spot where it stood was seen without it, and it was seen nowhere else";
+      result.reason = fmt::format("it was {}, and it was seen nowhere else",
+                                  looked_for_text(looks, "where it stood", TimeWriter(snapshot_.store())));
     } else {
       result.reason = "it was not seen, and where it stood was not looked at";
     }

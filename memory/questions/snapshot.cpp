@@ -136,6 +136,16 @@ std::string Snapshot::joint_name(const std::string& joint) const {
   return part_names().joint(joint);
 }
 
+std::optional<PlaceRef> Snapshot::place_moved_by(const std::string& joint) const {
+  std::optional<PlaceRef> moved;
+  for (const PlaceRow& row : places()) {
+    if (row.joint != joint) continue;
+    if (moved) return std::nullopt;
+    moved = PlaceRef{row.id, row.name, row.container};
+  }
+  return moved;
+}
+
 SceneRef Snapshot::scene_ref(const SceneRow& scene) const {
   SceneRef ref{.scene = scene.id, .time = scene.time, .recording = {}, .frame = scene.frame_index};
   if (scene.recording)
@@ -244,6 +254,7 @@ Change Snapshot::change(const EventRow& event) const {
   change.position = event.position;
   change.from_position = event.from_position;
   if (event.joint) change.joint = joint_name(*event.joint);
+  if (event.joint && !change.place) change.place = place_moved_by(*event.joint);
   change.joint_position = event.joint_position;
   change.from_joint_position = event.from_joint_position;
   change.probability = event.probability;

@@ -115,6 +115,8 @@ class Snapshot {
   std::vector<std::string> names_related_to(const std::string& word) const;
 
  private:
+  /// The only place that a joint moves, also where a scene did not show it; unset where there are several.
+  std::optional<PlaceRef> place_moved_by(const std::string& joint) const;
   /// Gives a row its probability by what was seen later, too.
   void smooth(BeliefRow& row) const;
   FileLocation file() const { return {store_.name(), 0, {}}; }

@@ -386,6 +386,17 @@ const std::vector<Snapshot::Candidate>& Snapshot::candidates_named(const std::st
                                            : reads_->candidates[key] = search_named(word, among);
 }
 
+namespace {
+
+/// "ada's" and, as it is typed, "adas"; "jonas'" and "jonas".
+bool is_possessive_of(const std::string& word, const std::string& name) {
+  if (!word.starts_with(name)) return false;
+  const std::string ending = word.substr(name.size());
+  return ending == "'s" || (name.ends_with('s') ? ending.empty() || ending == "'" : ending == "s");
+}
+
+}  // namespace
+
 std::vector<Snapshot::Candidate> Snapshot::search_named(const std::string& word, Among among) const {
   if (const auto id = object_id(word)) return of_number(*id);
   std::vector<Candidate> found;
@@ -402,7 +413,7 @@ std::vector<Snapshot::Candidate> Snapshot::search_named(const std::string& word,
   if (!found.empty()) return found;
   const std::set<std::string> meanings = reads_->taxonomy.meanings(word);
   found = with_fact([&](const std::string& key, const std::string& value) {
-    return key == "owner" ? word == value + "'s" : meanings.contains(value);
+    return key == "owner" ? is_possessive_of(word, value) : meanings.contains(value);
   });
   for (const std::vector<Candidate>& more : {of_looks(word, among), of_class(word, meanings, among)})
     found.insert(found.end(), more.begin(), more.end());

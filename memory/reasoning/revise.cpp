@@ -211,6 +211,7 @@ class Reviser {
     state_.next_id = std::max(state_.next_id, next_object_);
     const belief::BeliefUpdate update = belief::advance(state_, scene, options_);
     if (!anew_) return;
+    if (revision_.replace_reasoning) replace_reasoning(row.id, update);
     BeliefRows rows = belief_rows(
         {store_, record, scene.places, row.id, observations, update, state_, options_, places_, last_});
     update_last(last_, rows, state_);
@@ -220,6 +221,13 @@ class Reviser {
           association.probability *= one->second;
     take(row, std::move(rows));
     write_closed(oldest_open());
+  }
+
+  void replace_reasoning(Id scene, const belief::BeliefUpdate& update) {
+    std::optional<SceneReasoning> reasoning = load_reasoning(store_, scene);
+    reasoning->decisions = belief::decisions_of(update);
+    reasoning->matrices = belief::matrices_of(update, reasoning->decisions);
+    save_reasoning(transaction_, scene, *reasoning);
   }
 
   /// What is known of the observations beforehand, and which objects they were of.
@@ -374,7 +382,7 @@ size_t look_back(Store& store, Id run, Progress& progress) {
   if (review->contradicted) {
     const StoredEvidence evidence = evidence_after(store, review->after);
     supposed = belief::hindsight(review->before, evidence.scenes, load_options(store), progress);
-    Revision revision{.resume_after = review->after, .before = &review->before, .source = "hindsight"};
+    Revision revision{.resume_after = review->after, .before = &review->before, .source = kHindsight};
     for (const auto& [observation, one] : supposed) {
       revision.known[observation] = one.object;
       revision.probabilities[observation] = one.probability;

@@ -28,6 +28,9 @@ struct Revision {
   std::map<Id, double> probabilities = {};  ///< of those identities that are supposed, by observation
   const belief::BeliefState* before = nullptr;
   std::string source = "edit";  ///< of the rows
+  /// The stored reasoning of these scenes is replaced, too. It has no versions: not where the revision can be
+  /// undone.
+  bool replace_reasoning = false;
 };
 
 /// Computes the belief again with what is known of identities, and with what later scenes tell of earlier
@@ -38,7 +41,8 @@ struct Revision {
 /// Store::derive(). Error when another scene has no evidence (Store::scenes_without_reasoning()).
 void revise(const Store& store, SceneTransaction& transaction, const Revision& revision, Progress& progress);
 
-constexpr size_t kLookBack = 500;  ///< scenes
+constexpr const char* kHindsight = "hindsight";  ///< source of the rows that looking back made
+constexpr size_t kLookBack = 500;                ///< scenes
 
 /// Corrects what the scenes that are pending (Recorder::begin_review()) decided and later ones of them
 /// contradict, as part of `run`; nothing where there are more than kLookBack. They are not pending then. The

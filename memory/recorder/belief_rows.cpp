@@ -40,6 +40,21 @@ ObjectStatus unobserved_status(const belief::Visibility& v) {
   return v.out_of_view >= v.hidden + v.unmeasured ? ObjectStatus::out_of_view : ObjectStatus::hidden;
 }
 
+/// What a scene showed of an object that it did not find; what it shows to have left is missed there, however
+/// little of its spot is in view.
+ObjectStatus unobserved_status(const belief::ObjectOutcome& outcome) {
+  const bool left = outcome.explanation == Explanation::disappear;
+  return left ? ObjectStatus::missed : unobserved_status(outcome.visibility);
+}
+
+/// The extents of an object that was measured before, of which a view shows a part at least: how it is turned
+/// is that of the part.
+Vector3d at_least(const Vector3d& known, const Vector3d& part) {
+  Vector3d turned = known;
+  if ((known.x() > known.y()) != (part.x() > part.y())) std::swap(turned.x(), turned.y());
+  return turned.cwiseMax(part);
+}
+
 double unobserved_probability(const belief::Visibility& v, ObjectStatus status) {
   const double share = status == ObjectStatus::missed        ? v.observed()
                        : status == ObjectStatus::out_of_view ? v.out_of_view
@@ -277,7 +292,7 @@ class RowBuilder {
     if (const std::optional<Id> now = place(object.place)) row.place = now;
     const belief::AxisBox box = belief::box_in_map(object, c_.place_poses);
     row.position = box.centre;
-    if (object.has_size) row.size = box.size;
+    if (object.has_size) row.size = object.partial && row.size ? at_least(*row.size, box.size) : box.size;
     row.sigma = std::sqrt(object.variance);
     row.clock = clock();
     if (seen_now) fill_observation(row, object);
@@ -346,7 +361,7 @@ class RowBuilder {
       VisibilityRow row;
       row.scene = c_.scene;
       row.object = outcome.object;
-      row.status = unobserved_status(outcome.visibility);
+      row.status = unobserved_status(outcome);
       if (row.status == ObjectStatus::out_of_view) continue;
       row.probability = unobserved_probability(outcome.visibility, row.status);
       rows_.visibility.push_back(row);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <regex>
 #include <set>
 
 #include "mapping/base/text/text.h"
@@ -341,8 +342,24 @@ class Conversation {
     }
     if (!answer.query) return answer;
     note_owners_left_out(sentence, answer);
+    note_habit_left_out(sentence, answer);
     keep(*answer.query, answer.reply.value_or(Reply{}));
     return answer;
+  }
+
+  /// "Every day", "usually": of a time and not of a habit is what follows.
+  static void note_habit_left_out(const std::string& sentence, NaturalLanguageAnswer& answer) {
+    static const std::set<std::string> of_habits = {"usual",  "life-cycle", "co-occurrence", "missing",
+                                                    "digest", "scene-type", "task"};
+    static const std::regex habit(
+        R"(\b(every|each) (day|morning|noon|afternoon|evening|night|week|weekend)\b|\b(daily|usually|normally)\b)");
+    const Query& query = *answer.query;
+    std::smatch said;
+    const std::string text = lower_case(sentence);
+    if (of_habits.contains(query.question) || !std::regex_search(text, said, habit)) return;
+    // What was seen at any time is what usually is there, but not that of each morning.
+    if (query.question == "contents-history" && query.argument("from").empty() && !said[1].matched) return;
+    answer.notes.push_back(fmt::format("'{}' is left out: the answer is not of a habit", said.str()));
   }
 
   /// "Bob's cup": whose it is restricts what is asked for.

@@ -200,6 +200,7 @@ constexpr Compound kCompounds[] = {
     {"most (recent|recently)", "last"},
     {"(least|longest) recently", "first"},
     {"(most|much) of the (time|day)|for the most part", "usually"},
+    {"(every|each) day", "usually"},
     // Where.
     {"(in|at|on) (what|which) (place|spot|location|position|surface)", "where"},
     {"(what|which) (place|spot|location|position|surface) (is|was|has|does|did|do)", "where is"},

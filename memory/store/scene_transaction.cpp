@@ -2,6 +2,7 @@
 
 #include "mapping/base/text/hash.h"
 #include "memory/store/rows/derived_rows.h"
+#include "memory/store/rows/digest.h"
 #include "memory/store/rows/row_columns.h"
 
 namespace loci::memory {
@@ -189,6 +190,14 @@ Id SceneTransaction::add_fact(const FactRow& row) {
 void SceneTransaction::set_reasoning(Id scene, std::string_view bytes) {
   const Encoded encoded = encode_bytes(bytes);
   db_.guarded([&] {
+    SQLite::Statement& old = db_.statement("SELECT scene, encoding, content FROM reasoning WHERE scene = ?");
+    bind_values(old, {sql(scene)});
+    if (old.executeStep()) {
+      db_.digests["reasoning"] -= row_digest("reasoning", old);
+      --db_.added["reasoning"];
+      old.reset();
+      db_.run("DELETE FROM reasoning WHERE scene = ?", {sql(scene)});
+    }
     db_.insert(
         "reasoning",
         {{"scene", sql(scene)}, {"encoding", sql(encoded.encoding)}, {"content", BytesView{encoded.bytes}}});

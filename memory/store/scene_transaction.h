@@ -56,7 +56,7 @@ class SceneTransaction {
   Id add_visibility(const VisibilityRow& row);
   Id add_fact(const FactRow& row);
 
-  /// What the belief concluded about a scene, to explain it and to reason again.
+  /// What the belief concluded about a scene, to explain it and to reason again; replaces an older one.
   void set_reasoning(Id scene, std::string_view bytes);
   /// The state of a program after this scene; replaces the one of this name.
   void set_checkpoint(const std::string& name, std::string_view bytes, std::optional<Id> scene);

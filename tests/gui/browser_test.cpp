@@ -161,6 +161,17 @@ TEST_F(BrowserWindow, TypedTimesAreTakenAndNonsenseIsRefused) {
   EXPECT_EQ(stamp->text(), "2026-05-01 07:00:00");
 }
 
+TEST_F(BrowserWindow, ATimeWithoutASceneSaysWhichSceneIsShown) {
+  const auto shown = [&](TimeNs time) {
+    go_to(time);
+    return window.docks().time_bar().scene_text().toStdString();
+  };
+  EXPECT_EQ(shown(sample_.first).substr(0, 10), "scene 1 of");
+  EXPECT_EQ(shown(sample_.first).find(','), std::string::npos);
+  EXPECT_TRUE(shown(sample_.first - 2 * kHour).starts_with("no scene yet"));
+  EXPECT_TRUE(shown(sample_.first + 5 * kMinute).ends_with(", 5 min before"));
+}
+
 TEST_F(BrowserWindow, SearchShowsWhatMatchesAndKeepsTheSelection) {
   go_to(sample_.first);
   choose(1);

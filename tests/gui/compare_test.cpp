@@ -119,6 +119,14 @@ TEST_F(CompareInWindow, TheBeginningIsComparedWithTheChosenTime) {
   EXPECT_EQ(selection().object(), 2);
 }
 
+TEST_F(CompareInWindow, TitlesSayWhichTimeIsWhich) {
+  const auto title = [&](int column) {
+    return window.docks().compare().table()->model()->headerData(column, Qt::Horizontal).toString();
+  };
+  EXPECT_TRUE(title(2).startsWith("Other time\n")) << title(2).toStdString();
+  EXPECT_TRUE(title(3).startsWith("Selected\n")) << title(3).toStdString();
+}
+
 TEST_F(CompareInWindow, TheOtherTimeCanBeTyped) {
   window.docks().compare().stamp()->setText("07:30");
   QTest::keyClick(window.docks().compare().stamp(), Qt::Key_Return);

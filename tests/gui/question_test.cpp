@@ -49,6 +49,11 @@ TEST(AnswerLinks, ObjectsPlacesAndTimesAreLinksAndTheRestIsEscaped) {
   EXPECT_TRUE(html.contains("<a href=\"time:08:30:02\">08:30:02</a>")) << html.toStdString();
 }
 
+TEST(AnswerLinks, AnOffsetBelongsToItsTime) {
+  const QString html = linked_text("at 02:30+02:00, not at 02:30", {});
+  EXPECT_EQ(html, "at <a href=\"time:02:30+02:00\">02:30+02:00</a>, not at <a href=\"time:02:30\">02:30</a>");
+}
+
 class QuestionBarInWindow : public BrowserWindow {
  protected:
   QuestionBar& bar() { return window.question_bar(); }

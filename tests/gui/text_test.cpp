@@ -27,6 +27,12 @@ TEST(DurationText, UsesTheUnitThatFits) {
   EXPECT_EQ(duration_text(0, 28 * kHour + kMinute), "28 h");
 }
 
+TEST(ApartText, SaysWhichSceneIsShownInstead) {
+  EXPECT_EQ(apart_text(kHour, kHour + 59 * kSecond), "") << "so long a scene stands for its time";
+  EXPECT_EQ(apart_text(kHour, 3 * kHour), "2 h 0 min before");
+  EXPECT_EQ(apart_text(kHour, kHour - 90 * kSecond), "1 min later");
+}
+
 TEST(PercentText, KeepsCertaintyForWhatIsCertain) {
   EXPECT_EQ(percent_text(1), "100 %");
   EXPECT_EQ(percent_text(0.999), "> 99 %");

@@ -253,8 +253,26 @@ void TimeBar::fill_known() {
   }
 }
 
+namespace {
+
+/// "scene 3 of 24, 2 h before".
+QString scene_in_words(const OpenMemory& memory, const memory::SceneRow& scene, TimeNs time) {
+  const size_t count = memory.scenes().size();
+  const QString apart = apart_text(scene.time, time);
+  if (scene.time > time) return QString("no scene yet; the first of %1 is %2").arg(count).arg(apart);
+  const auto number = &scene - memory.scenes().data() + 1;
+  return QString("scene %1 of %2").arg(number).arg(count) + (apart.isEmpty() ? "" : ", " + apart);
+}
+
+}  // namespace
+
+QString TimeBar::scene_text() const {
+  return scene_->text();
+}
+
 QString TimeBar::what_happened() const {
   const memory::SceneRow* scene = browser_.scene();
+  if (scene != nullptr && scene->time > browser_.selection().time()) return {};
   QStringList texts;
   const auto& events = browser_.data()->events();
   const auto first =
@@ -285,8 +303,7 @@ void TimeBar::refresh() {
   zone_->setToolTip(info.time_assumed ? "The recording had no time stamps: these were made up at 30 Hz"
                                       : "Time zone of all times shown");
   const memory::SceneRow* scene = browser_.scene();
-  const auto number = scene - memory->scenes().data() + 1;
-  scene_->setText(QString("scene %1 of %2").arg(number).arg(memory->scenes().size()));
+  scene_->setText(scene_in_words(*memory, *scene, browser_.selection().time()));
   happened_->setToolTip(what_happened());
   elide();
   QPalette colors = palette();

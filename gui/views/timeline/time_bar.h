@@ -36,6 +36,8 @@ class TimeBar : public QWidget {
   LaneView* lanes() const { return lanes_; }
   TimeAxis& axis() { return axis_; }
   QLineEdit* stamp() const { return stamp_; }
+  /// Which scene is shown, and how far it is from the selected time.
+  QString scene_text() const;
   /// Transaction time: as known now, or before one of the runs.
   QComboBox* known() const { return known_; }
   bool plays() const { return timer_.isActive(); }

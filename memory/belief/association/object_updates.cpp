@@ -40,7 +40,7 @@ void SceneUpdate::update_observed(size_t o, size_t k) {
     learn_clutter(object);
   }
   if (explanation == Explanation::move && status_before == Status::present) keep_alternative(o, k);
-  update_box_and_views(o, k, observation, explanation, piece);
+  if (merged_[o] == 0) update_box_and_views(o, k, observation, explanation, piece);
   learn_detection(object, explanation);
   object.probability_here = 1;
   object.hidden_scenes = 0;
@@ -193,7 +193,7 @@ void SceneUpdate::update_unobserved(size_t o) {
   }
   const PresenceEvidence presence = presence_evidence(o);
   const double in_view = 1 - p.undetectable;
-  if (timing_.independent) object.missed_views += in_view;
+  if (timing_.independent) object.missed_views += in_view * (1 - merged_[o]);
   object.probability_here = presence.probability();
   if (timing_.independent && in_view >= kParameters.min_observed)
     weigh_clutter(object, presence.empty * (1 - options_.repeat_clutter), presence.there + presence.away);
@@ -257,8 +257,11 @@ SceneUpdate::PresenceEvidence SceneUpdate::presence_evidence(size_t o) const {
                                                     state_.detection.value(options_), options_);
   const double in_view = 1 - p.undetectable;
   const double empty = p.undetectable + in_view * std::exp(evidence.if_gone);
-  return {p.here * (p.undetectable + in_view * std::exp(evidence.if_there)) * std::exp(p.log_surface),
-          (1 - p.here) * empty, empty};
+  const double there = p.here * (p.undetectable + in_view * std::exp(evidence.if_there)) *
+                       std::exp(p.log_surface),
+               away = (1 - p.here) * empty;
+  // A cluster of several that shows it leaves no doubt that it is there.
+  return {std::lerp(there, there + away, merged_[o]), (1 - merged_[o]) * away, empty};
 }
 
 double SceneUpdate::posterior_empty_share(size_t o) const {

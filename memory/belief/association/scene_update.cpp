@@ -107,6 +107,7 @@ void SceneUpdate::solve_association() {
 void SceneUpdate::choose_partners() {
   partner_of_object_.resize(state_.objects.size());
   partner_of_observation_.resize(scene_.observations.size());
+  merged_.resize(state_.objects.size());
   for (const auto& [o, k] : solution_.map.pairs) pair(o, k);
   if (timing_.snapshot) return;
   for (size_t k = 0; k < partner_of_observation_.size(); ++k) prefer_known_object(k);
@@ -155,6 +156,7 @@ void SceneUpdate::prefer_known_object(size_t k) {
 }
 
 Explanation SceneUpdate::pair_explanation(size_t o, size_t k) const {
+  if (merged_[o] > 0) return Explanation::stay;
   const auto row = static_cast<Eigen::Index>(o), column = static_cast<Eigen::Index>(k);
   const double stay = weights_.stay(row, column), move = weights_.move(row, column),
                newview = weights_.newview(row, column);
@@ -173,8 +175,8 @@ void SceneUpdate::report_observations() {
     for (size_t o = 0; o < state_.objects.size(); ++o) {
       const auto row = static_cast<Eigen::Index>(o);
       const PartnerProbability partner{state_.objects[o].key, state_.objects[o].id,
-                                       solution_.stay(row, column), solution_.move(row, column),
-                                       solution_.newview(row, column)};
+                                       solution_.stay(row, column) + in_cluster(o, k),
+                                       solution_.move(row, column), solution_.newview(row, column)};
       if (partner_of_observation_[k] == o) {
         outcome.key = partner.key;
         outcome.explanation = pair_explanation(o, k);
@@ -245,7 +247,12 @@ std::vector<std::vector<Alternative>> SceneUpdate::propagated_alternatives() con
 
 double SceneUpdate::pair_probability(size_t o, size_t k) const {
   const auto row = static_cast<Eigen::Index>(o), column = static_cast<Eigen::Index>(k);
-  return solution_.stay(row, column) + solution_.move(row, column) + solution_.newview(row, column);
+  return solution_.stay(row, column) + solution_.move(row, column) + solution_.newview(row, column) +
+         in_cluster(o, k);
+}
+
+double SceneUpdate::in_cluster(size_t o, size_t k) const {
+  return partner_of_observation_[k] == o ? merged_[o] : 0;
 }
 
 void SceneUpdate::finish_outcomes() {

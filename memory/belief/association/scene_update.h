@@ -29,6 +29,8 @@ class SceneUpdate {
   /// Alternative identities of each track after this scene.
   std::vector<std::vector<Alternative>> propagated_alternatives() const;
   double pair_probability(size_t o, size_t k) const;
+  /// The part of it by which the observation is a cluster of several.
+  double in_cluster(size_t o, size_t k) const;
   double log_proximity(size_t o, size_t k) const;
   /// Evidence of appearance but for the size.
   double color_log_ratio(size_t o, size_t k) const;
@@ -36,8 +38,20 @@ class SceneUpdate {
   /// Fills in object numbers and posteriors once all objects are updated.
   void finish_outcomes();
 
-  // One object that is observed, or believed, as several (pieces.cpp).
+  // One object that is observed, or believed, as several, and several that are observed as one (pieces.cpp).
   void join_pieces();
+  /// A whole observation that lies where several objects stand side by side, and is as large as all of them
+  /// together, may be a cluster of them all: they are there, though at most one of them is found.
+  void find_merged(size_t k);
+  /// The objects that an observation may be a cluster of, the largest first; empty where fewer than two are.
+  std::vector<size_t> possible_parts(size_t k) const;
+  /// Probability that an observation is a cluster of these objects, against the MAP hypothesis.
+  double merged_probability(size_t k, const std::vector<size_t>& parts) const;
+  /// Leaves the rest of the posterior to the other hypotheses. The part that the cluster is taken for is
+  /// found in it, the others are missed; none of them looks like it, so nothing is learned from the pair.
+  void share_with_merged(size_t k, const std::vector<size_t>& parts, double merged);
+  /// Log weight of an object not being found.
+  double log_absent(size_t o) const;
   /// What hides the middle of an object cuts it in two. Of two pieces the larger one is the object, the other
   /// is clutter.
   void find_further_piece(size_t k);
@@ -124,6 +138,7 @@ class SceneUpdate {
   std::vector<std::optional<size_t>> partner_of_object_, partner_of_observation_;
   std::vector<double> piece_probability_;  ///< per observation, against being a new object
   std::vector<bool> is_double_;            ///< per object
+  std::vector<double> merged_;             ///< per object: probability that a cluster of several shows it
   std::vector<ProtoObject> alternatives_;  ///< hypotheses of this scene
   BeliefUpdate update_;
 };

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "memory/questions/names/names.h"
+
 namespace loci::memory {
 namespace format {
 
@@ -63,12 +65,24 @@ std::string when_text(const Change& change, const TimeWriter& times) {
   return fmt::format("{} (after {})", times.text(change.time), times.text(*change.since));
 }
 
+std::string looked_for_text(const std::vector<TimeNs>& looks, const std::string& where,
+                            const TimeWriter& times) {
+  const std::string first = times.text(looks.front()), last = times.text(looks.back());
+  return fmt::format(
+      "looked for {}{}at {} and not seen", where, where.empty() ? "" : " ",
+      first == last ? first : fmt::format("{} looks from {} to {}", looks.size(), first, last));
+}
+
+std::string joint_in_words(const Change& change) {
+  if (change.place) return part_in_words(change.place->name);
+  return change.joint ? part_in_words(piece_in_words(*change.joint)) : "a joint";
+}
+
 namespace {
 
 std::string evidence_text(const ObjectBelief& belief, const TimeWriter& times) {
   std::vector<std::string> parts;
-  if (belief.last_missed)
-    parts.push_back(fmt::format("looked for at {} and not seen", times.text(belief.last_missed->time)));
+  if (belief.last_missed) parts.push_back(looked_for_text({belief.last_missed->time}, "", times));
   if (belief.scenes_hidden > 0)
     parts.push_back("hidden behind something in " + counted(belief.scenes_hidden, "scene"));
   if (belief.scenes_out_of_view > 0)
@@ -125,7 +139,7 @@ using namespace format;
 namespace {
 
 std::string joint_text(const Change& change) {
-  const std::string name = change.joint.value_or(change.place ? change.place->name : "a joint");
+  const std::string name = joint_in_words(change);
   if (change.from_joint_position && change.joint_position)
     return fmt::format("{} {} from {:.2f} to {:.2f}", name,
                        *change.joint_position > *change.from_joint_position ? "opened" : "closed",

@@ -22,6 +22,12 @@ std::string scenes_text(const std::vector<SceneRef>& scenes);
 std::string status_text(ObjectStatus status);  ///< "out of view"
 /// "09:30 (after 08:00)".
 std::string when_text(const Change& change, const TimeWriter& times);
+/// "looked for on table_1 at 09:00 and not seen", of several looks "at 3 looks from 08:00 to 09:00". `where`
+/// may be empty. The reason why something is taken for gone, in any answer.
+std::string looked_for_text(const std::vector<TimeNs>& looks, const std::string& where,
+                            const TimeWriter& times);
+/// "drawer_1" for drawer_1_front_joint: the place that a joint moves, else the part of the map.
+std::string joint_in_words(const Change& change);
 /// Where it is and on what evidence, as one sentence.
 std::string belief_text(const ObjectBelief& belief, const TimeWriter& times);
 /// Seen in one scene only and missed when its place was seen again: perhaps a false detection.

@@ -68,7 +68,7 @@ std::string seen_text(const ObjectBelief& object, const TimeWriter& times) {
   if (object.last_seen)
     text +=
         fmt::format(", last at {} ({})", times.text(object.last_seen->time), scene_text(*object.last_seen));
-  if (object.last_missed) text += fmt::format("; not seen there at {}", times.text(object.last_missed->time));
+  if (object.last_missed) text += "; " + looked_for_text({object.last_missed->time}, "", times);
   return text;
 }
 
@@ -117,8 +117,8 @@ std::string reason_of(const ObjectBelief& object, const Names& names, const Repl
   const std::string when = context.times.text(object.last_seen->time),
                     spot = spot_in_words(object.place, object.position);
   if (object.status == ObjectStatus::gone && object.last_missed)
-    return fmt::format("Because {} was looked for {} at {} and not seen.", bare_subject(object.object, names),
-                       spot, context.times.text(object.last_missed->time));
+    return fmt::format("Because {} was {}.", bare_subject(object.object, names),
+                       looked_for_text({object.last_missed->time}, spot, context.times));
   return fmt::format("Because {} was last seen {} at {}.", bare_subject(object.object, names), spot, when);
 }
 
@@ -128,11 +128,6 @@ std::string between_text(const Change& change, const TimeWriter& times) {
                     ? "At " + times.text(change.time)
                     : fmt::format("Between {} and {}", times.text(*change.since), times.text(change.time)))
              : "By " + times.text(change.time);
-}
-
-std::string joint_in_words(const Change& change) {
-  if (change.place) return part_in_words(change.place->name);
-  return change.joint ? part_in_words(piece_in_words(*change.joint)) : "a joint";
 }
 
 }  // namespace loci::memory::replies

@@ -51,7 +51,5 @@ void add_sightings(const std::vector<ObjectBelief>& objects, const Names& names,
 
 /// "Between 08:00 and 09:30", "At 08:00" or, where it is not known since when, "By 09:30".
 std::string between_text(const Change& change, const TimeWriter& times);
-/// "drawer_1" for drawer_1_front_joint.
-std::string joint_in_words(const Change& change);
 
 }  // namespace loci::memory::replies

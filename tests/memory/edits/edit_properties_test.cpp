@@ -23,6 +23,7 @@
 #include "memory/questions/presence.h"
 #include "memory/reasoning/reason.h"
 #include "memory/recorder/checkpoint.h"
+#include "memory/recorder/scene_reasoning.h"
 #include "memory/store/erasure/forgotten_tokens.h"
 #include "memory/store/rows/merge.h"
 
@@ -401,6 +402,20 @@ std::multiset<std::string> believed(const Store& store, const AsOf& as_of) {
   return all;
 }
 
+/// The reasoning that `why` explains is that of the rows.
+void expect_explained(const Store& store, const SceneRow& scene) {
+  const std::optional<SceneReasoning> reasoning = load_reasoning(store, scene.id);
+  ASSERT_TRUE(reasoning);
+  std::map<Id, Id> objects;
+  for (const AssociationRow& row : store.associations(scene.id))
+    if (row.chosen && row.observation && row.probability > 0)
+      objects[*row.observation] = row.object.value_or(0);
+  for (size_t k = 0; k < reasoning->decisions.observations.size(); ++k)
+    if (const Id decided = reasoning->decisions.observations[k].object; decided != 0) {
+      EXPECT_EQ(decided, objects[reasoning->evidence.observations[k].id]);
+    }
+}
+
 /// The looks that follow a forgotten period are believed as if nothing had been seen in it, and rows that
 /// were computed from it are gone, not only superseded.
 TEST_F(EditProperties, WhatFollowsAForgottenPeriodIsReasonedAnew) {
@@ -431,6 +446,7 @@ TEST_F(EditProperties, WhatFollowsAForgottenPeriodIsReasonedAnew) {
       EXPECT_EQ(believed(store, {.at = scenes[i].time, .known_at = scenes[i].known_from}),
                 believed(other, {.at = scenes[i].time}))
           << i << ", as it was known before";
+      expect_explained(store, scenes[i]);
       ++compared;
     }
     EXPECT_EQ(believed(store, {}), believed(other, {}));

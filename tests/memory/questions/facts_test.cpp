@@ -68,6 +68,7 @@ TEST_F(Facts, ANewOwnerSupersedesTheOldOneAndNothingIsOverwritten) {
     set_fact(store, "object_1", "owner", "Ben");
   }
   EXPECT_THAT(who("Ben's tea cup"), ElementsAre(1));
+  EXPECT_THAT(who("bens tea cup"), ElementsAre(1)) << "as it is typed";
   EXPECT_THROW(who("Ada's"), Error);
   EXPECT_THAT(who("Ada's", {.at = {}, .known_at = kLater + 1}), ElementsAre(1));
   {

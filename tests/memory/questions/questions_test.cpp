@@ -322,7 +322,7 @@ TEST_F(Questions, ChangesAreListedInOrderAndCanBeNarrowed) {
   const std::string all = text(ask(*store_, ChangesQuestion{}));
   EXPECT_THAT(all, HasSubstr("09:30 (after 08:00)  tea cup (object_1, red, 8 x 8 x 10 cm) moved from "
                              "table_1 to counter_1 by 3.3 m (90 % sure) [scene 4, frame 3]"));
-  EXPECT_THAT(all, HasSubstr("drawer_1_joint opened from 0.00 to 0.35"));
+  EXPECT_THAT(all, HasSubstr("drawer_1 opened from 0.00 to 0.35"));
 }
 
 TEST_F(Questions, WhatTheNextLookShowsMayHaveHappenedInThePeriod) {
@@ -332,6 +332,8 @@ TEST_F(Questions, WhatTheNextLookShowsMayHaveHappenedInThePeriod) {
   EXPECT_TRUE(moves("08:10", "08:50").changes.empty());
   ASSERT_EQ(moves("08:10", "08:50").perhaps.size(), 1U);
   EXPECT_EQ(moves("08:10", "08:50").perhaps[0].time, day_time("09:30"));
+  EXPECT_EQ(to_json(moves("08:10", "08:50"))["perhaps"][0]["time"], "2026-05-01T09:30:00Z");
+  EXPECT_THAT(text(moves("08:10", "08:50")), HasSubstr("perhaps  09:30 (after 08:00)"));
   EXPECT_TRUE(moves("09:40", "10:20").perhaps.empty());
   EXPECT_TRUE(moves("08:10", "09:40").perhaps.empty()) << "it is among the changes";
 }
@@ -428,6 +430,31 @@ TEST_F(Questions, HistoryJoinsSightingsAtOneSpotToAStay) {
   EXPECT_THAT(text(answer), HasSubstr("from 09:30 to 10:30, on counter_1"));
   EXPECT_THAT(text(answer), HasSubstr(", for 1 h 0 min at least"));
   EXPECT_EQ(to_json(answer)["objects"][0]["stays"][1]["seconds"], 3600);
+}
+
+TEST_F(Questions, AnAbsenceEndsAStay) {
+  EXPECT_EQ(ask(*store_, HistoryQuestion{"red"}).objects[0].stays.size(), 2U);
+  store_.reset();
+  {
+    Store store = Store::open_write(file_);
+    SceneTransaction scene(store, store.begin_run("test", "{}"));
+    scene.add_event(
+        {.scene = 4, .kind = EventKind::gone, .object = 1, .clock = {.valid_from = day_time("10:00")}});
+    scene.commit();
+  }
+  store_.emplace(Store::open_read(file_));
+  const std::vector<Stay> stays = ask(*store_, HistoryQuestion{"red"}).objects[0].stays;
+  ASSERT_EQ(stays.size(), 3U) << "on the counter, away, and on the counter again";
+  EXPECT_EQ(stays[2].place->name, "counter_1");
+  EXPECT_EQ(spans_of(stays).size(), 3U);
+}
+
+TEST_F(Questions, AReasonForAnAbsenceIsOneInAllAnswers) {
+  const std::string reason = "looked for at 09:00 and not seen";
+  EXPECT_THAT(text(ask(*store_, WhereQuestion{"red", at("09:10")})), HasSubstr(reason));
+  EXPECT_THAT(was("red", "table_1", "08:50", "09:10").reason, HasSubstr(reason));
+  EXPECT_THAT(was("red", "", "08:50", "09:10").reason,
+              HasSubstr("looked for where it stood at 09:00 and not seen"));
 }
 
 TEST_F(Questions, TimelineHasScenesWithWhatHappenedInThem) {

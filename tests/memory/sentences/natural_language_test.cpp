@@ -113,6 +113,15 @@ TEST_F(NaturalLanguage, AMoveIsCountedAlikeByAllQuestions) {
               HasSubstr("ea cup, 2 times"));
 }
 
+TEST_F(NaturalLanguage, AHabitThatIsLeftOutIsSaid) {
+  EXPECT_THAT(say("What was on the table every morning?").notes,
+              testing::Contains("'every morning' is left out: the answer is not of a habit"));
+  const NaturalLanguageAnswer usual = say("Where is the red thing every day?");
+  ASSERT_TRUE(usual.query);
+  EXPECT_EQ(usual.query->question, "usual");
+  EXPECT_THAT(usual.notes, testing::IsEmpty());
+}
+
 TEST_F(NaturalLanguage, AnOwnerThatIsLeftOutIsSaid) {
   EXPECT_THAT(say("Is Bob's tea cup on the counter?").notes,
               testing::Contains(HasSubstr("'bob's' is left out")));
