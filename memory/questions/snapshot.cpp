@@ -202,7 +202,8 @@ std::optional<std::string> Snapshot::annotated_name(Id object) const {
 }
 
 const ClassExperts& Snapshot::experts() const {
-  if (!reads_->experts) reads_->experts.emplace(store_, reads_->facts, as_of_);
+  // What an object is does not change: of the past it is called as all looks know it now.
+  if (!reads_->experts) reads_->experts.emplace(store_, reads_->facts, AsOf{{}, as_of_.known_at});
   return *reads_->experts;
 }
 

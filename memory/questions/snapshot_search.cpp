@@ -487,7 +487,7 @@ std::vector<Snapshot::Candidate> Snapshot::of_class(const std::string& word,
     };
     const bool only_noun = is_color_word(meaning) && meaning != word;  // "oranges"
     if (!only_noun) take(store_.objects_annotated(meaning, kClassType, false, as_of_), "");
-    take(store_.objects_annotated(meaning, kClassType, true, as_of_), meaning);
+    take(store_.objects_annotated(meaning, kClassType, true, {{}, as_of_.known_at}), meaning);
   }
   return found;
 }

@@ -87,6 +87,16 @@ TEST_F(ClassVerdicts, WhatMostViewsSayIsTheNameAndContradictionsStay) {
   EXPECT_EQ(Snapshot(Store::open_read(file_), {}).object_ref(1).label, "cup");
 }
 
+TEST_F(ClassVerdicts, OfThePastAnObjectIsCalledAsAllLooksKnowIt) {
+  see({{{"shape", "jug"}}});
+  see({{{"shape", "cup"}}});
+  see({{{"shape", "cup"}}});
+  const Store store = Store::open_read(file_);
+  const Snapshot first(store, {60 * kSecond, {}});
+  EXPECT_EQ(first.object_ref(1).label, "cup");
+  EXPECT_EQ(first.find_objects("cup"), std::vector<Id>{1});
+}
+
 TEST_F(ClassVerdicts, AnExpertThatPeopleCorrectLosesItsWeight) {
   std::vector<std::vector<Vote>> objects(6, {{"first", "bowl"}, {"second", "cup"}});
   see(objects);
