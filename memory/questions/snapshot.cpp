@@ -255,6 +255,7 @@ Change Snapshot::change(const EventRow& event) const {
   change.position = event.position;
   change.from_position = event.from_position;
   if (event.joint) change.joint = joint_name(*event.joint);
+  change.joint_is_named = change.joint != event.joint;
   if (event.joint && !change.place) change.place = place_moved_by(*event.joint);
   change.joint_position = event.joint_position;
   change.from_joint_position = event.from_joint_position;

@@ -65,7 +65,7 @@ TEST_F(MemoryCli, WithoutTokensNothingIsProven) {
 }
 
 TEST_F(MemoryCli, APointIsCalledByItsCoordinates) {
-  EXPECT_EQ(ask("near 71,2").out, "Nothing is within 50 cm of (71.00, 2.00, 0.00).\n");
+  EXPECT_EQ(ask("near 71,2").out, "Nothing is within 50 cm of (71.00, 2.00).\n");
 }
 
 TEST_F(MemoryCli, ForgettingANameIsAnsweredWithTheNumberThatItMeans) {

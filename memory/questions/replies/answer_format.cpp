@@ -74,6 +74,7 @@ std::string looked_for_text(const std::vector<TimeNs>& looks, const std::string&
 }
 
 std::string joint_in_words(const Change& change) {
+  if (change.joint_is_named) return *change.joint;
   if (change.place) return part_in_words(change.place->name);
   return change.joint ? part_in_words(piece_in_words(*change.joint)) : "a joint";
 }

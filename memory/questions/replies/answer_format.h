@@ -26,7 +26,8 @@ std::string when_text(const Change& change, const TimeWriter& times);
 /// may be empty. The reason why something is taken for gone, in any answer.
 std::string looked_for_text(const std::vector<TimeNs>& looks, const std::string& where,
                             const TimeWriter& times);
-/// "drawer_1" for drawer_1_front_joint: the place that a joint moves, else the part of the map.
+/// "drawer_1" for drawer_1_front_joint: what people call a joint, else the place that it moves, else the part
+/// of the map.
 std::string joint_in_words(const Change& change);
 /// Where it is and on what evidence, as one sentence.
 std::string belief_text(const ObjectBelief& belief, const TimeWriter& times);

@@ -75,6 +75,7 @@ struct Change {
   std::optional<Vector3d> position = {};
   std::optional<Vector3d> from_position = {};
   std::optional<std::string> joint = {};
+  bool joint_is_named = false;  ///< by people, not by the map
   std::optional<double> joint_position = {};
   std::optional<double> from_joint_position = {};
   double probability = 1;

@@ -261,10 +261,10 @@ TEST_F(MapEdits, AJointIsCalledSoInWhatOpensAndCanBeCorrectedByItsNewName) {
 }
 
 TEST_F(MapEdits, EventsOfANamedJointSayTheName) {
-  ASSERT_THAT(text(ask(*store_, ChangesQuestion{})), HasSubstr("drawer_1_joint"));
+  ASSERT_THAT(text(ask(*store_, ChangesQuestion{})), HasSubstr("drawer_1 opened"));
   edit([](Store& store) { return name_part(store, "drawer_1_joint", "top slide"); });
   EXPECT_THAT(text(ask(*store_, ChangesQuestion{})),
-              testing::AllOf(HasSubstr("top slide"), testing::Not(HasSubstr("drawer_1_joint"))));
+              testing::AllOf(HasSubstr("top slide opened"), testing::Not(HasSubstr("drawer_1 opened"))));
   EXPECT_TRUE(part("drawer_1_front").motion->opened.has_value()) << "its events are found";
 }
 
