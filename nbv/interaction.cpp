@@ -117,7 +117,8 @@ class Interactor {
     if (!log_.robot().is_null()) robot_.restore(log_.robot());
   }
 
-  /// The scan from a base pose with everything closed; nullptr when the robot cannot get there.
+  /// The scan from a base pose with everything closed; nullptr when the robot cannot get there, or cannot
+  /// tell where it is.
   const mapping::Scan* closed_scan(size_t number, const BasePose& base) {
     const std::string name = fmt::format("base_pose_{:02}", number);
     if (log_.failed(name)) return nullptr;
@@ -125,16 +126,15 @@ class Interactor {
       try {
         mapping::Scan scan = robot_.scan_at(base.pose);
         scan.name = name;
-        if (const auto pose = exploration_.locate(scan)) {
-          scan.map_from_scan = *pose;
-          robot_.localize(mapping::planar(*pose));
-        } else {
-          warnings_.add(fmt::format("{}: the scan could not be registered, odometry was taken", name));
-        }
+        // Where odometry takes the robot to be, the hand may close beside a handle that is there.
+        const auto pose = exploration_.locate(scan);
+        if (!pose) throw Error("its scan could not be registered, so that nothing is pulled from there");
+        scan.map_from_scan = *pose;
+        robot_.localize(mapping::planar(*pose));
         log_.add(std::move(scan));
         log_.commit(robot_.state());
       } catch (const Error& error) {
-        warnings_.add(fmt::format("{} was not reached: {}", name, error.what()));
+        warnings_.add(fmt::format("{} is not used: {}", name, error.what()));
         log_.add_failure(name, error.what());
         log_.commit(robot_.state());
         return nullptr;

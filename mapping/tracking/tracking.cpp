@@ -105,8 +105,7 @@ std::string advice_for(const TrackingResult& result) {
   if (2 * no_depth > lost) return "keep 0.5 to 4 m from surfaces, and check depth_scale";
   if (result.too_noisy())
     return "the noise of the depth is the likely cause: come nearer to the surfaces, as it grows with the "
-           "square "
-           "of the distance, use the camera's filters or a higher resolution, or give poses (--poses)";
+           "square of the distance, use the camera's filters or a higher resolution, or give poses (--poses)";
   if (2 * undetermined > lost)
     return "keep surfaces with corners or texture in view, or give poses (--poses)";
   if (const double interval = median_interval_s(result.frames); interval >= kMaxGap)
