@@ -68,9 +68,8 @@ std::string when_text(const Change& change, const TimeWriter& times) {
 std::string looked_for_text(const std::vector<TimeNs>& looks, const std::string& where,
                             const TimeWriter& times) {
   const std::string first = times.text(looks.front()), last = times.text(looks.back());
-  return fmt::format(
-      "looked for {}{}at {} and not seen", where, where.empty() ? "" : " ",
-      first == last ? first : fmt::format("{} looks from {} to {}", looks.size(), first, last));
+  return fmt::format("looked for {}{}{} and not seen", where, where.empty() ? "" : " ",
+                     first == last ? "at " + first : fmt::format("from {} to {}", first, last));
 }
 
 std::string joint_in_words(const Change& change) {

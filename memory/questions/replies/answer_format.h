@@ -22,7 +22,7 @@ std::string scenes_text(const std::vector<SceneRef>& scenes);
 std::string status_text(ObjectStatus status);  ///< "out of view"
 /// "09:30 (after 08:00)".
 std::string when_text(const Change& change, const TimeWriter& times);
-/// "looked for on table_1 at 09:00 and not seen", of several looks "at 3 looks from 08:00 to 09:00". `where`
+/// "looked for on table_1 at 09:00 and not seen", of several looks "from 08:00 to 09:00". `where`
 /// may be empty. The reason why something is taken for gone, in any answer.
 std::string looked_for_text(const std::vector<TimeNs>& looks, const std::string& where,
                             const TimeWriter& times);
