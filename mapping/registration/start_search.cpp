@@ -130,7 +130,7 @@ class Scorer {
 
   const CellGrid& dilated_grid_;
   std::vector<Eigen::Vector4f> planes_;  ///< of the coarsest surfels: normal, distance from the origin
-  uint32_t none_ = 0;                    ///< the plane where there is no surfel
+  uint32_t none_ = 0;                    ///< the plane of cells without a surfel
   std::vector<Sample> samples_;
   std::vector<Sample> rotated_;
   float best_ = 0;

@@ -49,7 +49,7 @@ struct Thinnest {
 };
 
 /// Newton's method from 0 on the characteristic polynomial, which has no root below the smallest: planes need
-/// few steps. Where the two smaller ones are nearly equal it stops before; that is no plane.
+/// few steps. Where the two smaller ones are nearly equal it stops before: planes are thinner.
 Thinnest thinnest(const Eigen::Matrix3d& covariance) {
   const auto minor = [&](Eigen::Index i, Eigen::Index j) {
     return covariance(i, i) * covariance(j, j) - covariance(i, j) * covariance(i, j);

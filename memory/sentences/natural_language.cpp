@@ -417,9 +417,9 @@ class Conversation {
                                  [&](const std::string& one) { return events.contains(one); });
     };
     if (!happens(clause->event) || happens(clause->question)) return std::nullopt;
-    NaturalLanguageAnswer event = answer_plainly("when " + clause->event);
+    NaturalLanguageAnswer event = event_of(*clause);
     if (event.why_not && event.why_not->reason == "never_seen") return event;
-    return answer_at_event(sentence);
+    return answer_with_event(*clause, std::move(event), sentence);
   }
 
   /// "Where was the cup when the drawer was opened?": first when that was; unset when this is not understood.
@@ -430,22 +430,31 @@ class Conversation {
     if (Words timeless = sentence_words(clause->question); clause->link == EventClause::Link::at)
       if (const auto time = cut_time(timeless, times_); time && time->moment && time->from != "now")
         return answer_plainly(clause->question);
-    const bool condition = clause->link == EventClause::Link::condition;
-    NaturalLanguageAnswer event = answer_plainly((condition ? "" : "when ") + clause->event);
+    return answer_with_event(*clause, event_of(*clause), sentence);
+  }
+
+  /// When the event was, or whether it was so.
+  NaturalLanguageAnswer event_of(const EventClause& clause) {
+    return answer_plainly((clause.link == EventClause::Link::condition ? "" : "when ") + clause.event);
+  }
+
+  std::optional<NaturalLanguageAnswer> answer_with_event(const EventClause& clause,
+                                                         NaturalLanguageAnswer event,
+                                                         const std::string& sentence) {
+    const bool condition = clause.link == EventClause::Link::condition;
     if (!event.reply || !(condition ? event.reply->verdict.has_value() : event.reply->time.has_value()))
       return std::nullopt;
     // A state that lasts names a period: "while the milk was on the table". Not where it ended in between.
     if (const WasAnswer* state = event.answer ? event.answer->get_if<WasAnswer>() : nullptr;
-        state != nullptr && clause->link == EventClause::Link::at && was_interrupted(*state))
+        state != nullptr && clause.link == EventClause::Link::at && was_interrupted(*state))
       return std::nullopt;
     const bool lasts = event.query->question == "was";
     const std::string note = event.reply->text;
     NaturalLanguageAnswer answer = std::move(event);
     if (!condition || answer.reply->verdict == Verdict::yes) {
-      answer =
-          answer_plainly(condition ? clause->question : question_at(*clause, *answer.reply->time, lasts));
+      answer = answer_plainly(condition ? clause.question : question_at(clause, *answer.reply->time, lasts));
       if (!answer.query) return std::nullopt;
-      answer.notes.insert(answer.notes.begin(), clause->event + ": " + note);
+      answer.notes.insert(answer.notes.begin(), clause.event + ": " + note);
     }
     answer.sentence = sentence;
     return answer;

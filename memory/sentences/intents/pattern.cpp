@@ -58,9 +58,7 @@ class Matcher {
              is_name_(join_words(words_, first + (article ? 1 : 0), last));
     }
     if (kind == "colour") return single && is_color_word(words_[first]);
-    if (kind == "asking")
-      return single && (class_of(lemma_of(words_[first])) == WordClass::question ||
-                        class_of(lemma_of(words_[first])) == WordClass::auxiliary);
+    if (kind == "asking") return single && may_begin_question(words_[first]);
     if (kind == "furniture") return single && is_furniture(words_[first]);
     if (kind == "doing")
       return single && words_[first].ends_with("ing") &&
@@ -109,6 +107,11 @@ class Matcher {
 };
 
 }  // namespace
+
+bool may_begin_question(const std::string& word) {
+  const WordClass word_class = class_of(lemma_of(word));
+  return word_class == WordClass::question || word_class == WordClass::auxiliary;
+}
 
 bool is_mark(const std::string& word) {
   static const std::set<std::string> marks = {",", "?", "!", ".", ";"};

@@ -11,6 +11,8 @@ namespace loci::memory {
 /// Whether words are the name of an object or a place.
 using IsName = std::function<bool(const std::string&)>;
 
+/// A question word or an auxiliary.
+bool may_begin_question(const std::string& word);
 /// A mark of punctuation as a word of its own.
 bool is_mark(const std::string& word);
 

@@ -46,10 +46,6 @@ bool is_question_word(const std::string& word) {
   return class_of(lemma_of(word)) == WordClass::question;
 }
 
-bool may_begin_question(const std::string& word) {
-  return is_question_word(word) || class_of(lemma_of(word)) == WordClass::auxiliary;
-}
-
 // ---- Corrections by the speaker.
 
 /// Where a correction begins and what comes after it: "no, sorry,", "scratch that".
