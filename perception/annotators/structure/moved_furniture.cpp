@@ -273,29 +273,6 @@ std::vector<MovedFurniture::Candidate> MovedFurniture::search(const Furniture& p
   return starts;
 }
 
-/// By how much a motion to a candidate must fit better than none.
-double MovedFurniture::min_gain(const Candidate& candidate) {
-  return std::max(kFew, kFurnitureMotion.min_gain * candidate.fit.facing);
-}
-
-/// The best fit without that part of its shift which the frame does not show: an edge that is seen in part
-/// fits as well anywhere along itself. A part of a motion needs the same gain as the whole.
-MovedFurniture::Candidate MovedFurniture::determined(const Furniture& piece, const View& view,
-                                                     const Candidate& best, const Pose& before) const {
-  constexpr int kDirections = 16;  // 11 degrees apart
-  const Vector2d shift = best.pose.shift - before.shift;
-  Candidate least = best;
-  for (int i = 0; i < kDirections; ++i) {
-    const double angle = i * kPi / kDirections;
-    const Vector2d along(std::cos(angle), std::sin(angle));
-    Candidate other{{best.pose.shift - along * along.dot(shift), best.pose.turn}, {}, 0};
-    if ((other.pose.shift - before.shift).norm() >= (least.pose.shift - before.shift).norm()) continue;
-    other.fit = fit(piece, other.pose, view.frame, &view, SIZE_MAX);
-    if (best.fit.score() - other.fit.score() < min_gain(best)) least = other;
-  }
-  return least;
-}
-
 /// Whether the camera could stand elsewhere instead, as far as its pose may be off: then the rest of the map
 /// would fit as well from there. The scene is that of view_without().
 bool MovedFurniture::camera_may_be_wrong(const Isometry3d& now_from_before, const Vector3d& middle,
@@ -380,13 +357,14 @@ MovedFurniture::Comparison MovedFurniture::compare(size_t k, const FurnitureFram
            (other.pose.shift - fits.front().pose.shift).norm() > kFurnitureMotion.apart_m;
   });
   if (!fits.empty() && !ambiguous) {
-    const Candidate best = was_found ? determined(piece, view, fits.front(), pose_of(k)) : fits.front();
+    const Candidate& best = fits.front();
     const Isometry3d change = motion_of(piece, best.pose) * to_here.inverse();
     const bool elsewhere =
         !was_found || (mapping::is_furniture_motion(change, to_here * piece.middle) && !by_camera(best));
     const double gain = best.fit.score() - here.score();
-    return elsewhere && gain >= min_gain(best) && is_decided(k, gain) ? settle(k, true, best.pose)
-                                                                      : Comparison::searched;
+    const double least = std::max(kFew, kFurnitureMotion.min_gain * best.fit.facing);
+    return elsewhere && gain >= least && is_decided(k, gain) ? settle(k, true, best.pose)
+                                                             : Comparison::searched;
   }
   const bool left = was_found && here.agreement() < 1 - kFurnitureMotion.left_share && here.through >= kFew &&
                     here.through >= kFurnitureMotion.min_share * here.facing;

@@ -79,12 +79,9 @@ class MovedFurniture {
   View view_without(size_t piece, const FurnitureFrame& frame, int threads);
   std::vector<Vector2d> middles(const Furniture& piece, const View& view) const;
   double rank(const Candidate& candidate) const;
-  static double min_gain(const Candidate& candidate);
   void refine(const Furniture& piece, const View& view, Candidate& candidate) const;
   /// The poses that fit a frame, best first.
   std::vector<Candidate> search(const Furniture& piece, const View& view, int threads) const;
-  Candidate determined(const Furniture& piece, const View& view, const Candidate& best,
-                       const Pose& before) const;
   bool camera_may_be_wrong(const Isometry3d& now_from_before, const Vector3d& middle, const View& view,
                            int threads) const;
   bool is_looked_through(size_t piece, const FurnitureFrame& frame);
