@@ -68,10 +68,9 @@ std::vector<size_t> inliers_of(const std::vector<Piece>& pieces, const Vector2d&
 
 /// Fits the plane to its inliers repeatedly within narrowing limits. Near pieces weigh more, so that the
 /// larger of two layers (panels, carcass) wins and not their mean.
-std::vector<size_t> refine(const std::vector<Piece>& pieces, Vector2d& normal, double& offset) {
-  std::vector<size_t> inliers;
+void refine(const std::vector<Piece>& pieces, Vector2d& normal, double& offset) {
   for (const double width : {0.03, 0.022, 0.018, 0.015, 0.015, 0.015}) {
-    inliers = inliers_of(pieces, normal, offset, width);
+    const std::vector<size_t> inliers = inliers_of(pieces, normal, offset, width);
     if (inliers.size() < 8) break;
     const auto weight = [&](size_t i) {
       const double off = (normal.dot(pieces[i].position) - offset) / width;
@@ -99,7 +98,6 @@ std::vector<size_t> refine(const std::vector<Piece>& pieces, Vector2d& normal, d
     if (turned.dot(normal) > 0.99) normal = turned;  // a short plane keeps its direction
     offset = normal.dot(mean);
   }
-  return inliers;
 }
 
 /// Splits a plane at wide gaps.
@@ -200,12 +198,14 @@ std::vector<FurnitureFace> find_faces(const Surface& surface, double floor_heigh
     if (peak.votes < min_votes) break;
     Vector2d normal = peak.normal;
     double offset = peak.offset;
-    std::vector<size_t> inliers = refine(pieces, normal, offset);
+    refine(pieces, normal, offset);
+    // What lies near the plane belongs to it, panels that stand out from it or back, too.
+    std::vector<size_t> inliers = inliers_of(pieces, normal, offset, kFaces.explained_m);
     if (faces_of(pieces, inliers, normal, offset).empty()) {
       votes.forget(peak);
       continue;
     }
-    for (const size_t i : inliers_of(pieces, normal, offset, kFaces.explained_m)) {
+    for (const size_t i : inliers) {
       pieces[i].taken = true;
       votes.vote(pieces[i].position, pieces[i].normal, -1);
     }

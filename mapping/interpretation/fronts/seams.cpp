@@ -125,18 +125,23 @@ void SeamMap::gather(const FaceRays& rays, const std::vector<FaceFixture>& fixtu
 }
 
 double SeamMap::noise_of(size_t channel, int columns, int rows) const {
+  // What rays met behind the face, over a low row beside a tall unit, has no depth of its own.
+  const auto block_at = [&](int x, int y) {
+    std::array<double, 2> block{};
+    for (int dy = 0; dy < rows; ++dy)
+      for (int dx = 0; dx < columns; ++dx) {
+        const size_t cell = grid_.number(x + dx, y + dy);
+        if (face_[cell] == 2) return std::array<double, 2>{};
+        block[0] += static_cast<double>(sums_[channel].sum[cell]);
+        block[1] += static_cast<double>(sums_[channel].weight[cell]);
+      }
+    return block;
+  };
   std::vector<double> deviations;
-  std::array<double, 2> last{};
   for (int y = 0; y + rows <= grid_.height; y += rows) {
-    last = {};
+    std::array<double, 2> last{};
     for (int x = 0; x + columns <= grid_.width; x += columns) {
-      std::array<double, 2> block{};
-      for (int dy = 0; dy < rows; ++dy)
-        for (int dx = 0; dx < columns; ++dx) {
-          const size_t cell = grid_.number(x + dx, y + dy);
-          block[0] += static_cast<double>(sums_[channel].sum[cell]);
-          block[1] += static_cast<double>(sums_[channel].weight[cell]);
-        }
+      const std::array<double, 2> block = block_at(x, y);
       if (block[1] >= 1 && last[1] >= 1)
         deviations.push_back(std::abs(block[0] / block[1] - last[0] / last[1]) /
                              std::sqrt(1 / block[1] + 1 / last[1]));
