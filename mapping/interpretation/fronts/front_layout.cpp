@@ -354,7 +354,11 @@ class Layout {
   static bool encloses(const PlacedFront& part) {
     const auto weak = [&](size_t side) {
       const FrontEdge& edge = part.edges[side];
-      return edge.kind != FrontEdge::Kind::border && edge.z < kLayout.min_bare_z;
+      const double length = side == left || side == right ? part.rect.height() : part.rect.width();
+      // Each chunk counts for so much at most: a short edge cannot show more.
+      const double most = kSeams.max_z * std::sqrt(length / (kSeams.chunk_cells * kFaces.cell_m));
+      return edge.kind != FrontEdge::Kind::border &&
+             edge.z < std::min(kLayout.min_bare_z, kLayout.clear_edge * most);
     };
     return part.rect.width() * part.rect.height() > kLayout.min_bare_m2 && !weak(left) && !weak(right) &&
            !(weak(bottom) && weak(top));

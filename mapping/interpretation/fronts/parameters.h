@@ -140,7 +140,8 @@ struct LayoutParameters {
   double regular_confidence = 0.3;  ///< of an edge that was not resolved
   double min_seen = 0.5;            ///< of a front that is face
   double min_seen_fixed = 0.25;     ///< of one with a fixture, that rays met and is face
-  double min_bare_z = 8;            ///< of the seam of a front without fixture
+  double min_bare_z = 8;            ///< of the seam of a front without fixture …
+  double clear_edge = 0.9;          ///< … or so much of what a short one can show at most
   double min_bare_m2 = 0.02;        ///< of a front without fixture
   double flush_m = 0.005;          ///< between panels of one plane: they are 16 to 20 mm thick, 1 mm of noise
   double fixture_gap_m = 0.004;    ///< one raster cell between a cut and a fixture
