@@ -1,0 +1,14 @@
+#pragma once
+
+#include <optional>
+
+#include "memory/belief/state.h"
+
+namespace loci::memory::belief {
+
+/// The extents of an object by all views of its present pose, metres: length, width and height. Of each
+/// extent what most of the whole views measured that see its faces, else the most that any view shows. Unset
+/// where no view was measured.
+std::optional<Vector3d> extents_of(const ProtoObject& object);
+
+}  // namespace loci::memory::belief
