@@ -52,13 +52,15 @@ void keep_present_pose(std::vector<MeasuredView>& views) {
   });
 }
 
-double weighted_median(std::vector<std::pair<double, double>> values) {
+/// The largest value that a quarter of the views reaches: they miss a side more often than they take a
+/// neighbour in.
+double upper_quartile(std::vector<std::pair<double, double>> values) {
   std::ranges::sort(values);
   const double all = std::accumulate(values.begin(), values.end(), 0.0,
                                      [](double sum, const auto& one) { return sum + one.second; });
   double below = 0;
   for (const auto& [value, weight] : values)
-    if ((below += weight) >= all / 2) return value;
+    if ((below += weight) >= 0.75 * all) return value;
   return values.back().first;
 }
 
@@ -77,7 +79,7 @@ std::optional<Vector3d> extents_of(const ProtoObject& object) {
       if (view.seen[static_cast<size_t>(axis)]) seen.emplace_back(view.size[axis], view.weight);
       extents[axis] = std::max(extents[axis], view.size[axis]);
     }
-    if (!seen.empty()) extents[axis] = weighted_median(std::move(seen));
+    if (!seen.empty()) extents[axis] = upper_quartile(std::move(seen));
   }
   return extents;
 }

@@ -6,9 +6,9 @@
 
 namespace loci::memory::belief {
 
-/// The extents of an object by all views of its present pose, metres: length, width and height. Of each
-/// extent what most of the whole views measured that see its faces, else the most that any view shows. Unset
-/// where no view was measured.
+/// The extents of an object by all views of its present pose, metres: length, width and height. Of each extent
+/// the upper quartile of the whole views that see its faces, else the most that any view shows. Unset where no
+/// view was measured.
 std::optional<Vector3d> extents_of(const ProtoObject& object);
 
 }  // namespace loci::memory::belief

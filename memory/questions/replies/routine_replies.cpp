@@ -239,7 +239,8 @@ void how_often_looked(const ContentsHistoryAnswer& answer, const ReplyContext& c
 /// What is there in at least half of the visits at the hours or days asked about.
 void usual_contents(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
   constexpr size_t kMinVisits = 3;  // fewer are not a habit
-  const Names names(Snapshot(context.store, context.as_of));
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
   const auto by_visits = [](const PlaceContentsHistory& place) { return place.visits; };
   const PlaceContentsHistory& place = *std::ranges::max_element(answer.places, {}, by_visits);
   const std::string where = in_words(place.place), visits = counted(place.visits, "look");
