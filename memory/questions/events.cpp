@@ -477,6 +477,8 @@ std::vector<SentenceForm> changes_sentences() {
       {"what: first leave|vanish|go|take|move from<place> <object> [away]", earliest, "", left},
       {"what: first come|put|bring to<place> <object>", earliest, "", came},
       {"what: first come <place> <object>", earliest, "", came},
+      {"what: first at<place> <object>", earliest, "Which was on the table first, the cup or the bowl?",
+       came},
       {"what: last leave <place> <object>", latest, "", left},
       {"what: last leave|vanish|go|take|move from<place> <object> [away]", latest, "", left},
       {"what: last come|put|bring to<place> <object>", latest, "", came},
