@@ -38,14 +38,22 @@ std::optional<MeasuredView> measured(const StoredView& view) {
   return one;
 }
 
+/// Of what the present views lack of the extents before: a quarter at a time, so that a side which only some
+/// views show is not forgotten, and a neighbour that one took in is.
+constexpr double kShrinkGain = 0.25;
+
+double resize_noise(double height) {
+  return kParameters.max_resize_deviations *
+         (kParameters.extent_noise_m + kParameters.extent_noise_per_size * height);
+}
+
 /// Views of an object that stood otherwise do not count: a bottle that lies is as high as it is wide.
 void keep_present_pose(std::vector<MeasuredView>& views) {
   const auto older = [](const MeasuredView& a, const MeasuredView& b) {
     return std::pair(!a.partial, a.time) < std::pair(!b.partial, b.time);
   };
   const double height = std::ranges::max_element(views, older)->size.z();
-  const double noise = kParameters.max_resize_deviations *
-                       (kParameters.extent_noise_m + kParameters.extent_noise_per_size * height);
+  const double noise = resize_noise(height);
   std::erase_if(views, [&](const MeasuredView& view) {
     const double higher = view.size.z() - height;
     return view.partial ? higher > noise : std::abs(higher) > noise;
@@ -66,7 +74,7 @@ double upper_quartile(std::vector<std::pair<double, double>> values) {
 
 }  // namespace
 
-std::optional<Vector3d> extents_of(const ProtoObject& object) {
+std::optional<Vector3d> extents_of(const ProtoObject& object, const std::optional<Vector3d>& before) {
   std::vector<MeasuredView> views;
   for (const StoredView& view : object.views)
     if (const auto one = measured(view)) views.push_back(*one);
@@ -81,7 +89,8 @@ std::optional<Vector3d> extents_of(const ProtoObject& object) {
     }
     if (!seen.empty()) extents[axis] = upper_quartile(std::move(seen));
   }
-  return extents;
+  if (!before || std::abs(before->z() - extents.z()) > resize_noise(extents.z())) return extents;
+  return extents.cwiseMax(*before + kShrinkGain * (extents - *before));
 }
 
 }  // namespace loci::memory::belief

@@ -291,7 +291,7 @@ class RowBuilder {
     if (const std::optional<Id> now = place(object.place)) row.place = now;
     const belief::AxisBox box = belief::box_in_map(object, c_.place_poses);
     row.position = box.centre;
-    if (const std::optional<Vector3d> extents = belief::extents_of(object))
+    if (const std::optional<Vector3d> extents = belief::extents_of(object, row.size))
       row.size = extents;
     else if (object.has_size)
       row.size = object.partial && row.size ? at_least(*row.size, box.size) : box.size;

@@ -36,6 +36,12 @@ TEST(Extents, AreOfThePresentPose) {
   EXPECT_TRUE(extents_of(cereal({standing, lying}))->isApprox(Vector3d(0.25, 0.06, 0.06), 1e-6));
 }
 
+TEST(Extents, ShrinkSlowly) {
+  const ProtoObject front = cereal({view({0.19F, 0.01F, 0.28F})});
+  EXPECT_GT(extents_of(front, Vector3d(0.19, 0.07, 0.28))->y(), 0.05) << "seen deeper before";
+  EXPECT_NEAR(extents_of(front, Vector3d(0.28, 0.19, 0.07))->y(), 0.01, 1e-6) << "it lay then";
+}
+
 TEST(Extents, AreNotThoseOfAViewThatTookANeighbourIn) {
   EXPECT_NEAR(extents_of(cereal({view({0.1F, 0.1F, 0.1F}, false, 4), view({0.3F, 0.1F, 0.1F})}))->x(), 0.1,
               1e-6);
