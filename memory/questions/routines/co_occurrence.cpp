@@ -447,7 +447,7 @@ std::vector<Question> co_occurrence_questions() {
                        .help = "Only visits at its hours",
                        .default_text = "any",
                        .choices = {"breakfast", "lunch", "tea", "dinner", "supper"}}},
-       .examples = {"table_1", "table_1 --occasion breakfast --json", "table_1 --object red"},
+       .examples = {"table_1", "table_1 --occasion breakfast --json"},
        .answer = format::schema_by<missing_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(), MissingQuestion{given.text("place"), given.text("occasion"), given.as_of(),
