@@ -82,9 +82,20 @@ std::optional<double> size_of(const Snapshot& snapshot, const Compared& one, boo
   return height ? size->z() : size->prod();
 }
 
-/// The last time that it left, came, was moved or opened; of several objects the last of all.
-std::optional<TimeSpan> last_change(const Store& store, const std::string& subject,
-                                    const ComparisonQuestion& question) {
+constexpr TimeNs kNever = std::numeric_limits<TimeNs>::max();
+
+/// What was last seen there cannot have left before.
+std::optional<TimeSpan> not_left_before(const Snapshot& snapshot, Id object, const std::string& place) {
+  const ObjectBelief belief = snapshot.object_belief(object);
+  const auto is_place = [&](const PlaceRow& row) { return belief.place && belief.place->id == row.id; };
+  const bool there = place.empty() || std::ranges::any_of(snapshot.find_places(place), is_place);
+  if (!there || !belief.last_seen || belief.status == ObjectStatus::gone) return std::nullopt;
+  return TimeSpan{belief.last_seen->time, kNever};
+}
+
+/// The last time that it left, came, was moved or opened; of several objects that of the last one.
+void set_last_change(const Snapshot& snapshot, const std::string& subject, const ComparisonQuestion& question,
+                     Compared& one) {
   static const std::map<std::string, std::string> kinds = {{"left-before", "left"},
                                                            {"came-before", "came"},
                                                            {"moved-before", "handled"},
@@ -92,11 +103,13 @@ std::optional<TimeSpan> last_change(const Store& store, const std::string& subje
   ChangesQuestion changes{
       .subject = subject, .place = question.place, .as_of = question.as_of, .kind = kinds.at(question.by)};
   if (question.by == "opened-before") std::swap(changes.subject, changes.place);
-  std::optional<TimeSpan> last;
-  for (const Change& change : ask(store, changes).changes)
-    if (!last || change.time >= last->last)
-      last = TimeSpan{change.since.value_or(std::numeric_limits<TimeNs>::min()), change.time};
-  return last;
+  for (const Change& change : ask(snapshot.store(), changes).changes) {
+    if (one.time && change.time < one.time->last) continue;
+    one.time = bounds_of(change);
+    if (change.object) one = {.name = change.object->name, .object = change.object->id, .time = one.time};
+  }
+  if (!one.time && question.by == "left-before")
+    one.time = not_left_before(snapshot, *one.object, question.place);
 }
 
 /// When looks saw the place.
@@ -152,8 +165,8 @@ Verdict verdict_of(const ComparisonAnswer& answer) {
   const std::vector<Compared>& all = answer.compared;
   if (is_of_time(answer.by)) {
     if (!all[0].time || !all[1].time) return Verdict::not_observed;
-    if (all[0].time->last <= all[1].time->first) return Verdict::yes;
-    return all[1].time->last <= all[0].time->first ? Verdict::no : Verdict::not_observed;
+    const std::partial_ordering order = order_of(*all[0].time, *all[1].time);
+    return order < 0 ? Verdict::yes : order > 0 ? Verdict::no : Verdict::not_observed;
   }
   if (answer.by == "distance") return all[1].value ? Verdict::yes : Verdict::not_observed;
   const Compared &a = all[answer.by == "nearer" ? 1 : 0], &b = all[answer.by == "nearer" ? 2 : 1];
@@ -170,11 +183,7 @@ Verdict verdict_of(const ComparisonAnswer& answer) {
 /// "56 cm", "1.2 l", "3 objects", "between 08:00 and 09:30".
 std::string value_text(const std::string& by, const Compared& one, const TimeWriter& times) {
   constexpr double kLitres = 1000;
-  if (one.time) {
-    const bool open = one.time->first == std::numeric_limits<TimeNs>::min();
-    return open ? "by " + times.text(one.time->last)
-                : fmt::format("between {} and {}", times.text(one.time->first), times.text(one.time->last));
-  }
+  if (one.time) return uncapitalised(replies::between_text(*one.time, times));
   if (!one.value) return "not known";
   const auto seconds = [](double value) { return static_cast<TimeNs>(value) * kSecond; };
   if (by == "longer")
@@ -183,6 +192,19 @@ std::string value_text(const std::string& by, const Compared& one, const TimeWri
   if (by == "more-objects") return fmt::format("{:.0f}", *one.value);
   if (by == "more") return fmt::format("{:.0f} {}", *one.value, *one.value == 1 ? "object" : "objects");
   return fmt::format("{:.0f} cm", 100 * *one.value);
+}
+
+/// "left between 08:00 and 09:30", "was still there at 09:30", "was not seen to leave"
+std::string event_text(const std::string& by, const Compared& one, const TimeWriter& times) {
+  static const std::map<std::string, std::pair<const char*, const char*>> verbs = {
+      {"left-before", {"left", "leave"}},
+      {"came-before", {"came", "come"}},
+      {"moved-before", {"moved", "move"}},
+      {"opened-before", {"was opened", "open"}}};
+  const auto& [past, infinitive] = verbs.at(by);
+  if (!one.time) return fmt::format("was not seen to {}", infinitive);
+  return one.time->last == kNever ? "was still there at " + times.text(one.time->first)
+                                  : fmt::format("{} {}", past, value_text(by, one, times));
 }
 
 /// "the tea is 56 cm from the oil"
@@ -198,13 +220,14 @@ std::string statement(const ComparisonAnswer& answer, const std::vector<std::str
     return fmt::format("{} × {}, {} × {}", value(0), names[0], value(1), names[1]);
   if (is_of_height(answer.by))
     return fmt::format("{} is {} high, {} {}", names[0], value(0), names[1], value(1));
-  const std::string verb = answer.by == "left-before"     ? "left"
-                           : answer.by == "came-before"   ? "came"
-                           : answer.by == "moved-before"  ? "moved"
-                           : answer.by == "opened-before" ? "was opened"
-                           : answer.by == "longer"        ? "was there"
-                                                          : "takes up";
-  return fmt::format("{} {} {}, {} {}", names[0], verb, value(0), names[1], value(1));
+  if (is_of_time(answer.by)) {
+    const auto happened = [](const Compared& one) { return one.time && one.time->last != kNever; };
+    const bool both = happened(all[0]) && happened(all[1]);
+    return fmt::format("{} {}, {} {}", names[0], event_text(answer.by, all[0], times), names[1],
+                       both ? value(1) : event_text(answer.by, all[1], times));
+  }
+  return fmt::format("{} {} {}, {} {}", names[0], answer.by == "longer" ? "was there" : "takes up", value(0),
+                     names[1], value(1));
 }
 
 std::vector<std::string> plain_names(const ComparisonAnswer& answer) {
@@ -243,8 +266,8 @@ ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question) {
       continue;
     }
     if (question.by == "opened-before") {
-      answer.compared.push_back(
-          {.name = name_in_words(subject), .time = last_change(store, subject, question)});
+      answer.compared.push_back({.name = name_in_words(subject)});
+      set_last_change(snapshot, subject, question, answer.compared.back());
       continue;
     }
     if (is_of_height(question.by) && !snapshot.means_objects(subject)) {
@@ -254,7 +277,7 @@ ComparisonAnswer ask(const Store& store, const ComparisonQuestion& question) {
     Compared one = compared_object(snapshot, subject);
     if (is_of_size(question.by)) one.value = size_of(snapshot, one, is_of_height(question.by));
     if (question.by == "longer") set_time_at_place(snapshot, question, one);
-    if (is_of_time(question.by)) one.time = last_change(store, subject, question);
+    if (is_of_time(question.by)) set_last_change(snapshot, subject, question, one);
     if (is_of_distance(question.by) && !answer.compared.empty())
       one.value = distance_between(snapshot, answer.compared[0], one);
     answer.compared.push_back(std::move(one));
@@ -275,7 +298,8 @@ const Record<Compared>& compared_record() {
                                  .value("name", &Compared::name)
                                  .value("value", &Compared::value)
                                  .time("until", [](const Compared& one) {
-                                   return one.time ? std::optional(one.time->last) : std::nullopt;
+                                   const bool happened = one.time && one.time->last != kNever;
+                                   return happened ? std::optional(one.time->last) : std::nullopt;
                                  });
   return record;
 }
@@ -400,6 +424,17 @@ std::vector<Question> comparison_questions() {
             by("opened-before")},
            {"yes: did|have open <object> before<with>", verdict, "", by("opened-before")},
            {"yes: move <object> before<with>", verdict, "", by("moved-before")},
+           {"yes: vanish|go|leave|take <with> after<object> [away]", verdict, "", by("left-before")},
+           {"yes: leave <with> <place> after<object>", verdict,
+            "Did the cup leave the table after the plate?", by("left-before")},
+           {"yes: vanish|go|leave|take|move <with> from<place> after<object> [away]", verdict, "",
+            by("left-before")},
+           {"yes: come <with> after<object>", verdict, "", by("came-before")},
+           {"yes: come <with> <place> after<object>", verdict, "", by("came-before")},
+           {"yes: come|put|bring|move <with> to<place> after<object>", verdict, "", by("came-before")},
+           {"yes: opened <with> after<object>", verdict, "", by("opened-before")},
+           {"yes: did|have open <with> after<object>", verdict, "", by("opened-before")},
+           {"yes: move <with> after<object>", verdict, "", by("moved-before")},
            {"yes: before move <object> than<with>", verdict, "", by("moved-before")},
            {"yes: outnumber <object> <with>", verdict, "Do the cups outnumber the pots?", by("more-objects")},
            {"yes|bare: morethings than at<object> at<with>", verdict,

@@ -29,7 +29,8 @@ struct Compared {
   /// Distance from the first (m), volume (m^3), number of objects or, at least, time at the place (s).
   std::optional<double> value = {};
   std::optional<double> max_value = {};  ///< of the time at the place, by the looks around its sightings
-  std::optional<TimeSpan> time = {};     ///< when it left or moved
+  /// When it left or moved; without an end where it was last seen there.
+  std::optional<TimeSpan> time = {};
 };
 struct ComparisonAnswer {
   std::string by = {};

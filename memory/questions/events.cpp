@@ -123,6 +123,22 @@ void keep_repeated(std::vector<Change>& changes, size_t min_times) {
 
 }  // namespace
 
+TimeSpan bounds_of(const Change& change) {
+  return {change.since.value_or(kAlways), change.time};
+}
+
+TimeSpan hull_of(const std::vector<Change>& changes) {
+  TimeSpan hull = bounds_of(changes.front());
+  for (const Change& change : changes)
+    hull = {std::min(hull.first, bounds_of(change).first), std::max(hull.last, change.time)};
+  return hull;
+}
+
+std::partial_ordering order_of(const TimeSpan& one, const TimeSpan& other) {
+  if (one.last <= other.first) return std::partial_ordering::less;
+  return other.last <= one.first ? std::partial_ordering::greater : std::partial_ordering::unordered;
+}
+
 double share_before(const Change& change, TimeNs time) {
   if (!change.since || *change.since >= time) return 0;
   return std::min(
@@ -461,6 +477,8 @@ std::vector<SentenceForm> changes_sentences() {
       {"what: first leave|vanish|go|take|move from<place> <object> [away]", earliest, "", left},
       {"what: first come|put|bring to<place> <object>", earliest, "", came},
       {"what: first come <place> <object>", earliest, "", came},
+      {"what: first at<place> <object>", earliest, "Which was on the table first, the cup or the bowl?",
+       came},
       {"what: last leave <place> <object>", latest, "", left},
       {"what: last leave|vanish|go|take|move from<place> <object> [away]", latest, "", left},
       {"what: last come|put|bring to<place> <object>", latest, "", came},

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <compare>
+#include <limits>
+
 #include "mapping/base/text/json_fwd.h"
 #include "memory/questions/replies/answer_parts.h"
 #include "memory/questions/time_parser.h"
@@ -34,6 +37,13 @@ struct ChangesAnswer {
   /// have happened in it.
   std::vector<Change> perhaps = {};
 };
+inline constexpr TimeNs kAlways = std::numeric_limits<TimeNs>::min();  ///< no look was before it
+/// The time in which a change happened: from the look before it, or kAlways, to the one that showed it.
+TimeSpan bounds_of(const Change& change);
+/// From when to when all of the changes, of which there are some, happened.
+TimeSpan hull_of(const std::vector<Change>& changes);
+/// Which of two events was earlier; unordered where the times in which they happened overlap.
+std::partial_ordering order_of(const TimeSpan& one, const TimeSpan& other);
 /// Of the time in which a change may have happened, the part before a time: the look at nine shows what
 /// happened since the look at eight.
 double share_before(const Change& change, TimeNs time);

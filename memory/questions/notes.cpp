@@ -71,9 +71,13 @@ void note_place(const Snapshot& snapshot, const std::string& given, std::vector<
 void note_object(const Snapshot& snapshot, const std::string& name, std::vector<std::string>& notes) {
   if (const std::optional<std::string> head = snapshot.head_of(name))
     notes.push_back(fmt::format("nothing is called '{}'; '{}' is meant", name, *head));
-  for (const std::string& word : words_of(lower_case(name)))
+  for (const std::string& word : words_of(lower_case(name))) {
+    const std::optional<Id> number = object_id(word);
+    if (const auto other = number ? snapshot.object_instead_of(*number) : std::nullopt)
+      notes.push_back(fmt::format("{} is {} now", word, object_name(*other)));
     if (const std::vector<std::string> names = snapshot.names_related_to(word); !names.empty())
       notes.push_back(fmt::format("'{}' is taken as {}", word, fmt::join(names, ", ")));
+  }
 }
 
 }  // namespace

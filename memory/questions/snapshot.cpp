@@ -23,15 +23,12 @@ bool is_believed_at(const BeliefRow& belief, Id place) {
 }
 
 std::optional<BelievedBox> believed_box(const BeliefRow& belief, const ObservationRow* seen) {
-  std::optional<BelievedBox> box;
-  if (belief.position) box = {Isometry3d(Eigen::Translation3d(*belief.position)), belief.size};
-  if (seen == nullptr || !seen->map_from_box) {
-    if (box && seen != nullptr && seen->size) box->size = seen->size;
-    return box;
-  }
-  box = {*seen->map_from_box, seen->size ? seen->size : belief.size};
-  if (belief.position && seen->position)
-    box->map_from_box.translation() += *belief.position - *seen->position;
+  const bool turned = seen != nullptr && seen->map_from_box;
+  if (!belief.position && !turned) return std::nullopt;
+  BelievedBox box{turned ? *seen->map_from_box : Isometry3d::Identity(), belief.size};
+  if (seen != nullptr && seen->size)
+    box.size = belief.size ? turned_as(*belief.size, *seen->size) : *seen->size;
+  if (belief.position) box.map_from_box.translation() = *belief.position;
   return box;
 }
 

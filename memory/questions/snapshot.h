@@ -84,6 +84,9 @@ class Snapshot {
   /// owner, "on PLACE", or several of these together; empty = all. UnknownName with the nearest names when it
   /// means nothing.
   std::vector<Id> find_objects(const std::string& subject) const;
+  /// The object that one became which has no observation left: the two were found to be one, or are one by a
+  /// correction. Unset for others.
+  std::optional<Id> object_instead_of(Id id) const;
   /// Whether the name of an object, as find_objects() reads it, may mean another one that is `such`; one that
   /// has gone only where it has.
   bool has_namesake(const std::string& name, Id object,
@@ -219,8 +222,8 @@ struct BelievedBox {
   Isometry3d map_from_box = Isometry3d::Identity();
   std::optional<Vector3d> size = {};  ///< along its axes, metres
 };
-/// A belief is of a position: the turn and size of the box are those of the last observation, `seen` (nullptr
-/// = none). Unset when nothing says where it is.
+/// A belief is of a position and of the extents that all views support: how the box is turned is that of the
+/// last observation, `seen` (nullptr = none). Unset when nothing says where it is.
 std::optional<BelievedBox> believed_box(const BeliefRow& belief, const ObservationRow* seen);
 
 }  // namespace loci::memory

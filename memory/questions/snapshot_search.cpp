@@ -422,10 +422,7 @@ std::vector<Snapshot::Candidate> Snapshot::search_named(const std::string& word,
 
 std::vector<Snapshot::Candidate> Snapshot::of_number(Id id) const {
   if (belief(id) != nullptr) return {{id}};
-  if (const auto other = store_.object_instead_of(id); other && !as_of_.known_at)
-    throw UnknownName(UnknownName::Kind::object,
-                      fmt::format("{} is {} now", object_name(id), object_name(*other)), file(),
-                      "ask for " + object_name(*other));
+  if (const auto other = object_instead_of(id)) return of_number(*other);
   // What a tombstone stands for is not known any more.
   if (id <= store_.max_object_id() && !store_.forgotten().empty())
     throw UnknownName(
@@ -433,6 +430,11 @@ std::vector<Snapshot::Candidate> Snapshot::of_number(Id id) const {
         fmt::format("there is no {}: it may be one that was forgotten on request", object_name(id)), file(),
         "");
   return {};
+}
+
+std::optional<Id> Snapshot::object_instead_of(Id id) const {
+  const bool known = belief(id) != nullptr || as_of_.known_at.has_value();
+  return known ? std::nullopt : store_.object_instead_of(id);
 }
 
 std::vector<Snapshot::Candidate> Snapshot::with_fact(
@@ -466,23 +468,26 @@ std::vector<Snapshot::Candidate> Snapshot::of_looks(const std::string& word, Amo
 std::vector<Snapshot::Candidate> Snapshot::of_class(const std::string& word,
                                                     const std::set<std::string>& meanings,
                                                     Among among) const {
-  std::set<Id> classed;
+  std::map<Id, std::string> class_of;
   std::set<std::string> classes;
   for (const FactRow& fact : reads_->facts)
-    if (fact.object && fact.key == "class") {
-      classed.insert(*fact.object);
-      classes.insert(lower_case(*fact.value));
-    }
+    if (fact.object && fact.key == "class") classes.insert(class_of[*fact.object] = lower_case(*fact.value));
   std::vector<Candidate> found;
   for (const std::string& meaning : meanings) {
-    // Where people call some objects mugs, one that they call a jar is not a cup, whatever it looked like.
-    const bool stated = classes.contains(meaning) || !related_names(meaning, classes).empty();
+    // Where people call some objects mugs, one that they call a jar is not a cup, whatever it looked like;
+    // one that they call a mug is both.
+    std::set<std::string> related = related_names(meaning, classes);
+    if (classes.contains(meaning)) related.insert(meaning);
+    const auto is_stated_otherwise = [&](Id id) {
+      const auto stated = class_of.find(id);
+      return !related.empty() && stated != class_of.end() && !related.contains(stated->second);
+    };
     const auto take = [&](std::vector<Id> objects, const std::string& class_name) {
       if (among == Among::present) objects = intersection(objects, present_candidates());
       for (const Id id : objects) {
         const auto color = is_color_word(meaning) ? this->stated(id, "colour") : std::nullopt;
         const bool is_other = color && class_name.empty() && !has_color(*color, meaning);
-        if (!(stated && classed.contains(id)) && !is_other) found.push_back({id, class_name});
+        if (!is_stated_otherwise(id) && !is_other) found.push_back({id, class_name});
       }
     };
     const bool only_noun = is_color_word(meaning) && meaning != word;  // "oranges"

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <set>
 
+#include "memory/belief/extents.h"
 #include "memory/recorder/belief_rows.h"
 #include "memory/store/scene_images.h"
 
@@ -50,9 +51,7 @@ ObjectStatus unobserved_status(const belief::ObjectOutcome& outcome) {
 /// The extents of an object that was measured before, of which a view shows a part at least: how it is turned
 /// is that of the part.
 Vector3d at_least(const Vector3d& known, const Vector3d& part) {
-  Vector3d turned = known;
-  if ((known.x() > known.y()) != (part.x() > part.y())) std::swap(turned.x(), turned.y());
-  return turned.cwiseMax(part);
+  return turned_as(known, part).cwiseMax(part);
 }
 
 double unobserved_probability(const belief::Visibility& v, ObjectStatus status) {
@@ -292,7 +291,10 @@ class RowBuilder {
     if (const std::optional<Id> now = place(object.place)) row.place = now;
     const belief::AxisBox box = belief::box_in_map(object, c_.place_poses);
     row.position = box.centre;
-    if (object.has_size) row.size = object.partial && row.size ? at_least(*row.size, box.size) : box.size;
+    if (const std::optional<Vector3d> extents = belief::extents_of(object, row.size))
+      row.size = extents;
+    else if (object.has_size)
+      row.size = object.partial && row.size ? at_least(*row.size, box.size) : box.size;
     row.sigma = std::sqrt(object.variance);
     row.clock = clock();
     if (seen_now) fill_observation(row, object);

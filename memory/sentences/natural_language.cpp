@@ -7,8 +7,10 @@
 #include <set>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/events.h"
 #include "memory/questions/names/related_words.h"
 #include "memory/questions/presence.h"
+#include "memory/questions/replies/reply_parts.h"
 #include "memory/questions/snapshot.h"
 #include "memory/questions/visits.h"
 #include "memory/sentences/clauses/absence_clause.h"
@@ -358,7 +360,9 @@ class Conversation {
     const std::string text = lower_case(sentence);
     if (of_habits.contains(query.question) || !std::regex_search(text, said, habit)) return;
     // What was seen at any time is what usually is there, but not that of each morning.
-    if (query.question == "contents-history" && query.argument("from").empty() && !said[1].matched) return;
+    if (query.question == "contents-history" && query.argument("from").empty() &&
+        (!said[1].matched || !query.argument("during").empty()))
+      return;
     answer.notes.push_back(fmt::format("'{}' is left out: the answer is not of a habit", said.str()));
   }
 
@@ -450,14 +454,45 @@ class Conversation {
       return std::nullopt;
     const bool lasts = event.query->question == "was";
     const std::string note = event.reply->text;
+    const std::optional<Change> when = change_of(event);
     NaturalLanguageAnswer answer = std::move(event);
     if (!condition || answer.reply->verdict == Verdict::yes) {
       answer = answer_plainly(condition ? clause.question : question_at(clause, *answer.reply->time, lasts));
       if (!answer.query) return std::nullopt;
+      if (!condition && when && clause.link != EventClause::Link::at)
+        check_order(bounds_of(*when), clause.link == EventClause::Link::before, answer);
       answer.notes.insert(answer.notes.begin(), clause.event + ": " + note);
     }
     answer.sentence = sentence;
     return answer;
+  }
+
+  /// The change whose time a reply names.
+  static std::optional<Change> change_of(const NaturalLanguageAnswer& event) {
+    const ChangesAnswer* changes = event.answer ? event.answer->get_if<ChangesAnswer>() : nullptr;
+    if (changes == nullptr || !event.reply || !event.reply->time) return std::nullopt;
+    const auto found = std::ranges::find(changes->changes, event.reply->time->last, &Change::time);
+    return found == changes->changes.end() ? std::nullopt : std::optional(*found);
+  }
+
+  /// Whether something happened before or after an event is not observed where it may have been either.
+  void check_order(const TimeSpan& event, bool before, NaturalLanguageAnswer& answer) const {
+    if (!answer.reply || answer.query->question != "changes" || answer.query->asks != Asks::verdict) return;
+    Query at_any_time = *answer.query;
+    at_any_time.arguments.erase(before ? "to" : "from");
+    const Answer all = loci::memory::ask(snapshot_.store(), at_any_time, snapshot_.as_of());
+    std::vector<Change> perhaps;
+    for (const Change& change : all.get<ChangesAnswer>().changes) {
+      const std::partial_ordering order = order_of(bounds_of(change), event);
+      if (before ? order < 0 : order > 0) return;
+      if (order == std::partial_ordering::unordered) perhaps.push_back(change);
+    }
+    if (perhaps.empty()) return;
+    TimeSpan both = hull_of(perhaps);
+    both = {std::min(both.first, event.first), std::max(both.last, event.last)};
+    answer.reply->verdict = Verdict::not_observed;
+    answer.reply->text = fmt::format("Not observed which was first: both happened {}.",
+                                     uncapitalised(replies::between_text(both, writer_)));
   }
 
   /// Whether one of the objects was elsewhere between two of its sightings there.

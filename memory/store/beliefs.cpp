@@ -188,6 +188,11 @@ std::vector<Id> objects_with_terms(Store::Connection& db, const std::string& ter
 
 }  // namespace
 
+Vector3d turned_as(Vector3d extents, const Vector3d& other) {
+  if ((extents.x() > extents.y()) != (other.x() > other.y())) std::swap(extents.x(), extents.y());
+  return extents;
+}
+
 double faded(const BeliefRow& row, TimeNs time) {
   if (!row.fade_s || !row.fade_to || time <= row.then) return row.probability_then;
   const double seconds = in_seconds(time - row.then);

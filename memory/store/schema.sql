@@ -301,6 +301,7 @@ CREATE INDEX event_supersedes ON event (supersedes) WHERE supersedes IS NOT NULL
 --   a probability p becomes p * (fade_to + (1 - fade_to) * exp(-t / fade_s)) after t seconds,
 --   the status follows from the latest scene: seen (association, until a minute after it), missed or hidden
 --   (visibility), else out_of_view.
+-- The size is its length, width and height by all views.
 CREATE TABLE belief (
   id INTEGER PRIMARY KEY,
   object INTEGER NOT NULL REFERENCES object,

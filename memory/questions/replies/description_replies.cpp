@@ -140,6 +140,13 @@ void write_reply(const ObjectsAnswer& answer, const ReplyContext& context, Reply
     reply.text = fmt::format("{} of {} {} likely where {} seen last: {}.", there.size(),
                              answer.objects.size(), there.size() == 1 ? "is" : "are",
                              there.size() == 1 ? "it was" : "they were", names_in(there));
+  if (asks == Asks::number && !any_time && !there.empty())
+    add_out_of_sight(static_cast<size_t>(std::ranges::count_if(answer.objects,
+                                                               [](const ObjectBelief& object) {
+                                                                 return !is_there(object) &&
+                                                                        object.status != ObjectStatus::gone;
+                                                               })),
+                     reply);
   if ((asks == Asks::verdict || asks == Asks::exists) && !reply.not_known)
     set_verdict(there.size(), missed.size(), context.query, reply);
   if (asks == Asks::place && !there.empty()) return by_place(there, names, reply);

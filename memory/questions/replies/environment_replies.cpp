@@ -7,6 +7,7 @@
 
 #include "memory/questions/contents.h"
 #include "memory/questions/environment.h"
+#include "memory/questions/events.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
 #include "memory/questions/snapshot.h"
@@ -178,7 +179,7 @@ void last_opened(const OpensAnswer& answer, const ReplyContext& context, Reply& 
   }
   const Change& opened = *last->motion->opened;
   reply.time = TimeSpan{opened.since.value_or(opened.time), opened.time};
-  reply.text = fmt::format("{}: {} opened.", between_text(opened, context.times), last->name);
+  reply.text = fmt::format("{}: {} opened.", between_text(bounds_of(opened), context.times), last->name);
 }
 
 /// Whether one is open, or all are closed.

@@ -232,26 +232,6 @@ ChangesAnswer of_most_changed(const ChangesAnswer& all, size_t& times) {
   return most;
 }
 
-/// What the first or the last changes are of: several where they were seen within a minute.
-void at_one_end(const ChangesAnswer& answer, const Names& names, const ReplyContext& context, Reply& reply) {
-  constexpr TimeNs kTogether = kMinute;
-  const bool first = context.query.asks == Asks::earliest;
-  const TimeNs time = first ? answer.changes.front().time : answer.changes.back().time;
-  std::vector<std::string> list;
-  reply.objects.clear();
-  reply.places.clear();
-  for (const Change& change : answer.changes) {
-    const std::string name = changed(change, names);
-    if (std::abs(change.time - time) >= kTogether || std::ranges::count(list, name) > 0) continue;
-    list.push_back(name);
-    if (change.object)
-      reply.objects.push_back(change.object->id);
-    else
-      reply.places.push_back(change.place ? change.place->name : name);
-  }
-  reply.text = fmt::format("{}, by {}.", list_in_words(list), context.times.text(time));
-}
-
 /// "How many objects were moved?", not "How often was it moved?"
 bool counts_objects(const Query& query) {
   static const std::set<std::string> of_objects = {"came", "left", "relocated"},
@@ -328,10 +308,39 @@ std::vector<std::string> mention(const std::vector<Change>& changes, const Names
   return list;
 }
 
+/// The changes that may be the first of all, or the last: none is known to be earlier, or later.
+std::vector<Change> at_one_end(const std::vector<Change>& changes, bool first) {
+  std::vector<Change> ends;
+  for (const Change& one : changes) {
+    const bool surpassed = std::ranges::any_of(changes, [&](const Change& other) {
+      const std::partial_ordering order = order_of(bounds_of(other), bounds_of(one));
+      return first ? order < 0 : order > 0;
+    });
+    if (!surpassed) ends.push_back(one);
+  }
+  return ends;
+}
+
+/// Which was the first or the last: several where no look was between them.
+void which_at_one_end(const ChangesAnswer& answer, const Names& names, const ReplyContext& context,
+                      Reply& reply) {
+  const std::vector<Change> ends = at_one_end(answer.changes, context.query.asks == Asks::earliest);
+  reply.objects.clear();
+  reply.places.clear();
+  const std::vector<std::string> list = mention(ends, names, reply);
+  if (list.size() == 1) {
+    reply.text = fmt::format("{}, by {}.", list.front(), context.times.text(ends.back().time));
+    return;
+  }
+  reply.not_known = true;
+  reply.text = shortened(fmt::format("Not observed which: {}, {}.", list_in_words(list, 3),
+                                     uncapitalised(between_text(hull_of(ends), context.times))));
+}
+
 /// "Between 09:00 and 09:10: the cup was moved."
 void when_changed(const Change& change, const Names& names, const TimeWriter& times, Reply& reply) {
   reply.time = TimeSpan{change.since.value_or(change.time), change.time};
-  reply.text = fmt::format("{}: {}.", between_text(change, times), happened(change, names));
+  reply.text = fmt::format("{}: {}.", between_text(bounds_of(change), times), happened(change, names));
 }
 
 void how_long_ago(const Change& last, const std::string& what, const ReplyContext& context, Reply& reply) {
@@ -402,7 +411,7 @@ void write_reply(const ChangesAnswer& all, const ReplyContext& context, Reply& r
       break;
     case Asks::earliest:
     case Asks::latest:
-      at_one_end(answer, names, context, reply);
+      which_at_one_end(answer, names, context, reply);
       break;
     case Asks::number:
       if (counts_objects(context.query)) {

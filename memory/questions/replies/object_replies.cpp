@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "memory/questions/events.h"
 #include "memory/questions/location.h"
 #include "memory/questions/names/names.h"
 #include "memory/questions/objects.h"
@@ -37,7 +38,7 @@ void where_one(const ObjectBelief& object, const std::string& spot, const Names&
   reply.text =
       fmt::format("{} {} {}{}{}.", bare_subject(object.object, names), is_or_was(context),
                   left && object.probability >= kSure ? "probably " : adverb(object.probability), spot,
-                  left ? "; it left " + uncapitalised(between_text(*left, context.times)) : "");
+                  left ? "; it left " + uncapitalised(between_text(bounds_of(*left), context.times)) : "");
 }
 
 /// "One is on counter_1 and one probably in drawer_1", "Both are on counter_1".

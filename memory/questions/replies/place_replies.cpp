@@ -295,6 +295,10 @@ void write_list(const ContentsAnswer& answer, const Contents& contents, const st
     reply.text = fmt::format("None {}.", contents.where);
   else
     reply.text = fmt::format("{} {}: {}.", list.size(), contents.where, list_in_words(list));
+  if (context.query.asks == Asks::number) {
+    const auto missed = std::ranges::count(contents.perhaps, ObjectStatus::missed, &ObjectBelief::status);
+    add_out_of_sight(contents.perhaps.size() - static_cast<size_t>(missed), reply);
+  }
 }
 
 void add_last_look(const PlaceContents& view, const ReplyContext& context, Reply& reply) {

@@ -138,6 +138,10 @@ const Record<Reply>& reply_record() {
           .value("notes", [](const Reply& reply) { return unless_empty(reply.notes); })
           .value("verdict", &Reply::verdict)
           .value("number", &Reply::number)
+          .value("out_of_sight",
+                 [](const Reply& reply) {
+                   return reply.out_of_sight > 0 ? std::optional(reply.out_of_sight) : std::nullopt;
+                 })
           .value("probability", &Reply::probability)
           .value("seconds",
                  [](const Reply& reply) {

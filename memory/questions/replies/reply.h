@@ -21,6 +21,7 @@ struct Reply {
   // What the sentence states, by its type; unset = nothing of that type.
   std::optional<Verdict> verdict = {};
   std::optional<size_t> number = {};
+  size_t out_of_sight = 0;  ///< that `number` leaves out: not gone, and less than likely where they were seen
   std::vector<Id> objects = {};
   std::vector<std::string> places = {};
   std::optional<TimeSpan> time = {};

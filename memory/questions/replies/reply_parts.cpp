@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "mapping/base/text/text.h"
+#include "memory/questions/events.h"
 #include "memory/questions/replies/answer_format.h"
 #include "memory/wordnet/wordnet.h"
 
@@ -122,12 +123,19 @@ std::string reason_of(const ObjectBelief& object, const Names& names, const Repl
   return fmt::format("Because {} was last seen {} at {}.", bare_subject(object.object, names), spot, when);
 }
 
-std::string between_text(const Change& change, const TimeWriter& times) {
-  return change.since
-             ? (times.text(*change.since) == times.text(change.time)
-                    ? "At " + times.text(change.time)
-                    : fmt::format("Between {} and {}", times.text(*change.since), times.text(change.time)))
-             : "By " + times.text(change.time);
+void add_out_of_sight(size_t count, Reply& reply) {
+  if (count == 0 || !reply.number || *reply.number == 0) return;
+  reply.out_of_sight = count;
+  const std::string more = fmt::format("; and {} out of sight.", count);
+  if (reply.text.ends_with('.') && reply.text.size() - 1 + more.size() <= kMaxReplyLength)
+    reply.text.replace(reply.text.size() - 1, 1, more);
+}
+
+std::string between_text(const TimeSpan& bounds, const TimeWriter& times) {
+  const std::string last = times.text(bounds.last);
+  if (bounds.first == kAlways) return "By " + last;
+  const std::string first = times.text(bounds.first);
+  return first == last ? "At " + last : fmt::format("Between {} and {}", first, last);
 }
 
 }  // namespace loci::memory::replies

@@ -45,11 +45,13 @@ std::string gone_text(const ObjectBelief& object, const Names& names, const Time
 std::string reason_of(const ObjectBelief& object, const Names& names, const ReplyContext& context);
 /// The number that a sentence names ("two cups"); 0 = none.
 size_t wanted_count(const Query& query);
+/// What a number leaves out, said after it where there is room.
+void add_out_of_sight(size_t count, Reply& reply);
 /// A line of evidence for each object, as far as there is room.
 void add_sightings(const std::vector<ObjectBelief>& objects, const Names& names, const ReplyContext& context,
                    Reply& reply);
 
-/// "Between 08:00 and 09:30", "At 08:00" or, where it is not known since when, "By 09:30".
-std::string between_text(const Change& change, const TimeWriter& times);
+/// The bounds of an event: "Between 08:00 and 09:30", "At 08:00" or, from kAlways on, "By 09:30".
+std::string between_text(const TimeSpan& bounds, const TimeWriter& times);
 
 }  // namespace loci::memory::replies

@@ -236,8 +236,38 @@ void how_often_looked(const ContentsHistoryAnswer& answer, const ReplyContext& c
 
 }  // namespace
 
+/// What is there in at least half of the visits at the hours or days asked about.
+void usual_contents(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
+  constexpr size_t kMinVisits = 3;  // fewer are not a habit
+  const Snapshot snapshot(context.store, context.as_of);
+  const Names names(snapshot);
+  const auto by_visits = [](const PlaceContentsHistory& place) { return place.visits; };
+  const PlaceContentsHistory& place = *std::ranges::max_element(answer.places, {}, by_visits);
+  const std::string where = in_words(place.place), visits = counted(place.visits, "look");
+  std::vector<std::string> list;
+  for (const PastContent& object : place.objects) {
+    const std::string name = names.of(object.now.object);
+    reply.evidence.push_back(
+        fmt::format("{}: in {} of {} ({})", name, object.visits, visits,
+                    percent(static_cast<double>(object.visits) / static_cast<double>(place.visits))));
+    if (2 * object.visits < place.visits) continue;
+    reply.objects.push_back(object.now.object.id);
+    list.push_back(name);
+  }
+  reply.number = list.size();
+  reply.not_known = place.visits < kMinVisits;
+  if (place.visits == 0)
+    reply.text = fmt::format("Not known: no look at {} then.", name_in_words(place.place.name));
+  else if (reply.not_known)
+    reply.text = fmt::format("Too few to tell, {} {} then: {}.", visits, where, list_in_words(list));
+  else
+    reply.text = fmt::format("{} usually {} then, in at least half of {}: {}.", list.size(), where, visits,
+                             list_in_words(list));
+}
+
 void write_reply(const ContentsHistoryAnswer& answer, const ReplyContext& context, Reply& reply) {
   if (context.query.asks == Asks::looks) return how_often_looked(answer, context, reply);
+  if (!answer.during.empty()) return usual_contents(answer, context, reply);
   const Snapshot snapshot(context.store, context.as_of);
   const Names names(snapshot);
   std::vector<std::string> list;
@@ -333,6 +363,8 @@ void write_reply(const MissingAnswer& answer, const ReplyContext& context, Reply
   } else {
     reply.number = list.size();
     if (asks_whether) reply.verdict = list.empty() ? Verdict::no : Verdict::yes;
+    if (answer.places.size() == 1 && (list.empty() || !answer.subject.empty()))
+      reply.evidence.insert(reply.evidence.begin(), "because " + reason_of(answer.places.front()));
     reply.text =
         fmt::format("{}{} {} missing{}.", asks_whether ? (list.empty() ? "No: " : "Yes: ") : "",
                     list_in_words(list, 4), list.size() > 1 ? "are" : "is",

@@ -97,8 +97,9 @@ std::vector<PlaceVisit> comparable(std::vector<PlaceVisit> visits, const std::se
   return visits;
 }
 
+/// `meant`: the objects asked about; empty = all.
 MissingPlace missing_at(const Snapshot& snapshot, const ScenesOfObjects& all, const PlaceRow& row,
-                        const Occasion* occasion) {
+                        const Occasion* occasion, const std::set<Id>& meant) {
   MissingPlace result{.place = {row.id, row.name, row.container}};
   std::set<Id> present;
   for (const BeliefRow& belief : snapshot.beliefs())
@@ -107,6 +108,7 @@ MissingPlace missing_at(const Snapshot& snapshot, const ScenesOfObjects& all, co
       comparable(visits_of(snapshot, all, row), present, occasion, snapshot.store().time_zone());
   result.visits = visits.size();
   for (const BeliefRow& belief : snapshot.beliefs()) {
+    if (!meant.empty() && !meant.contains(belief.object)) continue;
     ExpectedObject expected{.now = snapshot.object_belief(belief)};
     expected.visits = static_cast<size_t>(std::ranges::count_if(
         visits, [&](const PlaceVisit& visit) { return visit.objects.contains(belief.object); }));
@@ -116,6 +118,8 @@ MissingPlace missing_at(const Snapshot& snapshot, const ScenesOfObjects& all, co
       result.present.push_back(std::move(expected));
     else if (expected.visits > 0 && expected.share >= 0.5)
       result.missing.push_back(std::move(expected));
+    else if (!meant.empty())
+      result.seldom.push_back(std::move(expected));
   }
   for (auto* list : {&result.present, &result.missing})
     std::ranges::stable_sort(*list, std::ranges::greater(), &ExpectedObject::visits);
@@ -263,12 +267,32 @@ MissingAnswer ask(const Store& store, const MissingQuestion& question) {
     throw Error(fmt::format("'{}' is no occasion", question.occasion), {},
                 "occasions: breakfast, lunch, tea, dinner, supper");
   const Snapshot snapshot(store, question.as_of);
-  MissingAnswer answer{.asked = question.place, .occasion = question.occasion};
+  MissingAnswer answer{.asked = question.place, .occasion = question.occasion, .subject = question.subject};
+  std::set<Id> meant;
+  if (!question.subject.empty())
+    for (const Id object : snapshot.find_objects(question.subject)) meant.insert(object);
   const ScenesOfObjects all = scenes_of_objects(snapshot, snapshot.find_objects(""));
   for (const PlaceRow& place :
        question.place.empty() ? snapshot.places() : snapshot.find_places(question.place))
-    answer.places.push_back(missing_at(snapshot, all, place, occasion));
+    answer.places.push_back(missing_at(snapshot, all, place, occasion, meant));
   return answer;
+}
+
+std::string reason_of(const MissingPlace& place) {
+  const std::string visits = counted(place.visits, "visit");
+  const auto in_visits = [&](const ExpectedObject& object) {
+    return fmt::format("it was there in {} of {}", object.visits, visits);
+  };
+  if (place.visits == 0) return "no earlier visit saw anything like this";
+  if (place.missing.size() + place.present.size() + place.seldom.size() == 1) {
+    if (!place.missing.empty()) return in_visits(place.missing[0]) + " and is not there now";
+    return place.present.empty() ? in_visits(place.seldom[0]) + ", less than half" : "it is there now";
+  }
+  const auto usual = std::ranges::count_if(place.present, [](const auto& one) { return one.share >= 0.5; });
+  if (place.missing.empty())
+    return usual == 0 ? fmt::format("nothing was there in half of {}", visits)
+                      : fmt::format("what was there in at least half of {} is there now", visits);
+  return fmt::format("what was there in at least half of {} is not there now", visits);
 }
 
 std::string to_text(const MissingAnswer& answer, const TimeWriter& times) {
@@ -282,11 +306,15 @@ std::string to_text(const MissingAnswer& answer, const TimeWriter& times) {
       continue;
     }
     const std::string visits = counted(place.visits, "visit") + hours;
-    lines.push_back(place.missing.empty() ? fmt::format("Nothing is missing {}, by {}.", where, visits)
-                                          : fmt::format("Missing {}, by {}:", where, visits));
+    lines.push_back(place.missing.empty()
+                        ? fmt::format("Nothing is missing {}, by {}: {}.", where, visits, reason_of(place))
+                        : fmt::format("Missing {}, by {}:", where, visits));
     for (const ExpectedObject& missing : place.missing)
       lines.push_back(
           fmt::format("  there in {} of {}: {}", missing.visits, visits, belief_text(missing.now, times)));
+    for (const ExpectedObject& seldom : place.seldom)
+      lines.push_back(fmt::format("  not usual: {}, there in {} of {}", to_text(seldom.now.object),
+                                  seldom.visits, visits));
     for (const ExpectedObject& present : place.present)
       lines.push_back(fmt::format("  present: {}, there in {} of {}", to_text(present.now.object),
                                   present.visits, visits));
@@ -300,6 +328,7 @@ const Record<MissingPlace>& missing_place_record() {
   static const auto record = Record<MissingPlace>("MissingPlace")
                                  .value("place", &MissingPlace::place)
                                  .value("visits", &MissingPlace::visits)
+                                 .value("reason", [](const MissingPlace& place) { return reason_of(place); })
                                  .record("missing", &MissingPlace::missing, expected_record())
                                  .record("present", &MissingPlace::present, expected_record());
   return record;
@@ -413,6 +442,7 @@ std::vector<Question> co_occurrence_questions() {
       {.name = "missing",
        .description = "What is missing at a place, by what its earlier visits showed",
        .parameters = {place,
+                      only_object_parameter(),
                       {.name = "occasion",
                        .help = "Only visits at its hours",
                        .default_text = "any",
@@ -420,8 +450,8 @@ std::vector<Question> co_occurrence_questions() {
        .examples = {"table_1", "table_1 --occasion breakfast --json"},
        .answer = format::schema_by<missing_record>,
        .run = [](const Arguments& given) -> Answer {
-         return ask(given.store(),
-                    MissingQuestion{given.text("place"), given.text("occasion"), given.as_of()});
+         return ask(given.store(), MissingQuestion{given.text("place"), given.text("occasion"), given.as_of(),
+                                                   given.text("object")});
        },
        .sentences = {{"what: miss at<place> for<occasion> [thing]", Asks::objects,
                       "What is missing on the table for breakfast?"},

@@ -48,6 +48,7 @@ struct MissingQuestion {
   std::string place = {};     ///< empty = every place
   std::string occasion = {};  ///< only visits at these hours: breakfast, lunch, tea, dinner; empty = any
   AsOf as_of = {};
+  std::string subject = {};  ///< only these objects; empty = all
 };
 struct ExpectedObject {
   ObjectBelief now = {};
@@ -59,9 +60,13 @@ struct MissingPlace {
   size_t visits = 0;                         ///< that count
   std::vector<ExpectedObject> present = {};  ///< believed to be there now
   std::vector<ExpectedObject> missing = {};  ///< in at least half of the visits, but not there now
+  std::vector<ExpectedObject> seldom = {};   ///< that were asked for: in less than half of the visits
 };
+/// Why something is missing at a place, or nothing is: "all 3 that were there in at least half of 5 visits
+/// are there".
+std::string reason_of(const MissingPlace& place);
 struct MissingAnswer {
-  std::string asked = {}, occasion = {};
+  std::string asked = {}, occasion = {}, subject = {};
   std::vector<MissingPlace> places = {};
 };
 MissingAnswer ask(const Store& store, const MissingQuestion& question);

@@ -17,6 +17,7 @@
 #include "memory/questions/replies/answer_format.h"
 #include "memory/questions/replies/reply_parts.h"
 #include "memory/questions/snapshot.h"
+#include "memory/questions/visits.h"
 
 namespace loci::memory {
 
@@ -136,34 +137,53 @@ const Record<UsualPlace>& usual_place_record() {
   return record;
 }
 
+/// When the visits began that looks belong to.
+std::vector<TimeNs> visit_begins(std::vector<TimeNs> looks) {
+  std::ranges::sort(looks);
+  std::vector<TimeNs> begins;
+  for (size_t i = 0; i < looks.size(); ++i)
+    if (i == 0 || looks[i] - looks[i - 1] > kVisitGap) begins.push_back(looks[i]);
+  return begins;
+}
+
 /// `meant`: the objects asked about; unset = all.
 PlaceContentsHistory contents_history_of(const Snapshot& snapshot, const PlaceRow& place,
                                          const ContentsHistoryQuestion& question,
                                          const std::optional<std::set<Id>>& meant) {
   constexpr double kMinLook = 0.1;
+  const RecurringTime during(question.during, snapshot.store());
   const auto is_then = [&](TimeNs time) {
-    return (!question.from || time >= *question.from) && (!question.to || time <= *question.to);
+    return (!question.from || time >= *question.from) && (!question.to || time <= *question.to) &&
+           during.covers(time);
   };
   PlaceContentsHistory history{.place = {place.id, place.name, place.container}};
+  std::vector<TimeNs> times;
   for (const VisibilityRow& view : snapshot.store().visibility_of_place(place.id)) {
     const SceneRow* scene = snapshot.scene(view.scene);
     if (scene == nullptr || view.fraction.value_or(0) < kMinLook || !is_then(scene->time)) continue;
     ++history.looks;
+    times.push_back(scene->time);
     if (!history.last_look || history.last_look->time <= scene->time)
       history.last_look = snapshot.scene_ref(*scene);
   }
+  const std::vector<TimeNs> visits = visit_begins(std::move(times));
+  history.visits = visits.size();
   for (const BeliefRow& belief : snapshot.beliefs()) {
     if (meant && !meant->contains(belief.object)) continue;
     PastContent object;
     size_t all = 0;
+    std::set<TimeNs> seen_in;
     for (const ObjectObservation& sighting :
          snapshot.store().observations_of(belief.object, snapshot.as_of())) {
       if (sighting.observation.place) ++all;
       if (sighting.observation.place != place.id || !is_then(sighting.time)) continue;
       object.last = *snapshot.scene_ref(sighting.association.scene);
       if (object.sightings++ == 0) object.first = object.last;
+      if (const auto after = std::ranges::upper_bound(visits, sighting.time); after != visits.begin())
+        seen_in.insert(*std::prev(after));
     }
     if (object.sightings == 0) continue;
+    object.visits = seen_in.size();
     object.now = snapshot.object_belief(belief);
     object.share = static_cast<double>(object.sightings) / static_cast<double>(all);
     object.still_there = is_believed_at(belief, place.id);
@@ -356,7 +376,7 @@ void keep_most(const Snapshot& snapshot, const std::string& rank, ContentsHistor
 
 ContentsHistoryAnswer ask(const Store& store, const ContentsHistoryQuestion& question) {
   const Snapshot snapshot(store, question.as_of);
-  ContentsHistoryAnswer answer{.asked = question.place};
+  ContentsHistoryAnswer answer{.asked = question.place, .during = question.during};
   // "Biggest cup": of the cups that were there.
   const std::string rank = superlative_of(question.subject);
   const std::string subject = trimmed(question.subject.substr(rank.size()));
@@ -424,6 +444,7 @@ const Record<PastContent>& past_content_record() {
   static const auto record = Record<PastContent>("PastContent")
                                  .with(&PastContent::now, belief_record())
                                  .value("sightings_there", &PastContent::sightings)
+                                 .value("visits_there", &PastContent::visits)
                                  .value("share", &PastContent::share)
                                  .record("first_there", &PastContent::first, scene_record())
                                  .record("last_there", &PastContent::last, scene_record())
@@ -435,15 +456,18 @@ const Record<PlaceContentsHistory>& place_history_record() {
   static const auto record = Record<PlaceContentsHistory>("PlaceContentsHistory")
                                  .value("place", &PlaceContentsHistory::place)
                                  .value("looks", &PlaceContentsHistory::looks)
+                                 .value("visits", &PlaceContentsHistory::visits)
                                  .record("objects", &PlaceContentsHistory::objects, past_content_record())
                                  .record("last_view", &PlaceContentsHistory::last_look, scene_record());
   return record;
 }
 
 const Record<ContentsHistoryAnswer>& contents_history_record() {
-  static const auto record = Record<ContentsHistoryAnswer>("ContentsHistoryAnswer")
-                                 .value("asked", &ContentsHistoryAnswer::asked)
-                                 .record("places", &ContentsHistoryAnswer::places, place_history_record());
+  static const auto record =
+      Record<ContentsHistoryAnswer>("ContentsHistoryAnswer")
+          .value("asked", &ContentsHistoryAnswer::asked)
+          .value("during", [](const ContentsHistoryAnswer& answer) { return unless_empty(answer.during); })
+          .record("places", &ContentsHistoryAnswer::places, place_history_record());
   return record;
 }
 
@@ -547,6 +571,11 @@ std::vector<SentenceForm> contents_history_sentences() {
       {"what: keep at<place> [usually|thing]", objects, "What do we keep in this drawer?"},
       {"what: do put at<place> [usually|thing] -did", objects},
       {"what: belong|go to<place> [usually|thing] -was -did -have", objects},
+      {"what: usually at<place> [keep|stand|find|thing|put|see]",
+       objects,
+       "What is usually on the counter at eight?",
+       {},
+       SentenceTime::during},
       {"what: usually at<place> [keep|stand|find|thing|put|see]", objects},
       {"what: miss from<place> time [thing]", objects, "What is missing from the table since noon?",
        no_longer},
@@ -590,14 +619,18 @@ std::vector<SentenceForm> contents_history_sentences() {
 
 }  // namespace
 
+namespace {
+
+constexpr const char* kDuringHelp =
+    "Only what was seen then: \"noon\", \"9 to 11\", \"Mondays\", \"weekend morning\"";
+
+}  // namespace
+
 std::vector<Question> routine_questions() {
   return {
       {.name = "usual",
        .description = "Where an object usually is, by hour and weekday",
-       .parameters =
-           {object_parameter(),
-            {.name = "during",
-             .help = "Only what was seen then: \"noon\", \"9 to 11\", \"Mondays\", \"weekend morning\""}},
+       .parameters = {object_parameter(), {.name = "during", .help = kDuringHelp}},
        .examples = {"red", "object_5 --during morning --json"},
        .answer = format::schema_by<usual_record>,
        .run = [](const Arguments& given) -> Answer {
@@ -616,14 +649,15 @@ std::vector<Question> routine_questions() {
                            "stayed: only what never left; unmoved: "
                            "nor was moved",
                        .default_text = "any",
-                       .choices = {"gone", "stayed", "unmoved", "new"}}},
+                       .choices = {"gone", "stayed", "unmoved", "new"}},
+                      {.name = "during", .help = kDuringHelp}},
        .period = true,
        .examples = {"drawer_1", "table_1 --between 08:00 10:00 --json"},
        .answer = format::schema_by<contents_history_record>,
        .run = [](const Arguments& given) -> Answer {
          return ask(given.store(),
                     ContentsHistoryQuestion{given.text("place"), given.as_of(), given.from(), given.to(),
-                                            given.text("object"), given.text("state")});
+                                            given.text("object"), given.text("state"), given.text("during")});
        },
        .time = SentenceTime::period,
        .sentences = contents_history_sentences(),

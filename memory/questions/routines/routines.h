@@ -69,22 +69,25 @@ struct ContentsHistoryQuestion {
   /// "gone": only what is no longer there; "stayed": only what is there and did not leave in the period;
   /// "new": only what is there and was not in the period; "unmoved": nor was moved; empty = all.
   std::string state = {};
+  std::string during = {};  ///< only what was seen then, as for UsualQuestion
 };
 struct PastContent {
   ObjectBelief now = {};
   size_t sightings = 0;  ///< scenes in which it was seen there
+  size_t visits = 0;     ///< in which it was seen there
   double share = 0;      ///< of all its sightings at places
   SceneRef first = {}, last = {};
   bool still_there = false;  ///< is believed to be there
 };
 struct PlaceContentsHistory {
   PlaceRef place = {};
-  size_t looks = 0;  ///< scenes that saw at least a tenth of it
+  size_t looks = 0;   ///< scenes that saw at least a tenth of it
+  size_t visits = 0;  ///< of which these scenes are
   std::optional<SceneRef> last_look = {};
   std::vector<PastContent> objects = {};  ///< most sightings first
 };
 struct ContentsHistoryAnswer {
-  std::string asked = {};
+  std::string asked = {}, during = {};
   std::vector<PlaceContentsHistory> places = {};
 };
 ContentsHistoryAnswer ask(const Store& store, const ContentsHistoryQuestion& question);

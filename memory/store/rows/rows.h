@@ -203,7 +203,7 @@ struct BeliefRow {
   std::optional<Id> last_observation = {};
   std::optional<HsvColor> hsv = {};
   std::optional<std::string> color = {};
-  std::optional<Vector3d> size = {};
+  std::optional<Vector3d> size = {};  ///< its extents by all views; the last observation has its turn
   /// Without observations, the probability fades to this share within about this time; unset = it does not.
   std::optional<double> fade_s = {}, fade_to = {};
   std::optional<double> elsewhere = {};  ///< probability that it is elsewhere in the home if it is not here
@@ -213,6 +213,9 @@ struct BeliefRow {
   double probability_then = 1;  ///< at the time of the row or of the last observation after it
   TimeNs then = 0;
 };
+
+/// Extents in the order of the horizontal axes of another measurement of the same object.
+Vector3d turned_as(Vector3d extents, const Vector3d& other);
 
 /// The probability at a time, without an observation since `then`.
 double faded(const BeliefRow& row, TimeNs time);

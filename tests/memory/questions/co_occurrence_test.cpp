@@ -179,8 +179,20 @@ TEST_F(CoOccurrenceQuestions, MissingIsWhatMostVisitsShowedWithTheRest) {
   ASSERT_EQ(answer.places[0].present.size(), 1U);
   EXPECT_EQ(answer.places[0].present[0].now.object.id, 2);
   EXPECT_THAT(text(answer), HasSubstr("Missing on table_1, by 2 visits"));
+  EXPECT_EQ(reason_of(answer.places[0]), "what was there in at least half of 2 visits is not there now");
   EXPECT_EQ(ask(*store_, MissingQuestion{"table_1", "dinner", {}}).places[0].visits, 0U);
   EXPECT_THROW(ask(*store_, MissingQuestion{"table_1", "brunch", {}}), Error);
+}
+
+TEST_F(CoOccurrenceQuestions, WhatIsNotMissingHasAReason) {
+  const auto reason = [&](const std::string& place, const std::string& object) {
+    return reason_of(ask(*store_, MissingQuestion{.place = place, .subject = object}).places.at(0));
+  };
+  EXPECT_EQ(reason("table_1", "red"), "it was there in 1 of 2 visits and is not there now");
+  EXPECT_EQ(reason("table_1", "blue"), "it is there now");
+  EXPECT_EQ(reason("table_1", "green"), "it was there in 0 of 2 visits, less than half");
+  EXPECT_EQ(reason("counter_1", ""), "what was there in at least half of 3 visits is there now");
+  EXPECT_THAT(text(ask(*store_, MissingQuestion{.place = "counter_1"})), HasSubstr("is there now"));
 }
 
 TEST_F(CoOccurrenceQuestions, SceneTypeIsByWhatOtherScenesHaveInCommon) {

@@ -1,6 +1,7 @@
 #include "memory/questions/comparison.h"
 
 #include "mapping/base/error.h"
+#include "memory/questions/events.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {
@@ -43,6 +44,20 @@ TEST_F(Comparison, MoreCountsWhatIsBelievedToBeThere) {
 
 TEST_F(Comparison, WhatNeverLeftIsNotKnownToHaveLeftFirst) {
   EXPECT_EQ(compare("blue", "green", "left-before").verdict, Verdict::not_observed);
+}
+
+TEST_F(Comparison, WhatWasSeenLaterDidNotLeaveBefore) {
+  const ComparisonAnswer answer = compare("red", "green", "left-before");
+  EXPECT_EQ(answer.verdict, Verdict::yes);
+  EXPECT_THAT(text(answer), testing::HasSubstr("object_3 was still there at 09:30"));
+  EXPECT_EQ(compare("green", "red", "left-before").verdict, Verdict::no);
+}
+
+TEST(EventOrder, IsKnownOfTimesThatDoNotOverlap) {
+  EXPECT_TRUE(order_of({1, 2}, {2, 3}) < 0) << "the look at 2 saw the second unchanged";
+  EXPECT_TRUE(order_of({2, 3}, {1, 2}) > 0);
+  EXPECT_EQ(order_of({1, 3}, {1, 2}), std::partial_ordering::unordered) << "both after the look at 1";
+  EXPECT_EQ(order_of({kAlways, 3}, {2, 4}), std::partial_ordering::unordered);
 }
 
 TEST_F(Comparison, StaysAreComparedByTheLooksAroundThem) {

@@ -1,5 +1,7 @@
 #include "memory/questions/routines/routines.h"
 
+#include "memory/questions/question.h"
+#include "memory/questions/replies/reply.h"
 #include "tests/memory/questions/day_fixture.h"
 
 namespace loci::memory {
@@ -25,6 +27,23 @@ TEST_F(LifeCycle, TheMedianOfTwoStaysLiesBetweenThem) {
   EXPECT_THAT(text(ask(*store_, LifeCycleQuestion{.subject = "red"})),
               HasSubstr("on table_1: 2 stays, 2.8 h"))
       << "1.5 h and 4 h";
+}
+
+TEST_F(LifeCycle, WhatIsUsuallyAtAPlaceIsBySharesOfItsLooksAtThoseHours) {
+  const auto usual = [&](const std::string& during) {
+    const Query query{"contents-history", {{"place", "table_1"}, {"during", during}}, Asks::objects};
+    return find_question(query.question)->reply(*store_, query, ask(*store_, query));
+  };
+  const PlaceContentsHistory morning =
+      ask(*store_, ContentsHistoryQuestion{.place = "table_1", .during = "morning"}).places.at(0);
+  EXPECT_EQ(morning.visits, 3U) << "an hour apart";
+  ASSERT_EQ(morning.objects.size(), 2U);
+  EXPECT_EQ(morning.objects[0].now.object.id, 2);
+  EXPECT_EQ(morning.objects[0].visits, 2U);
+  EXPECT_EQ(usual("morning").objects, std::vector<Id>{2});
+  EXPECT_THAT(usual("8").text, HasSubstr("Too few to tell, 1 look on table_1 then"));
+  EXPECT_TRUE(usual("8").not_known);
+  EXPECT_THAT(usual("evening").text, HasSubstr("no look at table_1 then"));
 }
 
 TEST_F(LifeCycle, OfAllObjectsAddsUp) {
