@@ -377,7 +377,8 @@ class FixtureFinder {
     const double half_width = (along ? shape.width : shape.length) / 2;
     std::array<double, 3> face{};
     std::array<double, 3> cells{};
-    for (double s = -length / 2; s <= length / 2 + 1e-9; s += kFaces.cell_m)
+    for (double s = -length / 2; s <= length / 2 + 1e-9; s += kFaces.cell_m) {
+      size_t strip = 0;
       for (double t = half_width + 0.008; t < half_width + kFixtures.surroundings_m; t += kFaces.cell_m) {
         const Vector2d at = shape.centre + s * axis + side * t * across;
         const int x = grid_.column(at.x());
@@ -388,9 +389,13 @@ class FixtureFinder {
         const float off = layers_.fixture.at<float>(y, x) + layers_.farther.at<float>(y, x) +
                           layers_.behind.at<float>(y, x);
         if (on + off < kFixtures.min_density) continue;  // occluded
+        // Beyond a strip of face begins the bar of the next door.
+        if (on < layers_.fixture.at<float>(y, x) && strip >= kFixtures.min_strip_cells) break;
+        strip += on > off ? 1 : 0;
         cells[third] += 1;
         face[third] += on > off ? 1 : 0;
       }
+    }
     double min_share = 1;
     if (cells[0] + cells[1] + cells[2] < kFixtures.min_cells_beside) return 0;
     for (size_t i = 0; i < 3; ++i)

@@ -11,8 +11,10 @@ namespace {
 /// Fixtures grouped along one direction, in order.
 using Groups = std::vector<std::vector<size_t>>;
 
-Groups groups_along(const std::vector<FaceFixture>& fixtures, const std::vector<size_t>& inside, bool u) {
-  const double half = kDivision.hand_m / (u ? 2 : 4);
+/// `hand`: how wide a fixture is taken for at least, metres.
+Groups groups_along(const std::vector<FaceFixture>& fixtures, const std::vector<size_t>& inside, bool u,
+                    double hand) {
+  const double half = hand / (u ? 2 : 4);
   const auto low = [&](size_t i) {
     return std::min(fixtures[i].box.low(u), (u ? fixtures[i].u : fixtures[i].v) - half);
   };
@@ -43,8 +45,10 @@ class Divider {
       front.confidence = kDivision.confidence * front.edge_confidence();
       return {front};
     }
-    const Groups columns = groups_along(fixtures_, inside, true);
-    const Groups rows = groups_along(fixtures_, inside, false);
+    Groups columns = groups_along(fixtures_, inside, true, kDivision.hand_m);
+    const Groups rows = groups_along(fixtures_, inside, false, kDivision.hand_m);
+    // Bars where two doors meet may leave less space.
+    if (columns.size() < 2 && rows.size() < 2) columns = groups_along(fixtures_, inside, true, 0);
     if (columns.size() < 2 && rows.size() < 2) return {};  // they overlap: no layout
     if (rows.size() < 2) return apply(part, columns, true).fronts;
     Division by_rows = apply(part, rows, false);

@@ -81,6 +81,7 @@ struct FixtureParameters {
   size_t min_points = 10;              ///< of a line fit
   size_t many_points = 40;             ///< so many are not all mixed returns
   double min_cells_beside = 6;         ///< that rays met, to judge the surroundings
+  size_t min_strip_cells = 3;          ///< of face between a bar and that of the next door
   double surroundings_m = 0.035;       ///< beside a fixture, in which its front shows
   double min_shown = 0.4;              ///< of the cells beside it that are face
   float min_density = 0.07F;           ///< points per cell after smoothing: one within 6 mm

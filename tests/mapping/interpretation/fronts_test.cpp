@@ -292,6 +292,26 @@ TEST(Fronts, ALowDrawerWithoutHandleOverThePlinthIsReportedAndACoverOverAFrontIs
   EXPECT_NE(front_at(fronts, oven, -0.3, 0.3, 0.1, 0.2), nullptr);
 }
 
+TEST(Fronts, ATallUnitBesideALowRowDoesNotCutTheRowsFronts) {
+  // Over the row, rays meet the wall behind it.
+  Furniture row;
+  row.parts.push_back({{-0.65, -3, 0}, {-0.6, 3, 2.5}});
+  row.add_body(-1.5, -0.9, 0, 2.1);
+  row.add_panel(-1.497, -0.903, 0.1, 2.1);
+  row.add_upright_bar(-0.95, 1.1, 0.4);
+  row.add_body(-0.9, 1.5, 0, 0.9);
+  for (int unit = 0; unit < 3; ++unit) {
+    const double u = -0.9 + 0.8 * unit;
+    row.add_panel(u + 0.003, u + 0.797, 0.1, 0.9);
+    row.add_level_bar(u + 0.4, 0.84, 0.4);
+  }
+  const std::vector<Front> fronts = fronts_of_furniture(row, 7);
+  EXPECT_EQ(fronts.size(), 4U);
+  EXPECT_NE(front_at(fronts, row, -1.497, -0.903, 0.1, 2.1), nullptr);
+  for (int unit = 0; unit < 3; ++unit)
+    EXPECT_NE(front_at(fronts, row, -0.9 + 0.8 * unit, -0.1 + 0.8 * unit, 0.1, 0.9), nullptr) << unit;
+}
+
 TEST(Fronts, TwoScansThatLieApartDoNotDoubleAFront) {
   const Furniture block = drawer_block();
   ScanSet scans = scan_furniture(block, kStandpoints, 1);
