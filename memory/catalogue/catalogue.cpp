@@ -99,10 +99,10 @@ Catalogue catalogue_of(const Store& store) {
     entry.name = object_name(belief.object);
     const ObjectClass stated = class_of(store, belief.object);
     // Facts from another home belong to its own catalogue.
-    if (stated.by != "catalogue") entry.class_name = stated.name;
+    if (stated.by != kCatalogueSource) entry.class_name = stated.name;
     for (const FactRow& fact : store.facts())
       if (fact.object == belief.object && fact.value && fact.key != "class" && fact.key != "state" &&
-          fact.clock.source != "catalogue")
+          fact.clock.source != kCatalogueSource)
         entry.facts.emplace_back(fact.key, *fact.value);
     entry.color = belief.color.value_or("");
     entry.size = belief.size;

@@ -15,6 +15,9 @@
 
 namespace loci::memory {
 
+/// The source of facts that follow from catalogues; others are statements of people or programs.
+inline constexpr const char* kCatalogueSource = "catalogue";
+
 /// One object of a home: what it is, what it is called, what it looks like.
 struct CatalogueEntry {
   std::string name;        ///< in its own home: "object_3"

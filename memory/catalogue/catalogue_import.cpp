@@ -18,7 +18,6 @@ namespace {
 
 constexpr const char* kCheckpoint = "catalogue/";  ///< and the home: checkpoints with the catalogues
 constexpr const char* kHabitsCheckpoint = "catalogue habits/";
-constexpr const char* kSource = "catalogue";
 constexpr const char* kOwnHome = "";  ///< of the examples that were taught
 /// Prior probability that an object has an equal in the catalogue of another home.
 constexpr double kKnown = 0.5;
@@ -151,16 +150,16 @@ void settle(Store& store, Facts wanted, CatalogueResult& result) {
   std::vector<FactRow> rows;
   const std::vector<FactRow> facts = store.facts();
   for (const FactRow& fact : facts)  // facts of people take precedence
-    if (fact.object && fact.value && fact.clock.source != kSource)
+    if (fact.object && fact.value && fact.clock.source != kCatalogueSource)
       std::erase_if(wanted, [&](const auto& one) {
         return std::get<0>(one.first) == *fact.object && std::get<1>(one.first) == fact.key;
       });
   for (const FactRow& fact : facts) {
-    if (!fact.object || !fact.value || fact.clock.source != kSource) continue;
+    if (!fact.object || !fact.value || fact.clock.source != kCatalogueSource) continue;
     const auto found = wanted.find({*fact.object, fact.key, *fact.value});
     FactRow row{.object = fact.object, .key = fact.key};
     row.clock.supersedes = fact.id;
-    row.clock.source = kSource;
+    row.clock.source = kCatalogueSource;
     row.clock.valid_from = fact.clock.valid_from;
     if (found == wanted.end()) {
       ++result.taken_back;
@@ -180,7 +179,7 @@ void settle(Store& store, Facts wanted, CatalogueResult& result) {
   for (const auto& [about, matched] : wanted) {
     const auto& [object, key, value] = about;
     FactRow row{.object = object, .key = key, .value = value, .probability = matched.probability};
-    row.clock.source = kSource;
+    row.clock.source = kCatalogueSource;
     const Store::ObservationCount seen = store.count_observations(object);
     if (seen.first_scene) row.clock.valid_from = store.scene(*seen.first_scene).time;
     result.known.push_back({object, key, value, matched.probability, matched.by});
@@ -199,7 +198,7 @@ Catalogue examples_of(const Store& store, const std::vector<Seen>& objects) {
   Catalogue examples;
   examples.home = kOwnHome;
   for (const FactRow& fact : store.facts()) {
-    if (!fact.object || !fact.value || fact.key != kTaughtKey || fact.clock.source == kSource) continue;
+    if (!fact.object || !fact.value || fact.key != kTaughtKey || fact.clock.source == kCatalogueSource) continue;
     const auto seen = std::ranges::find(objects, *fact.object, &Seen::object);
     if (seen == objects.end()) continue;
     CatalogueEntry& entry = examples.entries.emplace_back();
@@ -215,7 +214,7 @@ Catalogue examples_of(const Store& store, const std::vector<Seen>& objects) {
 /// Whether facts depend on catalogues or examples, or did.
 bool has_known_objects(const Store& store) {
   return std::ranges::any_of(store.facts(), [](const FactRow& fact) {
-    return fact.object && (fact.key == kTaughtKey || fact.clock.source == kSource);
+    return fact.object && (fact.key == kTaughtKey || fact.clock.source == kCatalogueSource);
   });
 }
 

@@ -237,9 +237,10 @@ std::set<std::string> unplaced_facts(const Store& store) {
 }
 
 /// Gives what is said of an object to the one that it is. Of a key with one value the statement that was made
-/// last holds, and a note says so.
+/// last holds, and a note says so. What catalogues say nobody said: they are applied anew.
 void merge_facts(const Store& store, Id remaining, Id merged, IdentityEdit& edit) {
-  const std::vector<FactRow> facts = store.facts();
+  std::vector<FactRow> facts = store.facts();
+  std::erase_if(facts, [](const FactRow& fact) { return fact.clock.source == kCatalogueSource; });
   for (const FactRow& given : facts) {
     if (given.object != merged) continue;
     edit.facts.push_back(correction_of(given));

@@ -7,6 +7,7 @@
 #include "mapping/base/files.h"
 #include "mapping/base/text/json.h"
 #include "mapping/world/urdf.h"
+#include "memory/catalogue/catalogue.h"
 #include "memory/questions/contents.h"
 #include "memory/questions/environment.h"
 #include "memory/questions/events.h"
@@ -83,6 +84,18 @@ TEST_F(Edits, MergedObjectsAreOneWithOneHistory) {
   const Change& last = history.changes.back();
   EXPECT_EQ(last.kind, EventKind::moved) << "it was known, so it has come from somewhere";
   EXPECT_EQ(last.from_place->name, "table_1");
+  expect_sound();
+}
+
+TEST_F(Edits, AMergeMakesNoStatementOfWhatACatalogueSays) {
+  const FactRow guess{.object = 4,
+                      .key = "class",
+                      .value = "apple",
+                      .probability = 0.86,
+                      .clock = {.source = kCatalogueSource}};
+  edit([&](Store& store) { return store.add_fact(guess, store.begin_run("test", "{}")); });
+  edit([](Store& store) { return merge_objects(store, 4, 2); });
+  EXPECT_THAT(ask(*store_, FactsQuestion{"object_2", "class", {}}).facts, IsEmpty());
   expect_sound();
 }
 
