@@ -197,8 +197,7 @@ class NewAnnotations {
     const bool again = memory_.annotated_by.empty();
     return std::ranges::any_of(relations_, [&](const AnnotationRow& row) {
       return row.observation == memory_.current.observations.at(relation.first) &&
-             row.value == relation.second.value &&
-             (!again || row.confidence == relation.second.confidence);
+             row.value == relation.second.value && (!again || row.confidence == relation.second.confidence);
     });
   }
 

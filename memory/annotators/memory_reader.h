@@ -45,8 +45,8 @@ class MemoryReader : public perception::Reader {
   std::set<std::string> unknown_;  ///< types with a warning
 };
 
-/// Adds new annotations of the clusters of the scene read last, and their relations, to their observations, in
-/// one transaction. Nothing is stored twice: what is there in the same words is left out, and with
+/// Adds new annotations of the clusters of the scene read last, and their relations, to their observations,
+/// in one transaction. Nothing is stored twice: what is there in the same words is left out, and with
 /// `annotated_by` whatever one of these annotators said of a cluster that it has annotated already. Returns
 /// their number.
 size_t store_new_annotations(MemorySource& memory, perception::cas::Cas& cas, Id run);

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 
 #include "mapping/base/text/text.h"
+#include "mapping/recording/recording.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/annotators/segmentation/clustering/plane_cluster_extractor.h"
 #include "perception/annotators/structure/known_structure.h"
@@ -121,6 +123,24 @@ void classify(const types::Cluster& cluster, const std::string& source, const De
   cluster.annotations.push_back(annotation);
 }
 
+/// A warning that names images with detections that no frame has, if others are in the recording.
+void warn_of_foreign_images(const DetectionSet& set, const mapping::Recording& recording,
+                            const std::string& file, Warnings& warnings) {
+  std::set<const ImageDetections*> known;
+  for (size_t i = 0; i < recording.size(); ++i)
+    known.insert(set.find(recording.name_of(i), recording.index_of(i), recording.time_of(i)));
+  std::vector<std::string> foreign;
+  for (const ImageDetections& image : set.images())
+    if (!image.detections.empty() && !known.contains(&image)) foreign.push_back(image.image);
+  if (foreign.empty() || foreign.size() == set.images().size()) return;
+  const size_t count = foreign.size();
+  constexpr size_t kNamed = 3;
+  if (count > kNamed) foreign.resize(kNamed);
+  warnings.add(fmt::format("{} with detections in no frame of the recording: {}{}", counted(count, "image"),
+                           joined(foreign, ", "), count > kNamed ? ", …" : ""),
+               {file, 0, {}});
+}
+
 }  // namespace
 
 AnnotatorDescriptor Detections2D::descriptor() const {
@@ -145,6 +165,8 @@ void Detections2D::start(Context& context) {
     throw Error("Detections2D has no detections", {},
                 "give `detections: FILE`, a COCO file, JSON Lines or a YOLO folder");
   set_ = DetectionSet::read(path_, context.warnings);
+  if (const auto* recording = context.resources.find<mapping::Recording>())
+    warn_of_foreign_images(*set_, *recording, path_, context.warnings);
 }
 
 void Detections2D::process(cas::Cas& cas, Context& /*context*/) {
@@ -173,7 +195,8 @@ void add_detections(cas::Cas& cas, const std::vector<Detection2D>& detections, c
   const cv::Mat points = cloud_points(facade);
   const std::vector<VisibleSupport> supports = visible_supports(facade, pose, camera.depth);
   const Vector3d up = pose.linear().transpose() * Vector3d::UnitZ();
-  const LiftFrame frame = lift_frame_of_points(points, camera, explained_in(facade, supports, points, pose), up);
+  const LiftFrame frame =
+      lift_frame_of_points(points, camera, explained_in(facade, supports, points, pose), up);
   for (const Detection2D& detection : detections) {
     const LiftResult lifted = lift_region(frame, detection.region);
     if (!lifted.region) {

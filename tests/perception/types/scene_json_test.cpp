@@ -33,7 +33,8 @@ TEST(SceneJson, RelationsNameClustersByNumberAndSupportsByName) {
   relate(scene, "on", clusters[0], support);
   const Json relations = to_json(scene)["relations"];
   ASSERT_EQ(relations.size(), 2U);
-  EXPECT_EQ(relations[0], parse_json(R"({"name": "left-of", "object1": 2, "object2": 1, "probability": 0.75})", ""));
+  EXPECT_EQ(relations[0],
+            parse_json(R"({"name": "left-of", "object1": 2, "object2": 1, "probability": 0.75})", ""));
   EXPECT_EQ(relations[1]["object2"], "table_1");
 }
 
