@@ -31,8 +31,10 @@ bool may_write(const AnnotatorDescriptor& descriptor, cas::Type type) {
   return false;
 }
 
-/// Whether descriptors declare the type; others, such as vectors and arrays, are parts of what is declared.
+/// Whether descriptors declare the type. Others, such as vectors and arrays, are parts of what is declared,
+/// and everybody writes the log.
 bool is_declarable(const cas::FeatureStructure& structure) {
+  if (types::is<types::Log>(structure)) return false;
   return types::is<types::Annotation>(structure) || types::is<types::ObjectHypothesis>(structure) ||
          types::is<types::Cluster>(structure) || types::is<types::PlanarSupport>(structure);
 }

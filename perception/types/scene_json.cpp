@@ -109,12 +109,9 @@ Json to_json(const Annotation& annotation, Arrays arrays) {
 
 Json to_json(const SceneCas& facade) {
   const Scene scene = facade.scene();
-  Json json = {{"frame", scene.frame_index.get()},
-               {"time", format_time(scene.timestamp.get())},
-               {"supports", Json::array()},
-               {"clusters", Json::array()},
-               {"relations", Json::array()},
-               {"annotations", Json::array()}};
+  Json json = {{"frame", scene.frame_index.get()}, {"time", format_time(scene.timestamp.get())},
+               {"supports", Json::array()},        {"clusters", Json::array()},
+               {"relations", Json::array()},       {"annotations", Json::array()}};
   for (const Annotation& annotation : scene.annotations) json["annotations"].push_back(to_json(annotation));
   for (const PlanarSupport& support : facade.supports()) json["supports"].push_back(support_json(support));
   int number = 0;

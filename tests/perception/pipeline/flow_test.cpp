@@ -247,6 +247,13 @@ TEST(Flow, RefusesAnExtractorThatStandsTwice) {
   EXPECT_EQ(refusal_of("flow: [Finder, Adder, Adder]", registry), "accepted");
 }
 
+TEST(Flow, EveryAnnotatorMayWriteTheLog) {
+  AnnotatorRegistry registry = test_registry();
+  add_scripted(registry, {"Talker", "", {"Scene"}, {}},
+               [](cas::Cas& cas, Context&) { types::SceneCas(cas).log("Talker", "info", "here"); });
+  EXPECT_EQ(refusal_of("flow: [Talker]", registry), "accepted");
+}
+
 /// What a run fails with whose annotator `Culprit`, which declares TextAnnotation, does this.
 std::string broken_contract(const std::string& flow, const Scripted::Work& work) {
   AnnotatorRegistry registry = test_registry();
