@@ -480,10 +480,14 @@ void add_perception(py::module_& module) {
           "Rows x columns x 3, float32, camera frame.")
       .def(
           "view",
-          [](const Access& access, const std::string& name) {
-            return shared_array_of(perception::types::view_image(access.scene(), name));
+          [](const Access& access, const std::string& name) -> std::optional<py::array> {
+            const SceneCas scene = access.scene();
+            if (!scene.has(name)) return std::nullopt;
+            if (name == SceneCas::kCloud) return shared_array_of(perception::cloud_points(scene));
+            if (name == SceneCas::kNormals) return shared_array_of(perception::cloud_normals(scene));
+            return shared_array_of(perception::types::view_image(scene, name));
           },
-          py::arg("name"), "The image of a view as it is kept; colour is BGR there.")
+          py::arg("name"), "The image of a view as it is kept, or None; colour is BGR there.")
       .def("set_view", set_view, py::arg("name"), py::arg("image"),
            "Makes a copy of an image (uint8, uint16 or float32) the view of this name.")
       .def_property_readonly("clusters", clusters_of, "The objects that were segmented, in order.")

@@ -36,7 +36,7 @@ Experts PluginOption::load() const {
 
 void StatisticsTarget::declare(ArgumentTable& table) {
   table.option("--statistics FILE", &file, "JSON file with the statistics of annotators",
-               {.default_text = "the file beside the memory", .replaces = true});
+               {.default_text = "the file beside the memory"});
 }
 
 std::filesystem::path StatisticsTarget::path(const std::string& memory) const {

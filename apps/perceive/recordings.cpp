@@ -8,6 +8,7 @@
 
 #include "apps/perceive/annotators.h"
 #include "apps/perceive/commands.h"
+#include "apps/perceive/goal_answers.h"
 #include "mapping/base/config.h"
 #include "mapping/base/files.h"
 #include "mapping/base/math/tally.h"
@@ -227,8 +228,11 @@ std::string scene_text(const perception::types::SceneCas& facade) {
   for (const auto& obstacle : facade.scene().annotations.filter<perception::types::ObstacleAnnotation>())
     text += fmt::format("  something stands {:.2f} m before {} and hides {:.0f} % of it\n",
                         obstacle.distance.get(), obstacle.joint.get(), 100 * obstacle.share.get());
+  const std::vector<perception::types::Cluster> clusters = facade.clusters();
   for (const Json& cluster : json["clusters"]) {
-    text += fmt::format("  {:2} {}", cluster["cluster"].get<int>(),
+    const auto number = cluster["cluster"].get<size_t>();
+    const std::string name = perception::class_of(clusters[number - 1]);
+    text += fmt::format("  {:2} {}{}", number, name.empty() ? "" : name + ", ",
                         cluster.value("sentence", std::string("somewhere")));
     if (cluster.contains("size"))
       text += fmt::format(", {:.2f} x {:.2f} x {:.2f} m", cluster["size"][0].get<double>(),
@@ -326,7 +330,7 @@ void declare(ArgumentTable& table, RunArguments& arguments) {
   table.option("--pipeline FILE", &arguments.pipeline,
                "Pipeline as YAML; `describe pipeline` prints the default one");
   table.option("--goal CONDITIONS", &arguments.goal,
-               "Choose annotators for a goal: \"class=mug color=red on=table_1\"",
+               "Choose annotators for a goal: \"class=cup color=red on=table_1\"",
                {.excludes = {"--pipeline"}});
   table.option("--budget-ms MS", &arguments.budget_ms,
                "Expected time per scene that the chosen annotators may take",
@@ -361,7 +365,7 @@ std::optional<perception::GoalPlan> plan_for(const RunArguments& arguments,
   }
   const std::optional<double> budget =
       arguments.budget_ms > 0 ? std::optional<double>(arguments.budget_ms / 1e3) : std::nullopt;
-  return plan_goal(perception::parse_goal(arguments.goal), steps_that_find(registry), configured, registry,
+  return plan_goal(read_goal(arguments.goal), steps_that_find(registry), configured, registry,
                    arguments.statistics.read(arguments.memory.memory), budget);
 }
 
@@ -438,6 +442,8 @@ void run(const RunArguments& arguments, Session& session) {
   const Experts experts = arguments.plugins.load();
   const perception::AnnotatorRegistry& registry = experts.registry;
   const std::optional<perception::GoalPlan> plan = plan_for(arguments, registry);
+  std::optional<GoalAnswers> answers;
+  if (plan) answers.emplace(*plan);
   perception::Pipeline pipeline = read_pipeline(arguments, registry, plan);
   perception::Resources resources = make_resources(arguments, session);
   if (!arguments.labels.empty()) make_folder(arguments.labels);
@@ -446,10 +452,6 @@ void run(const RunArguments& arguments, Session& session) {
   perception::Context context{resources, session.warnings(), session.flags().threads, {}};
   const bool remembers = resources.find<memory::MemorySession>() != nullptr;
   std::string text = plan ? plan_text(*plan) : std::string();
-  const std::optional<perception::Condition> wanted =
-      plan && !plan->condition.empty() ? std::optional(perception::Condition::parse(plan->condition, {}))
-                                       : std::nullopt;
-  Json found = Json::array();
   size_t clusters = 0;
   Tally frames;
   Json scenes = Json::array();
@@ -460,14 +462,8 @@ void run(const RunArguments& arguments, Session& session) {
       frames.add(*reason);
     else
       frames.add_used();
-    if (wanted) {
-      int number = 0;
-      for (const perception::types::Cluster& cluster : scene.clusters()) {
-        ++number;
-        if (!wanted->holds(scene, cluster)) continue;
-        found.push_back({{"frame", scene.scene().frame_index.get()}, {"cluster", number}});
-        text += fmt::format("frame {}: cluster {} fits\n", scene.scene().frame_index.get(), number);
-      }
+    if (answers) {
+      answers->look_at(scene, remembers ? perception::tracked_numbers(scene) : std::vector<int>());
       return write_images(arguments, scene, remembers, session);
     }
     // With a memory, questions give the answer; without one this is it.
@@ -483,6 +479,8 @@ void run(const RunArguments& arguments, Session& session) {
   for (const auto& [name, seconds] : result.pipeline.seconds) session.timing(name, seconds);
   if (const auto path = arguments.statistics.path(arguments.memory.memory); !path.empty())
     add_to_statistics(path, result.pipeline.statistics);
+  const memory::Store* store = remembers ? &resources.find<memory::MemorySession>()->store() : nullptr;
+  if (answers) text += answers->text(store);
   text += summary(result, clusters, remembers ? arguments.memory.memory : "");
   frames.add(Reason::annotator_failed, result.pipeline.left_out);
   Json json = {{"frames", result.pipeline.frames},
@@ -492,7 +490,8 @@ void run(const RunArguments& arguments, Session& session) {
                {"left_out", result.pipeline.left_out},
                {"scenes", scenes},
                {"pipeline", context.configuration}};
-  if (plan) json.update({{"found", found}, {"plan", to_json(*plan)}});
+  if (answers) json.update(answers->json(store));
+  if (plan) json["plan"] = to_json(*plan);
   session.answer(text, json);
   try {
     frames.explain("object", {arguments.recording.path, 0, {}}, session.warnings());

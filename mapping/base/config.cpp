@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 #include "mapping/base/files.h"
 #include "mapping/base/text/text.h"
 
@@ -12,7 +14,8 @@ namespace {
 constexpr int kMaxDepth = 64;
 constexpr size_t kMaxNodes = 2'000'000;
 
-/// Refuses a document that is too deep or, with its aliases expanded, too large, or whose keys are no names.
+/// Refuses a document that is too deep or, with its aliases expanded, too large, or whose keys are no names
+/// or stand twice in one map.
 void check_size(const YAML::Node& node, const std::string& file, int depth, size_t& nodes) {
   const FileLocation place{file, node.Mark().is_null() ? 0 : node.Mark().line + 1, {}};
   if (depth > kMaxDepth) throw Error(fmt::format("more than {} levels deep", kMaxDepth), place);
@@ -21,8 +24,14 @@ void check_size(const YAML::Node& node, const std::string& file, int depth, size
   if (node.IsSequence())
     for (const auto& item : node) check_size(item, file, depth + 1, nodes);
   if (!node.IsMap()) return;
+  std::map<std::string, int> lines;
   for (const auto& entry : node) {
     if (!entry.first.IsScalar()) throw Error("a key is not a name", place);
+    const int line = entry.first.Mark().is_null() ? 0 : entry.first.Mark().line + 1;
+    const auto [first, added] = lines.emplace(entry.first.Scalar(), line);
+    if (!added)
+      throw Error(fmt::format("the key '{}' stands twice, first in line {}", first->first, first->second),
+                  {file, line, {}}, "remove one of them");
     check_size(entry.second, file, depth + 1, nodes);
   }
 }
@@ -41,7 +50,9 @@ Config Config::parse(const std::string& text, const std::string& file) {
     check_size(node, file, 0, nodes);
     return {node, file, {}};
   } catch (const YAML::Exception& error) {
-    throw Error("not valid YAML: " + error.msg, {file, error.mark.is_null() ? 0 : error.mark.line + 1, {}});
+    const bool is_map_below_value = error.msg == YAML::ErrorMsg::MAP_VALUE;
+    throw Error("not valid YAML: " + error.msg, {file, error.mark.is_null() ? 0 : error.mark.line + 1, {}},
+                is_map_below_value ? "a name with keys below it needs a value of its own: 'Name: {}'" : "");
   }
 }
 

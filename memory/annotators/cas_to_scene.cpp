@@ -1,5 +1,7 @@
 #include "memory/annotators/cas_to_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +15,7 @@
 #include "perception/conversions/opencv.h"
 #include "perception/detection/people_detector.h"
 #include "perception/types/geometry.h"
+#include "perception/types/scene_json.h"
 
 namespace loci::memory {
 namespace {
@@ -246,6 +249,22 @@ AnnotationRecord annotation_record(const perception::types::Annotation& annotati
   return record;
 }
 
+std::optional<std::pair<size_t, AnnotationRecord>> relation_record(
+    const perception::types::SceneCas& scene, const perception::types::Relation& relation) {
+  const auto first = number_of(scene, relation.object1.get());
+  if (!first) return std::nullopt;
+  AnnotationRecord record;
+  record.type = relation.type().name();
+  record.value = relation.name.get();
+  record.confidence = relation.probability.get();
+  const perception::types::Identifiable other = relation.object2.get();
+  if (const auto second = number_of(scene, other))
+    record.value += fmt::format(" cluster {}", *second);
+  else if (const auto support = perception::types::try_as<perception::types::PlanarSupport>(other))
+    record.value += " " + support->name.get();
+  return std::pair(*first - 1, record);
+}
+
 namespace {
 
 /// Which extents of a box its faces show. An extent is seen on faces that run along it; a face is seen from
@@ -323,6 +342,9 @@ SceneRecord scene_record(const perception::types::SceneCas& cas, const mapping::
   record.view.labels = cv::Mat(record.view.depth.size(), CV_32S, cv::Scalar(-1));
   for (const perception::types::Cluster& cluster : cas.clusters())
     record.observations.push_back(read_cluster(cluster, heads, record));
+  for (const perception::types::Relation& relation : scene.relations)
+    if (const auto said = relation_record(cas, relation))
+      record.observations[said->first].annotations.push_back(said->second);
   return record;
 }
 

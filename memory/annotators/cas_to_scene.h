@@ -17,6 +17,11 @@ SceneRecord scene_record(const perception::types::SceneCas& scene, const mapping
 /// An annotation and its searchable value.
 AnnotationRecord annotation_record(const perception::types::Annotation& annotation);
 
+/// A relation of the scene as a searchable value of its first object: "left-of cluster 3", "on island_1". The
+/// first is the index of that object among the clusters; nothing for relations of others.
+std::optional<std::pair<size_t, AnnotationRecord>> relation_record(
+    const perception::types::SceneCas& scene, const perception::types::Relation& relation);
+
 /// Descriptors of a cluster that the belief can compare. `camera`: from where it was seen, map frame.
 std::vector<belief::Descriptor> descriptors_of(const perception::types::Cluster& cluster,
                                                const Vector3d& camera);

@@ -232,7 +232,8 @@ perception::AnnotatorDescriptor IdentityResolution::descriptor() const {
   return {"IdentityResolution",
           "Decides which cluster is which known object, what moved, appeared, is hidden or has gone.",
           {"Scene", "Cluster"},
-          {"TrackingAnnotation", "SimilarityMatrix", "DistanceMatrix", "BeliefStateInstance"},
+          {"TrackingAnnotation", "SimilarityMatrix", "DistanceMatrix", "AssociationDistribution",
+           "BeliefStateInstance"},
           {"*"},
           {},
           {kSharedMemory}};

@@ -12,6 +12,7 @@
 #include "memory/annotators/memory_session.h"
 #include "memory/store/feature_structures.h"
 #include "memory/store/scene_images.h"
+#include "perception/cas/json.h"
 #include "perception/conversions/opencv.h"
 #include "perception/types/geometry.h"
 
@@ -148,22 +149,82 @@ void MemoryReader::read_next(perception::cas::Cas& cas, perception::Context& con
   memory_->current.structures = cas.size();
 }
 
-size_t store_new_annotations(MemorySource& memory, perception::cas::Cas& cas, Id run) {
-  const std::vector<perception::types::Cluster> clusters =
-      perception::types::SceneCas(cas).scene().clusters.to_vector();
-  SceneTransaction transaction(memory.store, run);
-  FeatureStructureWriter writer(transaction, memory.current.scene);
-  size_t added = 0;
-  for (size_t i = 0; i < std::min(clusters.size(), memory.current.observations.size()); ++i)
-    for (const perception::types::Annotation& annotation : clusters[i].annotations) {
+namespace {
+
+/// What is new about the scene read last.
+class NewAnnotations {
+ public:
+  NewAnnotations(const MemorySource& memory, perception::cas::Cas& cas)
+      : memory_(memory), scene_(cas), clusters_(scene_.scene().clusters.to_vector()) {
+    for (const AnnotationRow& row : memory.store.annotations(memory.current.scene))
+      if (row.type == perception::types::Relation::kTypeName) relations_.push_back(row);
+  }
+
+  size_t clusters() const { return std::min(clusters_.size(), memory_.current.observations.size()); }
+
+  std::vector<perception::types::Annotation> of_cluster(size_t i) const {
+    std::set<std::string> sources, known;
+    std::vector<perception::types::Annotation> added;
+    for (const perception::types::Annotation& annotation : clusters_[i].annotations) {
       const perception::cas::FeatureStructure& structure = annotation;
-      if (structure.id() <= memory.current.structures) continue;
-      AnnotationRow row =
-          annotation_row(annotation_record(annotation), memory.current.scene, memory.current.observations[i]);
-      row.feature_structure = writer.add(structure, row.observation);
-      transaction.add_annotation(row);
-      ++added;
+      const std::string words = to_json(structure).dump();
+      if (structure.id() <= memory_.current.structures) {
+        sources.insert(annotation.source.get());
+        known.insert(words);
+      } else if (!is_kept(annotation, sources) && !known.contains(words)) {
+        added.push_back(annotation);
+      }
     }
+    return added;
+  }
+
+  /// With the indices of the clusters.
+  std::vector<std::pair<size_t, AnnotationRecord>> relations() const {
+    std::vector<std::pair<size_t, AnnotationRecord>> added;
+    for (const perception::types::Relation& relation : scene_.scene().relations)
+      if (const auto record = relation_record(scene_, relation); record && !is_known(*record))
+        added.push_back(*record);
+    return added;
+  }
+
+ private:
+  /// Whether the annotator has said something of this cluster before, and is not to say it again.
+  bool is_kept(const perception::types::Annotation& annotation, const std::set<std::string>& sources) const {
+    const std::string source = annotation.source.get();
+    return memory_.annotated_by.contains(source) && sources.contains(source);
+  }
+  bool is_known(const std::pair<size_t, AnnotationRecord>& relation) const {
+    const bool again = memory_.annotated_by.empty();
+    return std::ranges::any_of(relations_, [&](const AnnotationRow& row) {
+      return row.observation == memory_.current.observations.at(relation.first) &&
+             row.value == relation.second.value && (!again || row.confidence == relation.second.confidence);
+    });
+  }
+
+  const MemorySource& memory_;
+  perception::types::SceneCas scene_;
+  std::vector<perception::types::Cluster> clusters_;
+  std::vector<AnnotationRow> relations_;  ///< that are stored
+};
+
+}  // namespace
+
+size_t store_new_annotations(MemorySource& memory, perception::cas::Cas& cas, Id run) {
+  const NewAnnotations fresh(memory, cas);
+  const MemorySource::Current& current = memory.current;
+  SceneTransaction transaction(memory.store, run);
+  FeatureStructureWriter writer(transaction, current.scene);
+  size_t added = 0;
+  const auto add = [&](size_t cluster, const AnnotationRecord& annotation) {
+    AnnotationRow row = annotation_row(annotation, current.scene, current.observations[cluster]);
+    if (annotation.structure) row.feature_structure = writer.add(annotation.structure, row.observation);
+    transaction.add_annotation(row);
+    ++added;
+  };
+  for (size_t i = 0; i < fresh.clusters(); ++i)
+    for (const perception::types::Annotation& annotation : fresh.of_cluster(i))
+      add(i, annotation_record(annotation));
+  for (const auto& [cluster, relation] : fresh.relations()) add(cluster, relation);
   if (added > 0) transaction.commit();
   return added;
 }

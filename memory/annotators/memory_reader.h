@@ -13,7 +13,8 @@ struct MemorySource {
   explicit MemorySource(Store opened) : store(std::move(opened)) {}
 
   Store store;
-  /// Clusters that all of these annotators have annotated already are hidden; empty = none are.
+  /// What these annotators have annotated already is left as it is, and clusters that all of them have
+  /// annotated are hidden; empty = everything is annotated again.
   std::set<std::string> annotated_by;
   /// The scene that was read last: its observations in the order of its clusters, and the structures of its
   /// CAS.
@@ -44,8 +45,10 @@ class MemoryReader : public perception::Reader {
   std::set<std::string> unknown_;  ///< types with a warning
 };
 
-/// Adds new annotations of the clusters of the scene read last to their observations, in one transaction.
-/// Returns their number.
+/// Adds new annotations of the clusters of the scene read last, and their relations, to their observations,
+/// in one transaction. Nothing is stored twice: what is there in the same words is left out, and with
+/// `annotated_by` whatever one of these annotators said of a cluster that it has annotated already. Returns
+/// their number.
 size_t store_new_annotations(MemorySource& memory, perception::cas::Cas& cas, Id run);
 
 }  // namespace loci::memory

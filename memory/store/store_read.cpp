@@ -1,6 +1,7 @@
 // Reading: runs, recordings, places, scenes, events, facts, stored bytes, and the file as a whole.
 
 #include <algorithm>
+#include <array>
 
 #include "memory/store/rows/row_columns.h"
 #include "memory/store/rows/schema_check.h"
@@ -420,6 +421,16 @@ void Store::read_view(const std::string& view, const std::function<void(const Js
   });
 }
 
+namespace {
+
+/// Whether annotations of the type say where an object was in one view: others say what it is.
+bool is_about_place(const std::string& type) {
+  return std::ranges::any_of(std::array{"Location", "Geometry", "Relation"},
+                             [&](const char* word) { return type.find(word) != std::string::npos; });
+}
+
+}  // namespace
+
 std::vector<AnnotationSupport> annotation_support(const Store& store,
                                                   const std::vector<ObjectObservation>& observations,
                                                   const AsOf& as_of) {
@@ -429,8 +440,7 @@ std::vector<AnnotationSupport> annotation_support(const Store& store,
     std::set<std::pair<std::string, std::string>> values;
     std::set<std::string> types;
     for (const AnnotationRow& row : store.annotations(observed.observation.scene, as_of))
-      if (row.observation == observed.observation.id && !row.value.empty() &&
-          row.type.find("Location") == std::string::npos && row.type.find("Geometry") == std::string::npos) {
+      if (row.observation == observed.observation.id && !row.value.empty() && !is_about_place(row.type)) {
         values.insert({row.type, row.value});
         types.insert(row.type);
       }

@@ -255,6 +255,13 @@ std::vector<FeatureStructure> Cas::changes() const {
   return found;
 }
 
+std::vector<std::string> Cas::changed_views() const {
+  std::vector<std::string> names;
+  if (!journals_.empty())
+    for (const auto& [name, sofa] : journals_.back().sofas) names.push_back(name);
+  return names;
+}
+
 /// Brings the changes of a branch home, each compared with what there was when the branch was made.
 class Cas::Merge {
  public:

@@ -127,6 +127,8 @@ class Cas {
   void undo_changes();
   /// What was made or written to since the last begin_changes(), without what was deleted; in order of id.
   std::vector<FeatureStructure> changes() const;
+  /// The views whose subject was set since then, sorted.
+  std::vector<std::string> changed_views() const;
 
   /// Selections and facades pass over a hidden structure: a branch that works on a part hides the rest. Is
   /// no change that merge() would bring home.

@@ -1,6 +1,7 @@
 #include "perception/cas/json.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -205,12 +206,26 @@ std::string text_member(const Json& object, const char* key, const std::string& 
   return value.get<std::string>();
 }
 
+void require_known(const Json& object, const std::vector<std::string>& known, const std::string& where) {
+  for (const auto& [key, value] : object.items())
+    if (std::ranges::find(known, key) == known.end())
+      throw Error("unknown key '" + key + "'", {{}, 0, where}, did_you_mean(key, known));
+}
+
 double number_from_json(const Json& json, const std::string& where) {
   if (json.is_number()) return json.get<double>();
   if (json == "NaN") return std::numeric_limits<double>::quiet_NaN();
   if (json == "Infinity") return std::numeric_limits<double>::infinity();
   if (json == "-Infinity") return -std::numeric_limits<double>::infinity();
   refuse("not a number: " + json.dump(), where);
+}
+
+/// Only the texts are infinite: a number beyond the range of the type is not.
+template <typename T>
+T floating_from_json(const Json& json, const std::string& where) {
+  const auto value = static_cast<T>(number_from_json(json, where));
+  if (json.is_number() && !std::isfinite(value)) refuse(json.dump() + " does not fit", where);
+  return value;
 }
 
 template <typename T>
@@ -255,7 +270,7 @@ Buffer<T> buffer_from_list(const Json& json, const std::string& where) {
     else if constexpr (std::is_same_v<T, std::string>)
       values->push_back(text_from_json(each, where));
     else if constexpr (std::is_floating_point_v<T>)
-      values->push_back(static_cast<T>(number_from_json(each, where)));
+      values->push_back(floating_from_json<T>(each, where));
     else
       values->push_back(integer_from_json<T>(each, where));
   }
@@ -311,6 +326,7 @@ class JsonReader {
   void create(const Json& json) {
     const std::string id = id_of(json);
     const std::string where = "#" + id;
+    require_known(json, {"id", "type", "features", "elements"}, where);
     const auto type = cas_.type_system().find(text_member(json, "type", where));
     if (!type) refuse("unknown type " + text_member(json, "type", where), where);
     const bool is_buffer = type->kind() == Kind::kArray && type->component_kind() != Kind::kStructure;
@@ -348,7 +364,9 @@ class JsonReader {
     if (value.is_null()) return;
     if (range.kind() == Kind::kBoolean) return structure.set(feature, bool_from_json(value, where));
     if (is_integer(range.kind())) return structure.set(feature, integer_from_json<int64_t>(value, where));
-    if (is_floating(range.kind())) return structure.set(feature, number_from_json(value, where));
+    if (range.kind() == Kind::kFloat) return structure.set(feature, floating_from_json<float>(value, where));
+    if (range.kind() == Kind::kDouble)
+      return structure.set(feature, floating_from_json<double>(value, where));
     if (range.kind() == Kind::kString) return structure.set(feature, text_from_json(value, where));
     structure.set(feature, value.is_string() ? reference(value, where) : array(range, value, where));
   }
@@ -446,6 +464,7 @@ Json to_json(const Cas& cas, BlobSink* sink) {
 }
 
 FeatureStructure from_json(Cas& cas, const Json& json, BlobSource* source) {
+  require_known(json, {"root", "structures", "views"}, "");
   JsonReader reader(cas, source);
   reader.read_structures(member(json, "structures", ""));
   if (json.contains("root")) return reader.reference(json.at("root"), "root");
@@ -453,6 +472,7 @@ FeatureStructure from_json(Cas& cas, const Json& json, BlobSource* source) {
   if (!views.is_array()) refuse("\"views\" is no list", "views");
   for (const Json& entry : views) {
     const std::string name = text_member(entry, "name", "views");
+    require_known(entry, {"name", "sofa", "index"}, "view " + name);
     View& view = cas.view(name);
     if (entry.contains("sofa")) view.adopt_sofa(reader.reference(entry.at("sofa"), "view " + name));
     const Json& index = member(entry, "index", "view " + name);

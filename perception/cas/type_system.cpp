@@ -18,17 +18,27 @@ std::optional<T> find_sorted(const std::vector<std::pair<std::string_view, T>>& 
   return found->second;
 }
 
+/// The features of a type that UIMA does not bring along.
+std::vector<Feature> declared_features(const Type& type) {
+  const auto builtin = TypeSystem::builtin()->find(type.name());
+  std::vector<Feature> declared;
+  for (const Feature& feature : type.own_features())
+    if (!builtin || !builtin->find_feature(feature.name())) declared.push_back(feature);
+  return declared;
+}
+
+/// The types that UIMA does not bring along, or that got features beside its own.
 std::vector<Type> declared_types(const TypeSystem& system) {
   std::vector<Type> declared;
   for (const Type& type : system.types())
-    if (!type.is_builtin()) declared.push_back(type);
+    if (!type.is_builtin() || !declared_features(type).empty()) declared.push_back(type);
   std::sort(declared.begin(), declared.end(), [](Type one, Type two) { return one.name() < two.name(); });
   return declared;
 }
 
 size_t count_features(const std::vector<Type>& types) {
   size_t count = 0;
-  for (const Type& type : types) count += type.own_features().size();
+  for (const Type& type : types) count += declared_features(type).size();
   return count;
 }
 
@@ -191,13 +201,14 @@ std::string types_text(const TypeSystem& system) {
   const std::vector<Type> types = declared_types(system);
   std::string text = fmt::format("{} types with {} features\n", types.size(), count_features(types));
   for (const Type& type : types) {
-    const size_t inherited = type.features().size() - type.own_features().size();
+    const std::vector<Feature> features = declared_features(type);
+    const size_t inherited = type.features().size() - features.size();
     text += fmt::format("\n{} : {}", type.name(), type.supertype().name());
     if (inherited > 0) text += fmt::format(" ({} inherited)", inherited);
     text += '\n';
     if (!type.allowed_values().empty())
       text += fmt::format("  one of {}\n", fmt::join(type.allowed_values(), ", "));
-    for (const Feature& feature : type.own_features())
+    for (const Feature& feature : features)
       text += fmt::format("  {:<24} {}\n", feature.name(), range_text(feature));
   }
   return text;

@@ -1,5 +1,8 @@
+#include <fmt/format.h>
 #include <tinyxml2.h>
+
 #include <algorithm>
+#include <cctype>
 #include <functional>
 #include <map>
 #include <set>
@@ -60,6 +63,18 @@ void check_children(const XMLElement& element, const std::vector<std::string>& k
     if (std::find(known.begin(), known.end(), child->Name()) == known.end())
       throw Error(std::string("unexpected <") + child->Name() + "> in <" + element.Name() + ">",
                   place_of(*child, file), did_you_mean(child->Name(), known));
+}
+
+/// UIMA's names are identifiers, which XMI writes as names of elements and attributes.
+void require_identifier(const std::string& name, const std::string& what, const FileLocation& place) {
+  const auto is_letter = [](char c) {  // of any script: a part of its UTF-8
+    return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_' ||
+           static_cast<unsigned char>(c) >= 0x80;
+  };
+  const auto continues = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); };
+  if (name.empty() || !is_letter(name.front()) || !std::ranges::all_of(name, continues))
+    throw Error(fmt::format("'{}' in {} is not a name that XML can carry", name, what), place,
+                "a letter, then letters, digits and _");
 }
 
 template <typename Visit>
@@ -458,6 +473,8 @@ TypeSystemBuilder::TypeDeclaration TypeSystemBuilder::read_type(const XMLElement
   TypeDeclaration type;
   type.place = place_of(element, file);
   type.name = required_text(element, "name", file);
+  for (const std::string& part : split(type.name, '.'))
+    require_identifier(part, "type " + type.name, type.place);
   type.description = child_text(element, "description");
   type.supertype = child_text(element, "supertypeName");
   if (type.supertype.empty() && type.name != "uima.cas.TOP") type.supertype = "uima.cas.TOP";
@@ -485,6 +502,7 @@ TypeSystemBuilder::FeatureDeclaration TypeSystemBuilder::read_feature(const XMLE
   FeatureDeclaration feature;
   feature.place = place_of(element, file);
   feature.name = required_text(element, "name", file);
+  require_identifier(feature.name, "feature " + feature.name, feature.place);
   feature.description = child_text(element, "description");
   feature.range = required_text(element, "rangeTypeName", file);
   feature.element = child_text(element, "elementType");

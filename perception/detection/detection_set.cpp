@@ -108,8 +108,11 @@ std::map<std::string, Category> read_categories(const json& file) {
     const json& name = member(entry, "name", "categories");
     if (!name.is_string() || name.get<std::string>().empty())
       refuse_at({{}, 0, "categories.name"}, "must be a text");
-    Category& category = categories[id];
-    category.name = name.get<std::string>();
+    const auto [known, added] = categories.emplace(id, Category{name.get<std::string>(), {}});
+    Category& category = known->second;
+    if (!added)
+      refuse_at({{}, 0, "categories.id"},
+                fmt::format("{} is the id of '{}' and of '{}'", id, category.name, name.get<std::string>()));
     if (!entry.contains("keypoints") || !entry["keypoints"].is_array()) continue;
     for (const json& point : entry["keypoints"])
       category.key_points.push_back(point.is_string() ? point.get<std::string>() : std::string());
@@ -123,6 +126,7 @@ std::map<std::string, ImageDetections> read_images(const json& file, std::map<st
     const std::string id = id_of(member(entry, "id", "images"), "images.id");
     const json& name = member(entry, "file_name", "images");
     if (!name.is_string()) refuse_at({{}, 0, "images.file_name"}, "must be a text");
+    if (images.contains(id)) refuse_at({{}, 0, "images.id"}, fmt::format("{} stands twice", id));
     images[id].image = image_name(name.get<std::string>());
     images[id].time = time_of(images[id].image);
     if (!entry.contains("width") || !entry.contains("height")) continue;
@@ -205,6 +209,15 @@ Detection2D read_annotation(const json& entry, const std::map<std::string, Categ
   return detection;
 }
 
+/// Whether an annotation is a region of several objects, of which none is told apart.
+bool is_crowd(const json& entry, const std::string& where) {
+  if (!entry.contains("iscrowd")) return false;
+  const json& value = entry["iscrowd"];
+  if (value != 0 && value != 1 && !value.is_boolean())
+    refuse_at({{}, 0, where + ".iscrowd"}, "must be 0 or 1");
+  return value == 1 || value == true;
+}
+
 /// Error for what is a scene, or a list of scenes, as JSON Lines have one in each line.
 void refuse_scenes(const json& file) {
   const json& first = file.is_array() && !file.empty() ? file.front() : file;
@@ -231,13 +244,17 @@ std::vector<ImageDetections> read_coco(const fs::path& path, Warnings& warnings)
                  {path.string(), 0, {}});
   }
   std::map<std::string, size_t> mask_pixels;
-  size_t number = 0;
+  size_t number = 0, crowds = 0;
   for (const json& entry : results ? file : list(file, "annotations")) {
     const std::string where = fmt::format("annotations[{}]", number++);
     const std::string id = id_of(member(entry, "image_id", where), where + ".image_id");
     if (!results && !images.contains(id))
       refuse_at({{}, 0, where + ".image_id"}, "names no image of the file");
     ImageDetections& image = images[id];
+    if (is_crowd(entry, where)) {
+      ++crowds;
+      continue;
+    }
     if (results) {
       image.image = image_name(id + ".png");
       image.time = time_of(image.image);
@@ -247,6 +264,9 @@ std::vector<ImageDetections> read_coco(const fs::path& path, Warnings& warnings)
     if (image.detections.size() > kMaxDetectionsPerImage || mask_pixels[id] > kMaxMaskPixelsPerImage)
       refuse_at({{}, 0, where}, "is one of too many detections of one image");
   }
+  if (crowds > 0)
+    warnings.add(fmt::format("{} of several objects at once (iscrowd) left out", counted(crowds, "region")),
+                 {path.string(), 0, {}});
   std::vector<ImageDetections> all;
   for (auto& [id, image] : images) all.push_back(std::move(image));
   return all;

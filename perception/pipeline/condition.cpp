@@ -286,13 +286,23 @@ bool Condition::about_scene() const {
   });
 }
 
+namespace {
+
+cas::Feature named_feature(cas::Type type, const std::string& name, const FileLocation& place) try {
+  return type.feature(name);
+} catch (const Error& error) {
+  throw Error(error.message(), place, error.hint());
+}
+
+}  // namespace
+
 void Condition::check(const cas::TypeSystem& types) const {
   const std::function<void(const Node&)> visit = [&](const Node& node) {
     for (const auto& part : node.parts) visit(*part);
     if (node.kind != Node::Kind::kTest) return;
     cas::Type type = named_type(types, node.type, place_);
     for (size_t i = 0; i < node.path.size(); ++i) {
-      const cas::Feature feature = type.feature(node.path[i]);
+      const cas::Feature feature = named_feature(type, node.path[i], place_);
       type = feature.range();
       if (i + 1 < node.path.size()) continue;
       const std::optional<Comparable> kind = comparable(type);

@@ -41,7 +41,13 @@ class FlowReader {
 
   /// Unused engines are checked as well.
   void check_engines() {
-    for (const std::string& name : engine_names_) read_list(engines_.node(name), "engines." + name);
+    const std::vector<std::string> annotators = registry_.annotators();
+    for (const std::string& name : engine_names_) {
+      if (std::ranges::find(annotators, name) != annotators.end())
+        throw Error(fmt::format("the engine '{}' has the name of an annotator", name),
+                    engines_.location(name), "give it another name");
+      read_list(engines_.node(name), "engines." + name);
+    }
   }
 
   Flow read_list(const YAML::Node& node, const std::string& path) {
@@ -206,10 +212,11 @@ class FlowReader {
       throw Error(fmt::format("the steps of '{}' {}, but only annotations are copied back", keyword, what),
                   node.place, "put that before or after it");
     };
-    for (const std::string& change : node.access.modifies)
-      if (!node.access.reads.contains(change)) refuse("modify " + change);
+    if (node.access.outputs.contains("Cluster")) refuse("output Cluster");
     for (const std::string& product : node.access.outputs)
       if (!is_annotation(product)) refuse("output " + product);
+    for (const std::string& change : node.access.modifies)
+      if (!node.access.reads.contains(change)) refuse("modify " + change);
   }
 
   FlowNode branching(FlowNode::Kind kind, const YAML::Node& node, const std::string& path) const {
@@ -261,10 +268,31 @@ void check_need(const std::string& who, const std::string& need, const FileLocat
   const bool met =
       std::any_of(made.begin(), made.end(), [&](const std::string& product) { return meets(product, need); });
   if (met) return;
-  const std::vector<std::string> makers = registry.producers_of(need);
-  throw Error(fmt::format("{} needs {}, which no earlier step outputs", who, need), place,
-              makers.empty() ? "no known annotator outputs it"
-                             : fmt::format("put {} before it", fmt::join(makers, " or ")));
+  const std::vector<std::string> readers = registry.readers();
+  std::vector<std::string> makers = registry.producers_of(need), read_by;
+  std::erase_if(makers, [&](const std::string& maker) {
+    const bool is_reader = std::ranges::find(readers, maker) != readers.end();
+    if (is_reader) read_by.push_back(maker);
+    return is_reader;
+  });
+  const std::string hint = !makers.empty() ? fmt::format("put {} before it", fmt::join(makers, " or "))
+                           : !read_by.empty()
+                               ? fmt::format("only the reader {} outputs it", fmt::join(read_by, " or "))
+                               : "no known annotator outputs it";
+  throw Error(fmt::format("{} needs {}, which no earlier step outputs", who, need), place, hint);
+}
+
+/// Throws Error for an extractor that an earlier step of the flow is already: it finds every object again,
+/// since it does not look at the clusters that there are.
+void check_repetition(const Step& step, const FileLocation& place, std::set<std::string>& extractors) {
+  const AnnotatorDescriptor& descriptor = step.descriptor();
+  DataAccess access;
+  access.add(descriptor);
+  if (!access.outputs.contains("Cluster") || access.reads.contains("Cluster") || access.reads.contains("*"))
+    return;
+  if (!extractors.insert(descriptor.name).second)
+    throw Error(descriptor.name + " stands twice in one flow, and would find every object twice", place,
+                "remove one of them, or put them into branches of a condition");
 }
 
 Json steps_json(const std::vector<FlowNode>& nodes);
@@ -371,7 +399,9 @@ void append_step(Flow& flow, const std::string& name, const AnnotatorRegistry& r
 }
 
 void check_flow(const Flow& flow, std::set<std::string>& made, const AnnotatorRegistry& registry) {
+  std::set<std::string> extractors;
   for (const FlowNode& node : flow.nodes) {
+    if (node.step) check_repetition(*node.step, node.place, extractors);
     if (node.step)
       for (const std::string& need : node.step->descriptor().inputs)
         check_need(node.step->descriptor().name, need, node.place, made, registry);

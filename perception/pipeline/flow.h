@@ -44,6 +44,8 @@ class SceneSkipped : public Error {
   using Error::Error;
 };
 
+struct ContentsBefore;
+
 /// A primitive analysis engine: an annotator with its options and policy, and what is known from its runs.
 class Step {
  public:
@@ -79,7 +81,7 @@ class Step {
   void try_until_done(cas::Cas& cas, Context& context, std::shared_ptr<Attempt> first);
   void run_here(cas::Cas& cas, Context& context);
   void bring_home(const std::shared_ptr<Attempt>& attempt, cas::Cas& cas, Context& context);
-  void inspect(const cas::Cas& cas, size_t known);
+  void inspect(cas::Cas& cas, const ContentsBefore& before);
   void fail(const std::string& why, cas::Cas& cas, Context& context);
   std::shared_ptr<Annotator> make_annotator();
 

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "mapping/base/text/json.h"
+#include "perception/cas/json.h"
 #include "perception/pipeline/flow.h"
 
 namespace loci::perception {
@@ -21,18 +22,19 @@ constexpr double kAssumedConfidence = 0.5;
 constexpr double kAssumedSeconds = 0.2;
 
 struct KeyMeaning {
-  std::vector<std::string> products;
-  std::string condition;  ///< with {} for the value
+  std::string product;
+  std::string feature;
+  std::string comparison;
 };
 
 const std::map<std::string, KeyMeaning>& meanings() {
   static const std::map<std::string, KeyMeaning> all = {
-      {"barcode", {{"BarcodeAnnotation"}, "BarcodeAnnotation.code == '{}'"}},
-      {"class", {{"ClassificationAnnotation"}, "ClassificationAnnotation.label == '{}'"}},
-      {"color", {{"ColorAnnotation"}, "ColorAnnotation.names == '{}'"}},
-      {"on", {{"TFLocationAnnotation"}, "TFLocationAnnotation.frame_id == '{}'"}},
-      {"product", {{"ProductAnnotation"}, "ProductAnnotation.name ~ '{}'"}},
-      {"text", {{"TextAnnotation"}, "TextAnnotation.text ~ '{}'"}},
+      {"barcode", {"BarcodeAnnotation", "code", "=="}},
+      {"class", {"ClassificationAnnotation", "label", "=="}},
+      {"color", {"ColorAnnotation", "names", "=="}},
+      {"on", {"TFLocationAnnotation", "frame_id", "=="}},
+      {"product", {"ProductAnnotation", "name", "~"}},
+      {"text", {"TextAnnotation", "text", "~"}},
   };
   return all;
 }
@@ -79,7 +81,7 @@ std::optional<std::vector<std::string>> prerequisites(const std::string& name, s
 GoalChoice consider(const GoalTerm& term, const std::string& name, const std::vector<std::string>& with,
                     const StatisticsTable& statistics) {
   GoalChoice choice;
-  choice.term = term.key + "=" + term.value;
+  choice.term = term.text();
   choice.annotator = name;
   choice.with = with;
   AnnotatorStatistics record;
@@ -111,7 +113,7 @@ void leave_out(const std::set<std::string>& running, const StatisticsTable& stat
 
 }  // namespace
 
-std::vector<GoalTerm> parse_goal(const std::string& text) {
+std::vector<GoalTerm> parse_goal(const std::string& text, const GoalWords& known_words) {
   std::vector<std::string> keys;
   for (const auto& [key, meaning] : meanings()) keys.push_back(key);
   std::vector<GoalTerm> goal;
@@ -121,17 +123,39 @@ std::vector<GoalTerm> parse_goal(const std::string& text) {
     const std::string key = word.substr(0, equals);
     const auto meaning = meanings().find(key);
     if (equals == std::string::npos || equals + 1 == word.size() || meaning == meanings().end()) {
-      const std::string hint = did_you_mean(key, keys);
+      const std::string hint =
+          meaning != meanings().end() ? fmt::format("give a value: {}=VALUE", key) : did_you_mean(key, keys);
       throw Error(fmt::format("'{}' is not a term of a goal", word), {"", 0, "--goal"},
                   hint.empty() ? fmt::format("KEY=VALUE with {}", fmt::join(keys, ", ")) : hint);
     }
-    const std::string value = word.substr(equals + 1);
+    std::string value = word.substr(equals + 1);
+    if (known_words) value = known_words(key, value);
     if (value.find('\'') != std::string::npos) throw Error("a value cannot hold a quote", {"", 0, "--goal"});
-    goal.push_back(
-        {key, value, meaning->second.products, fmt::format(fmt::runtime(meaning->second.condition), value)});
+    const auto& [product, name, comparison] = meaning->second;
+    const std::string feature = product + "." + name;
+    goal.push_back({key, value, feature, {product}, fmt::format("{} {} '{}'", feature, comparison, value)});
   }
   if (goal.empty()) throw Error("the goal is empty", {"", 0, "--goal"}, "e.g. \"color=red on=table_1\"");
   return goal;
+}
+
+std::vector<std::string> values_of(const GoalTerm& term, const types::Cluster& cluster) {
+  const size_t dot = term.feature.find('.');
+  const cas::Type wanted = named_type(cluster.cas().type_system(), term.feature.substr(0, dot));
+  std::vector<std::string> values;
+  for (const types::Annotation& annotation : cluster.annotations) {
+    const cas::FeatureStructure& structure = annotation;
+    if (!cas::is_a(structure.type(), wanted)) continue;
+    const auto feature = structure.type().find_feature(term.feature.substr(dot + 1));
+    if (!feature || !structure.is_set(*feature)) continue;
+    if (feature->range().kind() == cas::Kind::kString) {
+      values.push_back(structure.text(*feature));
+    } else if (const auto texts = structure.get<cas::FeatureStructure>(*feature)) {
+      for (const Json& text : cas::elements_to_json(texts))
+        if (text.is_string()) values.push_back(text.get<std::string>());
+    }
+  }
+  return values;
 }
 
 GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Json& configured,
@@ -160,23 +184,27 @@ GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Js
         options.push_back(consider(term, name, *before, statistics));
     }
     // One that was given with its options comes first, those that lack what they need to start come last.
+    const auto is_given = [&](const GoalChoice& choice) { return configured.contains(choice.annotator); };
+    const auto can_start = [&](const GoalChoice& choice) {
+      return is_given(choice) || !registry.make(choice.annotator)->descriptor().needs_options;
+    };
     const auto rank = [&](const GoalChoice& choice) {
-      if (configured.contains(choice.annotator)) return 0;
-      return registry.make(choice.annotator)->descriptor().needs_options ? 2 : 1;
+      return is_given(choice) ? 0 : can_start(choice) ? 1 : 2;
     };
     std::stable_sort(options.begin(), options.end(), [&](const GoalChoice& one, const GoalChoice& two) {
       const int a = rank(one), b = rank(two);
       return a != b ? a < b : pays_more(one, two);
     });
-    for (size_t i = 0; i < options.size(); ++i) {
-      if (i == 0)
-        best.emplace_back(options[0], &term);
-      else {
-        options[i].why = "less gain per time than " + options[0].annotator;
-        plan.choices.push_back(options[i]);
-      }
+    const bool answered = !options.empty() && can_start(options[0]);
+    if (answered) best.emplace_back(options[0], &term);
+    for (size_t i = answered ? 1 : 0; i < options.size(); ++i) {
+      options[i].why = can_start(options[i])
+                           ? "less gain per time than " + options[0].annotator
+                           : fmt::format("it cannot start without options, --annotator \"{}: {{…}}\"",
+                                         options[i].annotator);
+      plan.choices.push_back(options[i]);
     }
-    if (options.empty()) plan.unanswered.push_back(term.key + "=" + term.value);
+    if (!answered) plan.unanswered.push_back(term.text());
   }
   std::stable_sort(best.begin(), best.end(),
                    [](const auto& one, const auto& two) { return pays_more(one.first, two.first); });
@@ -205,7 +233,7 @@ GoalPlan plan_goal(const std::vector<GoalTerm>& goal, const Json& base, const Js
     running.insert(choice.with.begin(), choice.with.end());
     running.insert(choice.annotator);
     taken.emplace_back(steps, term->condition);
-    plan.condition += (plan.condition.empty() ? "" : " and ") + term->condition;
+    plan.answered.push_back(*term);
   }
   Json flow = base;
   Json inner = Json::array();

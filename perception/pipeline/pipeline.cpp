@@ -25,7 +25,9 @@ std::pair<std::string, YAML::Node> read_reader(const Config& config) {
 Config with_every(const Config& pipeline, int every) {
   YAML::Node options;
   options[kDefaultReader]["every"] = every;
-  YAML::Node changed = YAML::Clone(pipeline.node());
+  YAML::Node changed(YAML::NodeType::Map);  // A clone of the pipeline would not know its lines.
+  for (const auto& entry : pipeline.node())
+    if (entry.first.Scalar() != "reader") changed[entry.first] = entry.second;
   changed["reader"] = options;
   return pipeline.over(changed, "");
 }

@@ -8,14 +8,17 @@
 #include <thread>
 
 #include "mapping/base/stopwatch.h"
+#include "perception/pipeline/contract.h"
 #include "perception/types/scene_cas.h"
 
 namespace loci::perception {
 
 /// Everything that the annotator touches, so that it can be left behind.
 struct Step::Attempt {
+  explicit Attempt(const cas::Cas& home) : cas(home.branch()), before(*cas) {}
+
   std::unique_ptr<cas::Cas> cas;
-  size_t known = 0;  ///< structures that there were
+  ContentsBefore before;
   Resources resources;
   Warnings warnings;
   Context context{resources, warnings, 1, {}};
@@ -163,11 +166,11 @@ void Step::fail(const std::string& why, cas::Cas& cas, Context& context) {
 }
 
 void Step::run_here(cas::Cas& cas, Context& context) {
-  const size_t known = cas.size();
+  const ContentsBefore before(cas);
   cas.begin_changes();
   try {
     annotator_->process(cas, context);
-    inspect(cas, known);
+    inspect(cas, before);
   } catch (...) {
     cas.undo_changes();
     throw;
@@ -176,9 +179,7 @@ void Step::run_here(cas::Cas& cas, Context& context) {
 }
 
 std::shared_ptr<Step::Attempt> Step::launch(const cas::Cas& cas, Context& context) {
-  auto attempt = std::make_shared<Attempt>();
-  attempt->cas = cas.branch();
-  attempt->known = cas.size();
+  auto attempt = std::make_shared<Attempt>(cas);
   // One that may be left behind must not hold what has to be closed.
   attempt->resources = policy_.timeout_s > 0 ? context.resources.lasting() : context.resources;
   attempt->context.threads = context.threads;
@@ -209,17 +210,18 @@ void Step::bring_home(const std::shared_ptr<Attempt>& attempt, cas::Cas& cas, Co
     }
   }
   attempt->done.get();
-  inspect(*attempt->cas, attempt->known);
+  inspect(*attempt->cas, attempt->before);
   cas.merge(*attempt->cas);
   for (const std::string& text : attempt->warnings.texts()) context.warnings.add(text);
 }
 
-void Step::inspect(const cas::Cas& cas, size_t known) {
+void Step::inspect(cas::Cas& cas, const ContentsBefore& before) {
+  check_contract(descriptor_, before, cas);
   const std::vector<cas::FeatureStructure> changes = cas.changes();
   for (const cas::FeatureStructure& each : changes) check_numbers(each);
   for (const cas::FeatureStructure& each : changes) {
     const auto annotation = types::try_as<types::Annotation>(each);
-    if (!annotation || each.id() <= known) continue;
+    if (!annotation || each.id() <= before.structures) continue;
     if (!annotation->source.is_set()) annotation->source.set(descriptor_.name);
     AnnotatorStatistics::Product& product = statistics_.products[each.type().short_name()];
     ++product.made;

@@ -1,5 +1,6 @@
 #include "perception/types/scene_json.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "mapping/base/text/json.h"
@@ -66,7 +67,28 @@ Json support_json(const PlanarSupport& support) {
   return json;
 }
 
+/// Clusters by their numbers, supports by their names.
+Json related_json(const SceneCas& scene, const Identifiable& related) {
+  if (const auto number = number_of(scene, related)) return *number;
+  if (const auto support = try_as<PlanarSupport>(related)) return support->name.get();
+  return nullptr;
+}
+
+Json relation_json(const SceneCas& scene, const Relation& relation) {
+  return {{"name", relation.name.get()},
+          {"object1", related_json(scene, relation.object1.get())},
+          {"object2", related_json(scene, relation.object2.get())},
+          {"probability", rounded(relation.probability.get())}};
+}
+
 }  // namespace
+
+std::optional<size_t> number_of(const SceneCas& scene, const Identifiable& cluster) {
+  const std::vector<Cluster> clusters = scene.scene().clusters.to_vector();
+  const auto found = std::ranges::find_if(clusters, [&](const Cluster& each) { return each == cluster; });
+  if (found == clusters.end()) return std::nullopt;
+  return static_cast<size_t>(found - clusters.begin()) + 1;
+}
 
 Json to_json(const Annotation& annotation, Arrays arrays) {
   Json json = {{"type", annotation.type().short_name()}};
@@ -87,16 +109,16 @@ Json to_json(const Annotation& annotation, Arrays arrays) {
 
 Json to_json(const SceneCas& facade) {
   const Scene scene = facade.scene();
-  Json json = {{"frame", scene.frame_index.get()},
-               {"time", format_time(scene.timestamp.get())},
-               {"supports", Json::array()},
-               {"clusters", Json::array()},
-               {"annotations", Json::array()}};
+  Json json = {{"frame", scene.frame_index.get()}, {"time", format_time(scene.timestamp.get())},
+               {"supports", Json::array()},        {"clusters", Json::array()},
+               {"relations", Json::array()},       {"annotations", Json::array()}};
   for (const Annotation& annotation : scene.annotations) json["annotations"].push_back(to_json(annotation));
   for (const PlanarSupport& support : facade.supports()) json["supports"].push_back(support_json(support));
   int number = 0;
   for (const Cluster& cluster : facade.clusters())
     json["clusters"].push_back(cluster_json(cluster, ++number));
+  for (const Relation& relation : scene.relations)
+    json["relations"].push_back(relation_json(facade, relation));
   return json;
 }
 

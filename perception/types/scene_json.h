@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "mapping/base/text/json_fwd.h"
 #include "perception/types/scene_cas.h"
 
@@ -9,7 +11,10 @@ namespace loci::perception::types {
 enum class Arrays { left_out, written };
 /// What an annotation says in words and numbers, whatever its type.
 Json to_json(const Annotation& annotation, Arrays arrays = Arrays::left_out);
-/// What was perceived of a scene: supports, clusters with their annotations, annotations of the scene.
+/// The number of a cluster of the scene, from 1, as outputs have it; nothing for others.
+std::optional<size_t> number_of(const SceneCas& scene, const Identifiable& cluster);
+/// What was perceived of a scene: supports, clusters with their annotations, relations between them,
+/// annotations of the scene.
 Json to_json(const SceneCas& scene);
 
 }  // namespace loci::perception::types

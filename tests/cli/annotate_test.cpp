@@ -42,7 +42,7 @@ TEST_F(Annotate, LateAnnotationsBelongToTheOldClustersAndTheirObjects) {
   EXPECT_EQ(run("loci-memory verify -m " + memory_).exit_code, 0);
   // Who has answered is not asked again, unless that is wanted.
   EXPECT_EQ(annotate("ColorName")["clusters"], 0);
-  EXPECT_EQ(annotate("ColorName --again")["annotations"], first["annotations"]);
+  EXPECT_EQ(annotate("ColorName --again")["clusters"], first["clusters"]);
 }
 
 TEST_F(Annotate, CloudsAreMadeOfThePointsThatWereKept) {
@@ -67,6 +67,17 @@ TEST_F(Annotate, ThingsThatStoodStillAreAskedAboutOnce) {
   EXPECT_THAT(told.out, HasSubstr("clusters looked as before"));
   // Who has answered is not asked again, whatever stands around it.
   EXPECT_EQ(annotate(alike)["clusters"], 0);
+}
+
+TEST_F(Annotate, NothingIsAddedTwice) {
+  annotate("ColorName");
+  // An annotator that found nothing is asked again, those beside it are not.
+  EXPECT_EQ(annotate("BarcodeReader --annotator ColorName")["annotations"], 0);
+  EXPECT_EQ(annotate("ColorName --again")["annotations"], 0);
+  EXPECT_GT(annotate("Relations")["annotations"].get<int>(), 0);
+  EXPECT_EQ(annotate("Relations")["annotations"], 0);
+  EXPECT_EQ(annotate("Relations --again")["annotations"], 0);
+  EXPECT_EQ(run("loci-memory verify -m " + memory_).exit_code, 0);
 }
 
 TEST_F(Annotate, MakesNoMemory) {

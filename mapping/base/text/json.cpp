@@ -1,7 +1,7 @@
 #include "mapping/base/text/json.h"
 
 #include <algorithm>
-#include <unordered_map>
+#include <unordered_set>
 
 #include "mapping/base/error.h"
 #include "mapping/base/files.h"
@@ -10,8 +10,8 @@
 namespace loci {
 namespace {
 
-/// Builds a value in linear time: Json::parse looks through all keys of an object for each new one. Of equal
-/// keys the last value holds, at the place of the first.
+/// Builds a value in linear time: Json::parse looks through all keys of an object for each new one. Equal
+/// keys are refused.
 class JsonBuilder : public Json::json_sax_t {
  public:
   JsonBuilder(std::string_view text, const std::string& file) : text_(text), file_(file) {}
@@ -28,7 +28,7 @@ class JsonBuilder : public Json::json_sax_t {
   bool start_object(size_t) override { return open(Json::object()); }
   bool end_array() override { return close(); }
   bool end_object() override {
-    merge_equal_keys(*open_.back().get_ptr<Json::object_t*>());
+    refuse_equal_keys(*open_.back().get_ptr<Json::object_t*>());
     return close();
   }
   bool key(string_t& name) override {
@@ -66,16 +66,12 @@ class JsonBuilder : public Json::json_sax_t {
     }
     return true;
   }
-  static void merge_equal_keys(Members& members) {
-    std::unordered_map<std::string_view, size_t> places;
-    for (const auto& member : members) places.try_emplace(member.first, places.size());
-    if (places.size() == members.size()) return;
-    std::vector<Json*> last(places.size());
-    for (auto& [name, value] : members) last[places[name]] = &value;
-    Members merged;
+  void refuse_equal_keys(const Members& members) const {
+    std::unordered_set<std::string_view> names;
     for (const auto& [name, value] : members)
-      if (places[name] == merged.size()) merged.emplace_back(name, std::move(*last[merged.size()]));
-    members = std::move(merged);
+      if (!names.insert(name).second)
+        throw Error("the key '" + name + "' stands twice in one object", {file_, 0, {}},
+                    "remove one of them");
   }
 
   std::string_view text_;

@@ -87,6 +87,15 @@ std::vector<int> tracked_numbers(const types::SceneCas& scene) {
   return numbers;
 }
 
+std::string class_of(const types::Cluster& cluster) {
+  types::ClassificationAnnotation best;
+  for (const auto& one : cluster.annotations.filter<types::ClassificationAnnotation>())
+    if (one.kind.get() == "object" && !one.label.get().empty() &&
+        (!best || one.confidence.get() > best.confidence.get()))
+      best = one;
+  return best ? best.label.get() : std::string();
+}
+
 void write_label_image(const types::SceneCas& scene, const std::filesystem::path& folder,
                        const std::vector<int>& numbers) {
   mapping::write_image(folder / (scene.scene().frame_name.get() + "_label.png"), label_image(scene, numbers));
@@ -107,8 +116,9 @@ void write_overlay(const types::SceneCas& scene, const std::filesystem::path& fo
     cv::addWeighted(part, 0.5, tinted, 0.5, 0, tinted);
     tinted.copyTo(part, types::from<cv::Mat>(roi.mask.get()));
     cv::rectangle(image, box, color);
-    cv::putText(image, std::to_string(number), box.tl() + cv::Point(2, 14), cv::FONT_HERSHEY_SIMPLEX, 0.5,
-                cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
+    const std::string name = class_of(cluster);
+    cv::putText(image, std::to_string(number) + (name.empty() ? "" : " " + name), box.tl() + cv::Point(2, 14),
+                cv::FONT_HERSHEY_SIMPLEX, 0.5, cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
   }
   mapping::write_image(folder / (std::to_string(scene.scene().frame_index.get()) + ".png"), image);
 }

@@ -24,6 +24,9 @@ cv::Mat label_image(const types::SceneCas& scene, const std::vector<int>& number
 /// object.
 std::vector<int> tracked_numbers(const types::SceneCas& scene);
 
+/// What the surest annotator takes the object for: "cup"; empty = nobody is sure.
+std::string class_of(const types::Cluster& cluster);
+
 /// Writes FOLDER/FRAME_label.png (16 bit), FRAME being the frame's name: "learn33" for learn33_depth.png.
 void write_label_image(const types::SceneCas& scene, const std::filesystem::path& folder,
                        const std::vector<int>& numbers = {});

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 
 #include "mapping/base/text/text.h"
+#include "mapping/recording/recording.h"
 #include "perception/annotators/scene_data.h"
 #include "perception/annotators/segmentation/clustering/plane_cluster_extractor.h"
+#include "perception/annotators/structure/known_structure.h"
 #include "perception/annotators/structure/supports.h"
 #include "perception/conversions/opencv.h"
 #include "perception/detection/lift.h"
@@ -17,7 +20,7 @@ namespace loci::perception {
 namespace {
 
 constexpr double kSurface_m = 0.008;  ///< thickness of what counts as the surface of a support, beside noise
-constexpr double kSame = 0.5;         ///< shared part of all pixels from which on two clusters are one
+constexpr double kSame = 0.5;         ///< shared part of the pixels of each from which on both are one object
 
 /// A support and where it is in the image.
 struct VisibleSupport {
@@ -49,6 +52,15 @@ cv::Mat surfaces_of(const std::vector<VisibleSupport>& supports, const cv::Mat& 
   return surfaces;
 }
 
+/// What no detection can be of, CV_8U, 255: the surfaces of supports, and what the map explains.
+cv::Mat explained_in(const types::SceneCas& scene, const std::vector<VisibleSupport>& supports,
+                     const cv::Mat& points, const Isometry3d& pose) {
+  const cv::Mat surfaces = surfaces_of(supports, points, pose);
+  if (!scene.has(kStructureView)) return surfaces;
+  constexpr auto kExplained = static_cast<int>(mapping::PixelKind::map_explained);
+  return surfaces | (types::view_image(scene, kStructureView) == kExplained);
+}
+
 /// The support that most of the pixels are over; null without any.
 types::PlanarSupport support_of(const std::vector<int>& pixels, const std::vector<VisibleSupport>& supports) {
   types::PlanarSupport best;
@@ -63,16 +75,24 @@ types::PlanarSupport support_of(const std::vector<int>& pixels, const std::vecto
   return best;
 }
 
-/// The cluster that shows the same object.
-std::optional<types::Cluster> cluster_with(const std::vector<int>& pixels, const types::SceneCas& scene) {
+size_t common_pixels(const std::vector<int>& one, const std::vector<int>& two) {
+  std::vector<int> common;
+  std::ranges::set_intersection(one, two, std::back_inserter(common));
+  return common.size();
+}
+
+/// The cluster that shows the object of a detection: it lies in the region, and the object in it. What was
+/// lifted alone does not decide: of flat objects the lowest part, which a box leaves out, is half of them.
+std::optional<types::Cluster> cluster_with(const std::vector<int>& lifted, const std::vector<int>& region,
+                                           const types::SceneCas& scene) {
   for (const types::Cluster& cluster : scene.clusters()) {
     const cas::Buffer<int32_t> buffer = cluster_indices(cluster);
-    std::vector<int32_t> indices(buffer.begin(), buffer.end());
+    std::vector<int> indices(buffer.begin(), buffer.end());
     std::ranges::sort(indices);
-    std::vector<int32_t> common;
-    std::ranges::set_intersection(indices, pixels, std::back_inserter(common));
-    const size_t all = indices.size() + pixels.size() - common.size();
-    if (static_cast<double>(common.size()) >= kSame * static_cast<double>(all)) return cluster;
+    const auto half_of = [&](const std::vector<int>& whole, const std::vector<int>& other) {
+      return static_cast<double>(common_pixels(whole, other)) >= kSame * static_cast<double>(whole.size());
+    };
+    if (half_of(lifted, indices) && half_of(indices, region)) return cluster;
   }
   return std::nullopt;
 }
@@ -103,6 +123,24 @@ void classify(const types::Cluster& cluster, const std::string& source, const De
   cluster.annotations.push_back(annotation);
 }
 
+/// A warning that names images with detections that no frame has, if others are in the recording.
+void warn_of_foreign_images(const DetectionSet& set, const mapping::Recording& recording,
+                            const std::string& file, Warnings& warnings) {
+  std::set<const ImageDetections*> known;
+  for (size_t i = 0; i < recording.size(); ++i)
+    known.insert(set.find(recording.name_of(i), recording.index_of(i), recording.time_of(i)));
+  std::vector<std::string> foreign;
+  for (const ImageDetections& image : set.images())
+    if (!image.detections.empty() && !known.contains(&image)) foreign.push_back(image.image);
+  if (foreign.empty() || foreign.size() == set.images().size()) return;
+  const size_t count = foreign.size();
+  constexpr size_t kNamed = 3;
+  if (count > kNamed) foreign.resize(kNamed);
+  warnings.add(fmt::format("{} with detections in no frame of the recording: {}{}", counted(count, "image"),
+                           joined(foreign, ", "), count > kNamed ? ", …" : ""),
+               {file, 0, {}});
+}
+
 }  // namespace
 
 AnnotatorDescriptor Detections2D::descriptor() const {
@@ -112,7 +150,7 @@ AnnotatorDescriptor Detections2D::descriptor() const {
       "Lines).",
       {"Scene", "CameraInfo", "view:cloud"},
       {"Cluster", "ReferenceClusterPoints", "StandaloneImageROI", "ClassificationAnnotation"},
-      {"view:color", "PlanarSupport", "Cluster"}};
+      {"view:color", "view:structure", "PlanarSupport", "Cluster"}};
   descriptor.needs_options = true;
   return descriptor;
 }
@@ -127,6 +165,8 @@ void Detections2D::start(Context& context) {
     throw Error("Detections2D has no detections", {},
                 "give `detections: FILE`, a COCO file, JSON Lines or a YOLO folder");
   set_ = DetectionSet::read(path_, context.warnings);
+  if (const auto* recording = context.resources.find<mapping::Recording>())
+    warn_of_foreign_images(*set_, *recording, path_, context.warnings);
 }
 
 void Detections2D::process(cas::Cas& cas, Context& /*context*/) {
@@ -155,7 +195,8 @@ void add_detections(cas::Cas& cas, const std::vector<Detection2D>& detections, c
   const cv::Mat points = cloud_points(facade);
   const std::vector<VisibleSupport> supports = visible_supports(facade, pose, camera.depth);
   const Vector3d up = pose.linear().transpose() * Vector3d::UnitZ();
-  const LiftFrame frame = lift_frame_of_points(points, camera, surfaces_of(supports, points, pose), up);
+  const LiftFrame frame =
+      lift_frame_of_points(points, camera, explained_in(facade, supports, points, pose), up);
   for (const Detection2D& detection : detections) {
     const LiftResult lifted = lift_region(frame, detection.region);
     if (!lifted.region) {
@@ -163,7 +204,8 @@ void add_detections(cas::Cas& cas, const std::vector<Detection2D>& detections, c
       continue;
     }
     lifted_detections.add_used();
-    const std::optional<types::Cluster> known = cluster_with(lifted.region->pixels, facade);
+    const std::optional<types::Cluster> known =
+        cluster_with(lifted.region->pixels, pixels_in(frame, detection.region), facade);
     classify(known ? *known : make_cluster(*lifted.region, source, supports, facade, pose), source,
              detection);
   }

@@ -10,7 +10,7 @@
 namespace loci::perception {
 
 /// Lifts detections in the colour image of a scene by its depth. A cluster that is there already takes the
-/// class of a detection with which it shares most pixels; of the others clusters are made. `source`: the
+/// class of a detection of the same object; of the others clusters are made. `source`: the
 /// annotator; `lifted_detections` counts them.
 void add_detections(cas::Cas& cas, const std::vector<Detection2D>& detections, const std::string& source,
                     Tally& lifted_detections);

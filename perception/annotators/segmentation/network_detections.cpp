@@ -12,7 +12,7 @@ AnnotatorDescriptor NetworkDetector::descriptor() const {
       "Makes clusters with classes of what a network (ONNX) finds in the colour image.",
       {"Scene", "CameraInfo", "view:cloud", "view:color"},
       {"Cluster", "ReferenceClusterPoints", "StandaloneImageROI", "ClassificationAnnotation"},
-      {"PlanarSupport", "Cluster"}};
+      {"view:structure", "PlanarSupport", "Cluster"}};
   descriptor.needs_options = true;
   return descriptor;
 }

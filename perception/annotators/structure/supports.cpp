@@ -421,13 +421,15 @@ void SupportOptions::declare(OptionTable& table) {
                0.1);
   table.number("normal_deg", normal_deg, "deg",
                "Maximum angle between the normals of an inlier and of the plane.", 1, 80);
-  table.number("min_area_m2", min_area_m2, "m2", "Minimum visible area of a support.", 0.001, 10);
+  table.number("min_area_m2", min_area_m2, "m2", "Minimum visible area of a support (without a map).", 0.001,
+               10);
   table.number(
       "max_below_camera_m", max_below_camera_m, "m",
       "Maximum depth of a support below the camera; lower planes are floor (without a map), unless they "
       "end in view less than twice as low.",
       0.1, 10);
-  table.number("bridge_m", bridge_m, "m", "Parts of a plane closer than this belong to one support.", 0, 2);
+  table.number("bridge_m", bridge_m, "m",
+               "Parts of a plane closer than this belong to one support (without a map).", 0, 2);
 }
 
 PolygonOutline::PolygonOutline(const std::vector<Vector2d>& corners) {

@@ -63,6 +63,13 @@ TEST(Config, SaysWhereAValueCannotBeRead) {
   EXPECT_THAT(message_of([&] { inner.require<double>("c"); }), HasSubstr("'c' is missing"));
 }
 
+TEST(Config, RefusesAKeyThatStandsTwice) {
+  EXPECT_THAT(message_of([] { Config::parse("a: 1\nb: 2\na: 3\n", "p.yaml"); }),
+              HasSubstr("p.yaml:3: the key 'a' stands twice, first in line 1"));
+  EXPECT_THAT(message_of([] { Config::parse("a: [{b: 1, b: 2}]", "p.yaml"); }),
+              HasSubstr("'b' stands twice"));
+}
+
 TEST(Config, RefusesWhatIsNotYaml) {
   EXPECT_THAT(message_of([] { Config::parse("a: [1, 2", "p.yaml"); }), HasSubstr("p.yaml:"));
 }

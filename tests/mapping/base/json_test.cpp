@@ -27,10 +27,10 @@ TEST(JsonText, IsNotParsedWhereItIsNestedTooDeeply) {
 
 TEST(JsonText, IsWhatTheLibraryReads) {
   for (const char* text : {"null", "-7", "1.5e3", "18446744073709551615", "\"a\\u00e9\"", "[]", "{}",
-                           R"({"b": [1, {"c": null}, []], "a": {"x": true, "b": {}}, "": "b"})",
-                           R"({"a": 1, "b": 2, "a": {"a": 3, "a": [4]}})"})
+                           R"({"b": [1, {"c": null}, []], "a": {"x": true, "b": {}}, "": "b"})"})
     EXPECT_EQ(parse_json(text, "x").dump(), Json::parse(text).dump()) << text;
-  for (const char* text : {"", "[1,]", "{\"a\"}", "{1: 2}", "[1", "1e999", "nul", "[] []"})
+  for (const char* text :
+       {"", "[1,]", "{\"a\"}", "{1: 2}", "[1", "1e999", "nul", "[] []", R"({"a": 1, "b": 2, "a": 3})"})
     EXPECT_THROW(parse_json(text, "x"), Error) << text;
 }
 

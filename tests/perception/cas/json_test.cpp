@@ -237,6 +237,12 @@ TEST(CasJson, WhatDoesNotFitIsRefusedWithItsPlace) {
        "#1.doubles"},
       {R"({"structures": [{"id": 1, "type": "All", "features": {}}, {"id": 1, "type": "All", "features": {}}]})",
        "twice"},
+      {R"({"structures": [{"id": 1, "type": "All", "features": {"float": 1e300}}], "root": "#1"})",
+       "#1.float"},
+      {R"({"structures": [{"id": 1, "type": "All", "features": {"floats": [1, -1e39]}}], "root": "#1"})",
+       "#1.floats"},
+      {R"({"structures": [{"id": 1, "type": "All", "features": {}, "extra": 4}], "root": "#1"})", "extra"},
+      {R"({"structures": [], "views": [], "more": 1})", "more"},
   };
   for (const auto& [text, expected] : table) {
     Cas cas(type_system());

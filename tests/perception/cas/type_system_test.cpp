@@ -153,6 +153,8 @@ TEST(TypeSystem, BadOnesAreRefusedWithFileAndLine) {
       {type("A", kTop, "<features><featureDescription><name>x</name></featureDescription></features>"),
        "without <rangeTypeName>"},
       {"<typeDescription>", "well-formed"},
+      {type("a.1A", kTop), "'1A' in type a.1A is not a name"},
+      {type("A", kTop, features(feature("x y", "uima.cas.Long"))), "'x y' in feature x y is not a name"},
   };
   for (const auto& [types, expected] : table) {
     EXPECT_THAT(refusal(types), HasSubstr(expected)) << types;
@@ -161,6 +163,13 @@ TEST(TypeSystem, BadOnesAreRefusedWithFileAndLine) {
   EXPECT_THROW(TypeSystem::load({{"x", "<other/>"}}, {}, {}), Error);
   EXPECT_THROW(TypeSystem::load({{"x", ""}}, {}, {}), Error);
   EXPECT_THROW(TypeSystem::load({fs::path("/nowhere/x.xml")}), Error);
+}
+
+TEST(TypeSystem, FeaturesAddedToATypeOfUimaAreListed) {
+  const auto system = load(
+      type("uima.tcas.Annotation", "uima.cas.AnnotationBase", features(feature("z", "uima.cas.Integer"))));
+  EXPECT_THAT(types_text(*system), HasSubstr("1 types with 1 features"));
+  EXPECT_THAT(types_text(*system), HasSubstr("uima.tcas.Annotation"));
 }
 
 TEST(TypeSystem, TypedArraysOfUima3AreFsArrays) {

@@ -68,6 +68,20 @@ TEST_F(Detections, CocoResultsAreMatchedByNumber) {
   EXPECT_EQ(warnings_.texts().size(), 1U);
 }
 
+TEST_F(Detections, CocoWithOneIdForTwoIsRefused) {
+  const auto file = [](const std::string& images, const std::string& categories, const std::string& more) {
+    return R"({"images": [{"id": 1, "file_name": "a.png"})" + images +
+           R"(], "categories": [{"id": 1, "name": "cup"})" + categories +
+           R"(], "annotations": [{"image_id": 1, "category_id": 1, "bbox": [1, 2, 3, 4])" + more + "}]}";
+  };
+  EXPECT_EQ(coco(file("", "", "")).images()[0].detections.size(), 1U);
+  EXPECT_THROW(coco(file(R"(, {"id": 1, "file_name": "b.png"})", "", "")), Error);
+  EXPECT_THROW(coco(file("", R"(, {"id": 1, "name": "mug"})", "")), Error);
+  EXPECT_THROW(coco(file("", "", R"(, "iscrowd": 2)")), Error);
+  EXPECT_TRUE(coco(file("", "", R"(, "iscrowd": 1)")).images()[0].detections.empty());
+  EXPECT_THAT(warnings_.texts(), testing::Contains(testing::HasSubstr("iscrowd")));
+}
+
 TEST_F(Detections, DamagedCocoIsRefused) {
   for (const char* text :
        {"", "{", "7", "{}", R"({"images": [], "categories": [], "annotations": []})",

@@ -234,6 +234,75 @@ TEST(Flow, RefusesWhatCannotBeMetInsideOfBranches) {
   EXPECT_THAT(refusal_of("flow: [{Speaker: {}, on_eror: skip}]", registry), HasSubstr("'on_error'"));
 }
 
+TEST(Flow, RefusesAnEngineWithTheNameOfAnAnnotator) {
+  EXPECT_THAT(refusal_of("engines: {Speaker: [Speaker]}\nflow: [Speaker]", test_registry()),
+              HasSubstr("the engine 'Speaker' has the name of an annotator"));
+}
+
+TEST(Flow, RefusesAnExtractorThatStandsTwice) {
+  AnnotatorRegistry registry = test_registry();
+  add_scripted(registry, {"Finder", "", {"Scene"}, {"Cluster"}}, [](cas::Cas&, Context&) {});
+  add_scripted(registry, {"Adder", "", {"Scene"}, {"Cluster"}, {"Cluster"}}, [](cas::Cas&, Context&) {});
+  EXPECT_THAT(refusal_of("flow: [Finder, Speaker, Finder]", registry), HasSubstr("Finder stands twice"));
+  EXPECT_EQ(refusal_of("flow: [Finder, Adder, Adder]", registry), "accepted");
+}
+
+TEST(Flow, EveryAnnotatorMayWriteTheLog) {
+  AnnotatorRegistry registry = test_registry();
+  add_scripted(registry, {"Talker", "", {"Scene"}, {}},
+               [](cas::Cas& cas, Context&) { types::SceneCas(cas).log("Talker", "info", "here"); });
+  EXPECT_EQ(refusal_of("flow: [Talker]", registry), "accepted");
+}
+
+/// What a run fails with whose annotator `Culprit`, which declares TextAnnotation, does this.
+std::string broken_contract(const std::string& flow, const Scripted::Work& work) {
+  AnnotatorRegistry registry = test_registry();
+  add_scripted(registry, {"Culprit", "", {"Scene", "Cluster"}, {"TextAnnotation", "view:mine"}}, work);
+  return refusal_of(flow, registry);
+}
+
+TEST(Flow, WhatAnAnnotatorDoesNotDeclareItMustNotDo) {
+  const auto classify = [](cas::Cas& cas, Context&) {
+    types::SceneCas(cas).clusters()[0].annotations.push_back(types::ClassificationAnnotation::create(cas));
+  };
+  for (const char* flow :
+       {"flow: [Culprit]", "flow: [{parallel: [Speaker, Culprit]}]", "flow: [{Culprit: {}, timeout_s: 60}]"})
+    EXPECT_THAT(
+        broken_contract(flow, classify),
+        HasSubstr("Culprit failed at frame 10: it makes ClassificationAnnotation, which is not among its "
+                  "outputs"))
+        << flow;
+  EXPECT_THAT(broken_contract("flow: [Culprit]",
+                              [](cas::Cas& cas, Context&) {
+                                const types::Scene scene = types::SceneCas(cas).scene();
+                                scene.clusters.erase(types::SceneCas(cas).clusters()[0]);
+                              }),
+              HasSubstr("it removes a cluster"));
+}
+
+TEST(Flow, StandardViewsKeepTheSizeOfTheirCamera) {
+  const auto set_view = [](const char* view, int columns) {
+    return [=](cas::Cas& cas, Context&) {
+      const auto camera = types::CameraInfo::create(cas);
+      camera.name.set("color");
+      camera.width.set(9);
+      camera.height.set(7);
+      const auto image = types::Mat::create(cas);
+      image.rows.set(7);
+      image.cols.set(columns);
+      types::SceneCas(cas).set_camera(camera);
+      types::SceneCas(cas).set_image(view, image);
+    };
+  };
+  EXPECT_THAT(broken_contract("flow: [Culprit]", set_view("color", 9)),
+              HasSubstr("it sets view:color, which"));
+  EXPECT_EQ(broken_contract("flow: [Culprit]", set_view("mine", 3)), "accepted");
+  AnnotatorRegistry registry = test_registry();
+  add_scripted(registry, {"Painter", "", {"Scene"}, {"view:color"}}, set_view("color", 8));
+  EXPECT_THAT(refusal_of("flow: [Painter]", registry),
+              HasSubstr("it sets view:color to 8 x 7 pixels, the camera has 9 x 7"));
+}
+
 TEST(Flow, ItsConfigurationIsAPipelineAgain) {
   const std::string yaml = R"(engines: {speak: [Speaker]}
 flow:

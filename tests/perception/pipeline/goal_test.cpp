@@ -94,6 +94,42 @@ TEST(Goal, KeepsToTheBudget) {
   EXPECT_THAT(plan_text(made), HasSubstr("the budget is used up"));
 }
 
+TEST(Goal, WhoCannotStartIsNotTaken) {
+  AnnotatorRegistry registry = experts();
+  AnnotatorDescriptor needy{"Products", "", {"Cluster"}, {"ProductAnnotation"}};
+  needy.needs_options = true;
+  add_scripted(registry, needy);
+  const auto plan_with = [&](const Json& configured) {
+    return plan_goal(parse_goal("product=tea"), Json::array({"Finder"}), configured, registry, {},
+                     std::nullopt);
+  };
+  const GoalPlan without = plan_with(Json::object());
+  EXPECT_THAT(taken(without), ElementsAre());
+  EXPECT_THAT(without.unanswered, ElementsAre("product=tea"));
+  EXPECT_THAT(plan_text(without), HasSubstr("- Products for product=tea: it cannot start without options"));
+  EXPECT_THAT(taken(plan_with({{"Products", {{"word", "x"}}}})), ElementsAre("Products"));
+}
+
+TEST(Goal, ItsWordsAreThoseOfTheAnnotators) {
+  const auto words = [](const std::string&, const std::string& value) {
+    return value == "gray" ? std::string("grey") : value;
+  };
+  EXPECT_EQ(parse_goal("color=gray", words)[0].condition, "ColorAnnotation.names == 'grey'");
+  EXPECT_EQ(parse_goal("color=gray", words)[0].text(), "color=grey");
+  EXPECT_THAT([] { parse_goal("color"); },
+              testing::ThrowsMessage<Error>(HasSubstr("give a value: color=VALUE")));
+}
+
+TEST(Goal, ValuesAreWhatAnnotatorsSaid) {
+  cas::Cas cas(types::type_system());
+  const auto cluster = types::Cluster::create(cas);
+  const auto color = types::ColorAnnotation::create(cas);
+  color.names.set({"red", "white"});
+  cluster.annotations.push_back(color);
+  EXPECT_THAT(values_of(parse_goal("color=red")[0], cluster), ElementsAre("red", "white"));
+  EXPECT_THAT(values_of(parse_goal("class=cup")[0], cluster), ElementsAre());
+}
+
 TEST(Goal, SaysWhatNobodyCanAnswer) {
   EXPECT_THAT(plan("barcode=123").unanswered, ElementsAre("barcode=123"));
   EXPECT_THROW(parse_goal("colour=red"), Error);
