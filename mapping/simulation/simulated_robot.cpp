@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -13,6 +14,7 @@
 #include "mapping/world/inspection.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
+#include "mapping/world/world_triangles.h"
 
 namespace loci::mapping {
 namespace {
@@ -60,6 +62,33 @@ std::pair<double, double> range_of(const Joint& joint) {
 
 }  // namespace
 
+std::optional<double> floor_of_world(const std::string& asked, const fs::path& urdf,
+                                     const std::vector<fs::path>& package_paths, Warnings& warnings) {
+  if (asked == "none") return std::nullopt;
+  if (asked != "auto") {
+    double height = 0;
+    const auto [end, error] = std::from_chars(asked.data(), asked.data() + asked.size(), height);
+    if (error == std::errc() && end == asked.data() + asked.size() && std::isfinite(height)) return height;
+    throw Error(fmt::format("'{}' is not the height of a floor", asked), {},
+                "give --floor auto, none, or metres");
+  }
+  Warnings later;  // The robot reads the world again.
+  const World world = read_urdf(urdf, later);
+  const std::vector<WorldTriangle> triangles =
+      triangles_of(world, {package_paths, urdf.parent_path()}, later);
+  if (const auto height = floor_height(world, triangles)) return is_at_zero(*height) ? 0 : *height;
+  double lowest = 0;
+  for (const WorldTriangle& triangle : triangles)
+    for (const Vector3d& corner : triangle.corners) lowest = std::min(lowest, corner.z());
+  if (!is_at_zero(lowest))
+    warnings.add(
+        fmt::format("the floor is taken to lie at 0, but the world reaches down to {:.2f} m; --floor "
+                    "sets its height",
+                    lowest),
+        {urdf.string(), 0, {}});
+  return 0;
+}
+
 struct SimulatedRobot::Impl {
   SimulatedRobotOptions options;
   World world;
@@ -74,7 +103,7 @@ struct SimulatedRobot::Impl {
 
   Impl(const fs::path& urdf, const SimulatedRobotOptions& chosen, const PlanarPose& start, Warnings& warnings)
       : options(chosen),
-        world(read_urdf(urdf)),
+        world(read_urdf(urdf, warnings)),
         map_from_world(Eigen::Translation3d(0, 0, -chosen.floor.value_or(0))),
         map_from_true(map_from_base(start)),
         map_from_believed(map_from_base(start)),
@@ -295,6 +324,28 @@ void SimulatedRobot::put_at(const PlanarPose& pose) {
   impl_->covariance.setZero();
 }
 
+namespace {
+
+/// Places round furniture that no walls enclose, from which the robot looks at its middle; nearest the
+/// distance from which it shows well first.
+std::vector<std::pair<double, PlanarPose>> places_beside(const Eigen::AlignedBox3d& box) {
+  constexpr double kDistance = 1.2;  // m, from what is scanned
+  constexpr int kSides = 16;
+  std::vector<std::pair<double, PlanarPose>> places;
+  const Vector3d middle = box.center();
+  const Vector2d reach = box.sizes().head<2>() / 2 + Vector2d::Constant(kDistance);
+  for (int i = 0; i < kSides; ++i) {
+    // From the long sides first: fronts and the most of a top are seen from there.
+    const double angle = 2 * kPi * i / kSides - (reach.x() < reach.y() ? 0 : kPi / 2);
+    const Vector2d out(std::cos(angle), std::sin(angle));
+    const Vector2d at = middle.head<2>() + out / (out.cwiseQuotient(reach)).cwiseAbs().maxCoeff();
+    places.push_back({-(at - middle.head<2>()).norm(), {at.x(), at.y(), std::atan2(-out.y(), -out.x())}});
+  }
+  return places;
+}
+
+}  // namespace
+
 PlanarPose SimulatedRobot::open_place() const {
   constexpr double kStep = 0.2, kRoom = 0.4;
   constexpr int kDirections = 24;
@@ -321,11 +372,12 @@ PlanarPose SimulatedRobot::open_place() const {
       if (enclosed > 0.6) places.push_back({clearance * enclosed, {x, y, 0}});
     }
   }
+  if (places.empty()) places = places_beside(box);
   std::stable_sort(places.begin(), places.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [clearance, place] : places)  // Rays pass over and under a table's top.
     if (scene.link_in_cylinder({place.x, place.y}, kRoom, kRobotBottom, kRobotTop) < 0) return place;
-  throw Error("no place inside the world is open enough to start from", {}, "give --start");
+  throw Error("no place in the world is open enough to start from", {}, "give --start");
 }
 
 PlanarPose SimulatedRobot::true_pose() const {
