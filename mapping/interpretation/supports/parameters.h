@@ -50,7 +50,7 @@ struct DirectionParameters {
   double min_straight = 0.4;    ///< of the strips that lie on one line: round tops have no edges
   int rounds = 8;               ///< of a fit
   double same = 2e-4;           ///< radians, by which a fit that has converged turns
-  double edge_noise_m = 0.01;   ///< between the ends of an edge: registration of the scans that show them
+  double edge_noise_m = 0.015;  ///< between the ends of an edge: range noise and registration at both
 };
 inline constexpr DirectionParameters kDirections;
 

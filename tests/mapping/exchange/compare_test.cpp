@@ -190,8 +190,9 @@ TEST(Compare, WallsOfAForeignWorldAreWhatBoundsItAndBoardsInClosedCabinetsAreNot
       structure_from_geometry(parse_urdf(foreign_room("mauer", 0), "room.urdf"), {}, warnings);
   EXPECT_EQ(std::ranges::count_if(structure.walls, &WallPatch::main), 4);
   for (const SurfacePatch& surface : structure.supports)
-    if (surface.name == "brett" || surface.name == "theke")
+    if (surface.name == "brett" || surface.name == "theke") {
       EXPECT_EQ(surface.main, surface.name == "theke") << surface.name;
+    }
 }
 
 TEST(Compare, ACabinetCalledAWallIsNone) {
@@ -202,7 +203,9 @@ TEST(Compare, ACabinetCalledAWallIsNone) {
                    "<child link='door'/></joint></robot>");
   Warnings warnings;
   for (const WallPatch& patch : structure_from_geometry(parse_urdf(text, "room.urdf"), {}, warnings).walls)
-    if (patch.name == "wall_stack") EXPECT_FALSE(patch.main);
+    if (patch.name == "wall_stack") {
+      EXPECT_FALSE(patch.main);
+    }
 }
 
 TEST(Compare, AWorldWhoseFloorIsNotAtZeroIsMovedIntoTheFrameOfTheMap) {
