@@ -66,7 +66,7 @@ bool hit(const WorldTriangle& triangle, const Vector3d& origin, const Vector3d& 
 /// Whether some ray leaves a surface: boards in closed cabinets show to nobody.
 bool seen_from_outside(const std::vector<const WorldTriangle*>& patch,
                        const std::vector<WorldTriangle>& all) {
-  constexpr double kOutside = 0.7;  // m; deeper is no cabinet
+  constexpr double kOutside = 1.2;  // m; cabinets are less wide from their middle
   constexpr int kDirections = 16;
   const auto leaves = [&](const Vector3d& from, const Vector3d& ray) {
     return std::ranges::none_of(all,
@@ -74,7 +74,7 @@ bool seen_from_outside(const std::vector<const WorldTriangle*>& patch,
   };
   return std::ranges::any_of(patch, [&](const WorldTriangle* triangle) {
     const Vector3d from = (triangle->corners[0] + triangle->corners[1] + triangle->corners[2]) / 3;
-    for (const double rise : {80 * kDegree, 45 * kDegree, 10 * kDegree})
+    for (const double rise : {45 * kDegree, 10 * kDegree})
       for (int i = 0; i < kDirections; ++i) {
         const double angle = 2 * kPi * i / kDirections;
         if (leaves(from,
