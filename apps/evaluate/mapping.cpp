@@ -53,7 +53,7 @@ bool is_kitchen(const fs::path& path) {
 }
 
 /// What the n-th world is mapped with, without its seed.
-Run run_of(const Arguments& arguments, size_t n, const Session& session) {
+Run run_of(const Arguments& arguments, size_t n, Session& session) {
   const size_t worlds = arguments.worlds.size();
   Run run;
   run.world = arguments.worlds[n];
