@@ -152,6 +152,7 @@ class Interactor {
     if (!log_.pull(front.name)) pull_and_scan(front, name, closed);
     const LoggedPull pull = *log_.pull(front.name);
     result.held = !pull.hand_path.empty();
+    result.blocked = !pull.blocked.empty();
     if (const mapping::Scan* open = log_.find(name))
       result.difference =
           articulate(set_of(closed), set_of(*open), front, pull.hand_path, options_.difference);
@@ -262,7 +263,8 @@ void learn(const Interaction& interaction, mapping::Front& front) {
   }
   const mapping::DifferenceResult& difference = interaction.difference;
   front.evidence["pulled"] = difference.joint ? "it moved" : difference.reason;
-  if (difference.unexplained_motion) {  // What its shape suggested is refuted.
+  // What its shape suggested is refuted, unless it moved out of sight.
+  if (!difference.joint && !interaction.blocked) {
     front.joint.reset();
     front.class_name = "front";
   }

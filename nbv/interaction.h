@@ -26,6 +26,7 @@ struct Interaction {
   std::optional<std::string> front;  ///< its name in the map; unset where what was pulled is not a front
   size_t base_pose = 0;              ///< number of the pose that it was pulled from
   bool held = false;                 ///< whether the hand found something to hold
+  bool blocked = false;              ///< whether it moved, but could not be scanned open
   mapping::DifferenceResult difference;
   double seconds = 0;
 };

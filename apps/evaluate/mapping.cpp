@@ -21,6 +21,7 @@ struct Arguments {
   std::string out;
   int seeds = 3;
   bool walk = false, track = false;
+  std::string floor = "auto";
   std::optional<double> ceiling;
   nbv::SurveyOptions survey;
   mapping::ComparisonOptions comparison;
@@ -52,7 +53,7 @@ bool is_kitchen(const fs::path& path) {
 }
 
 /// What the n-th world is mapped with, without its seed.
-Run run_of(const Arguments& arguments, size_t n, const Session& session) {
+Run run_of(const Arguments& arguments, size_t n, Session& session) {
   const size_t worlds = arguments.worlds.size();
   Run run;
   run.world = arguments.worlds[n];
@@ -72,6 +73,8 @@ Run run_of(const Arguments& arguments, size_t n, const Session& session) {
     run.poses = mapping::planar_poses_from(nth(arguments.poses, n, "--poses", worlds), "--poses");
   if (!arguments.starts.empty())
     run.start = mapping::planar_poses_from(nth(arguments.starts, n, "--start", worlds), "--start").front();
+  if (!fs::is_directory(run.world))
+    run.floor = mapping::floor_of_world(arguments.floor, run.world, run.package_paths, session.warnings());
   run.ceiling = arguments.ceiling;
   run.threads = session.flags().threads;
   run.survey = arguments.survey;
@@ -128,6 +131,10 @@ Command mapping_command() {
         table.package_path(&arguments->package_paths);
         table.option("--seeds", &arguments->seeds, "Number of maps per world, with seeds 1, 2, …",
                      {.min = 1, .max = 1000});
+        table.option("--floor HEIGHT", &arguments->floor,
+                     "Height of the floor in the world's frame, where a world without a link floor gets one; "
+                     "auto = its own, or 0; none = add none",
+                     {.unit = "m"});
         table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height", {.unit = "m"});
         table.option("-o,--output FOLDER", &arguments->out, "Keep the maps in this folder");
         AllOptions options{arguments->survey, arguments->comparison};

@@ -28,7 +28,7 @@ struct ExploreArguments {
   std::string world, out;
   std::vector<double> start;  ///< x, y, yaw in degrees; empty = on the most open floor
   std::vector<std::string> package_paths;
-  std::optional<double> floor = 0;
+  std::string floor = "auto";
   std::optional<double> ceiling;
   bool resume = false;
   nbv::SurveyOptions options;
@@ -39,7 +39,8 @@ void explore(ExploreArguments& arguments, Session& session) {
   exploration.threads = session.flags().threads;
   mapping::SimulatedRobotOptions world;
   for (const std::string& folder : arguments.package_paths) world.package_paths.emplace_back(folder);
-  world.floor = arguments.floor;
+  world.floor =
+      mapping::floor_of_world(arguments.floor, arguments.world, world.package_paths, session.warnings());
   world.ceiling = arguments.ceiling;
   world.laser = exploration.laser;
   world.seed = exploration.seed;
@@ -48,7 +49,7 @@ void explore(ExploreArguments& arguments, Session& session) {
   const mapping::PlanarPose start =
       arguments.start.empty() ? robot.open_place() : planar_pose_from(arguments.start);
   robot.put_at(start);
-  if (arguments.floor.value_or(0) != 0) arguments.options.map_from_input = robot.map_from_world();
+  if (world.floor.value_or(0) != 0) arguments.options.map_from_input = robot.map_from_world();
   const std::filesystem::path earlier = std::filesystem::path(arguments.out) / "explore.json";
   if (!arguments.resume && std::filesystem::exists(earlier))
     session.warnings().add("the earlier exploration in " + arguments.out +
@@ -73,29 +74,31 @@ void explore(ExploreArguments& arguments, Session& session) {
 }  // namespace
 
 Command explore_command() {
-  return {"explore",
-          "Explore and map an unknown kitchen by next best view",
-          {"loci-map explore apps/samples/kitchen.urdf -o demo-output/kitchen",
-           "loci-map explore apps/samples/kitchen.urdf --interact --seed 2 -o demo-output/kitchen_2 --json"},
-          [](ArgumentTable& table) {
-            auto arguments = std::make_shared<ExploreArguments>();
-            table.positional("WORLD", &arguments->world, "URDF of the world to scan");
-            table.output("FOLDER", &arguments->out, "Folder of the map, its scans and the report",
-                         {.replaces = true});
-            table.package_path(&arguments->package_paths);
-            table.option("--start POSE", &arguments->start,
-                         "Pose of the first scan in the world frame: x,y,yaw_deg",
-                         {.default_text = "the most open floor", .values = 3});
-            table.option("--floor HEIGHT", &arguments->floor,
-                         "Height of the floor; a world without a link floor gets one there", {.unit = "m"});
-            table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height",
-                         {.unit = "m"});
-            table.option("--seed N", &arguments->options.exploration.seed, "Seed of noise and samples");
-            table.flag("--interact", arguments->options.interact, "Pull each handle and scan again");
-            table.flag("--resume", arguments->resume, "Continue an exploration that was interrupted");
-            table.options(table_of(arguments->options), "Exploration");
-            return [arguments](Session& session) { explore(*arguments, session); };
-          }};
+  return {
+      "explore",
+      "Explore and map an unknown kitchen by next best view",
+      {"loci-map explore apps/samples/kitchen.urdf -o demo-output/kitchen",
+       "loci-map explore apps/samples/kitchen.urdf --interact --seed 2 -o demo-output/kitchen_2 --json"},
+      [](ArgumentTable& table) {
+        auto arguments = std::make_shared<ExploreArguments>();
+        table.positional("WORLD", &arguments->world, "URDF of the world to scan");
+        table.output("FOLDER", &arguments->out, "Folder of the map, its scans and the report",
+                     {.replaces = true});
+        table.package_path(&arguments->package_paths);
+        table.option("--start POSE", &arguments->start,
+                     "Pose of the first scan in the world frame: x,y,yaw_deg",
+                     {.default_text = "the most open floor", .values = 3});
+        table.option("--floor HEIGHT", &arguments->floor,
+                     "Height of the floor in the world's frame, where a world without a link floor gets one; "
+                     "auto = its own, or 0; none = add none",
+                     {.unit = "m"});
+        table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height", {.unit = "m"});
+        table.option("--seed N", &arguments->options.exploration.seed, "Seed of noise and samples");
+        table.flag("--interact", arguments->options.interact, "Pull each handle and scan again");
+        table.flag("--resume", arguments->resume, "Continue an exploration that was interrupted");
+        table.options(table_of(arguments->options), "Exploration");
+        return [arguments](Session& session) { explore(*arguments, session); };
+      }};
 }
 
 namespace {

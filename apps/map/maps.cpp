@@ -35,7 +35,7 @@ Command check_command() {
               const std::filesystem::path path = arguments->urdf;
               const mapping::MeshSearch search = {
                   {arguments->package_paths.begin(), arguments->package_paths.end()}, path.parent_path()};
-              const mapping::World world = mapping::read_urdf(path);
+              const mapping::World world = mapping::read_urdf(path, session.warnings());
               mapping::WorldInspection inspection = inspect(world, search, session.warnings());
               if (const auto sidecar = mapping::sidecar_path(path); std::filesystem::exists(sidecar))
                 inspect_sidecar(mapping::read_semantic_map(sidecar), world, inspection, session.warnings());
@@ -61,15 +61,17 @@ Command compare_command() {
             table.package_path(&arguments->package_paths);
             table.options(table_of(arguments->options), "Comparison");
             return [arguments](Session& session) {
-              const auto read = [&](const std::string& path) {
+              const auto read = [&](const std::string& path,
+                                    const std::optional<Isometry3d>& map_from_input) {
                 mapping::MeshSearch search;
                 for (const std::string& folder : arguments->package_paths)
                   search.package_paths.emplace_back(folder);
                 search.urdf_folder = std::filesystem::path(path).parent_path();
-                return read_structure(path, search, session.warnings());
+                return read_structure(path, search, session.warnings(), map_from_input);
               };
+              const mapping::MapStructure map = read(arguments->map, {});
               const mapping::Comparison result =
-                  compare(read(arguments->map), read(arguments->truth), arguments->options);
+                  compare(map, read(arguments->truth, map.map_from_input), arguments->options);
               session.answer(result.text(), result.report());
             };
           }};

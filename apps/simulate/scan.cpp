@@ -14,7 +14,8 @@ namespace {
 
 struct Arguments {
   std::string world, out, poses;
-  std::optional<double> floor = 0, ceiling;
+  std::string floor = "auto";
+  std::optional<double> ceiling;
   std::vector<std::string> joints;
   std::vector<std::filesystem::path> package_paths;
   bool odometry = false;
@@ -71,7 +72,8 @@ void scan(Arguments& arguments, Session& session) {
   const std::vector<mapping::PlanarPose> poses = mapping::planar_poses_from(arguments.poses, "--poses");
   mapping::SimulatedRobotOptions options;
   options.package_paths = arguments.package_paths;
-  options.floor = arguments.floor;
+  options.floor =
+      mapping::floor_of_world(arguments.floor, arguments.world, options.package_paths, session.warnings());
   options.ceiling = arguments.ceiling;
   options.laser = arguments.laser;
   options.odometry = arguments.odometry ? arguments.drift : mapping::OdometryModel{0, 0, 0};
@@ -120,7 +122,9 @@ Command scan_command() {
         table.output("FOLDER", &arguments->out, "Folder of the scan set", {.replaces = true});
         table.package_path(&arguments->package_paths);
         table.option("--floor HEIGHT", &arguments->floor,
-                     "Height of the floor; a world without a link floor gets one there", {.unit = "m"});
+                     "Height of the floor in the world's frame, where a world without a link floor gets one; "
+                     "auto = its own, or 0; none = add none",
+                     {.unit = "m"});
         table.option("--ceiling HEIGHT", &arguments->ceiling, "Add a ceiling at this height", {.unit = "m"});
         table.option("--joints JOINT=VALUE...", &arguments->joints, "Positions of joints",
                      {.unit = "m or rad", .open_end = true});

@@ -318,10 +318,17 @@ DifferenceResult articulate(const ScanSet& before, const ScanSet& after, const F
   for (size_t i = 0; i < 3; ++i)
     if (faces[i] && faces[i]->coverage > kFaceMotion.min_coverage)
       support[i] = (1 - static_part) * faces[i]->coverage;
-  const std::array<double, 3> probabilities = type_probabilities(front, hand ? &*hand : nullptr, support);
-  const size_t best = static_cast<size_t>(std::max_element(probabilities.begin(), probabilities.end()) -
-                                          probabilities.begin());
+  const auto most_probable = [](const std::array<double, 3>& types) {
+    return static_cast<size_t>(std::ranges::max_element(types) - types.begin());
+  };
+  std::array<double, 3> probabilities = type_probabilities(front, hand ? &*hand : nullptr, support);
+  size_t best = most_probable(probabilities);
   const bool seen = best > 0 && support[best] > 0;
+  if (!seen && hand && hand->usable && hand->estimate.type != ArticulationType::rigid) {
+    // What the hand led along a path moved, though the scans show another part in its place.
+    probabilities = type_probabilities(front, &*hand, {0, 1, 1});
+    best = most_probable(probabilities);
+  }
   if (!seen) {
     result.reason = moved.size() < kFaceMotion.min_points
                         ? "only " + std::to_string(moved.size()) + " points in space that was free before"

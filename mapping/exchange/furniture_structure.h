@@ -1,7 +1,7 @@
 #pragma once
 
 #include "mapping/exchange/map_structure.h"
-#include "mapping/exchange/world_triangles.h"
+#include "mapping/world/world_triangles.h"
 
 namespace loci::mapping {
 

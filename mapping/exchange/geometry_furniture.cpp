@@ -61,7 +61,8 @@ class FurnitureReader {
   void read(MapStructure& structure) const {
     std::map<std::string, size_t> front_of_link;
     for (const Joint& joint : world_.joints) {
-      if (joint.type != JointType::prismatic && joint.type != JointType::revolute) continue;
+      const bool turns = joint.type == JointType::revolute || joint.type == JointType::continuous;
+      if (!turns && joint.type != JointType::prismatic) continue;
       std::vector<std::string> fixtures;
       const std::optional<KnownFront> front = read_front(joint, fixtures);
       if (!front) continue;
@@ -84,6 +85,7 @@ class FurnitureReader {
       for (const Joint& below : world_.joints)
         if (below.parent == open[i] && below.type == JointType::fixed) open.push_back(below.child);
     }
+    std::ranges::stable_sort(body, std::greater{}, &WorldTriangle::area);
     const std::optional<Face> face = outer_face(body, joint, fixtures);
     if (!face) return std::nullopt;
     KnownFront known;
@@ -111,10 +113,12 @@ class FurnitureReader {
     };
     if (std::ranges::any_of(faces, looks_out))
       std::erase_if(faces, [&](const Face& face) { return !looks_out(face); });
-    const Face largest = *std::ranges::max_element(faces, {}, &Face::area);
+    const auto largest = std::ranges::max_element(faces, {}, &Face::area);
+    const Vector3d normal = largest->normal;
+    const double area = largest->area;
     // A seal or a back board may be larger than what is before it.
     std::erase_if(faces, [&](const Face& face) {
-      return face.normal.dot(largest.normal) < kSameNormal || face.area < 0.6 * largest.area;
+      return face.normal.dot(normal) < kSameNormal || face.area < 0.6 * area;
     });
     return *std::ranges::max_element(faces, {}, &Face::offset);
   }
@@ -132,11 +136,10 @@ class FurnitureReader {
       std::erase_if(faces, [&](const Face& face) { return !is_end(face); });
   }
 
+  /// Of triangles, largest first.
   static std::vector<Face> faces_of(const std::vector<const WorldTriangle*>& body) {
-    std::vector<const WorldTriangle*> sorted = body;
-    std::ranges::stable_sort(sorted, std::greater{}, [](const WorldTriangle* t) { return t->area; });
     std::vector<Face> faces;
-    for (const WorldTriangle* triangle : sorted) {
+    for (const WorldTriangle* triangle : body) {
       if (std::abs(triangle->normal.z()) > kUpright) continue;
       const Vector3d middle = (triangle->corners[0] + triangle->corners[1] + triangle->corners[2]) / 3;
       auto face = std::ranges::find_if(faces, [&](const Face& f) {

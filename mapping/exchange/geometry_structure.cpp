@@ -2,10 +2,11 @@
 #include <cmath>
 #include <map>
 
+#include "mapping/base/math/math.h"
 #include "mapping/exchange/furniture_structure.h"
 #include "mapping/exchange/map_structure.h"
-#include "mapping/exchange/world_triangles.h"
 #include "mapping/world/kinematics.h"
+#include "mapping/world/world_triangles.h"
 
 namespace loci::mapping {
 namespace {
@@ -48,6 +49,42 @@ double open_fraction(const std::vector<const WorldTriangle*>& patch, const std::
   return open / total;
 }
 
+/// Whether a ray hits a triangle within its reach.
+bool hit(const WorldTriangle& triangle, const Vector3d& origin, const Vector3d& ray, double reach = 1e9) {
+  const double slope = triangle.normal.dot(ray);
+  if (std::abs(slope) < 1e-9) return false;
+  const double distance = triangle.normal.dot(triangle.corners[0] - origin) / slope;
+  if (distance < 1e-3 || distance > reach) return false;
+  const Vector3d at = origin + distance * ray;
+  for (size_t k = 0; k < 3; ++k) {
+    const Vector3d edge = triangle.corners[(k + 1) % 3] - triangle.corners[k];
+    if (edge.cross(at - triangle.corners[k]).dot(triangle.normal) < 0) return false;
+  }
+  return true;
+}
+
+/// Whether some ray leaves a surface: boards in closed cabinets show to nobody.
+bool seen_from_outside(const std::vector<const WorldTriangle*>& patch,
+                       const std::vector<WorldTriangle>& all) {
+  constexpr double kOutside = 1.2;  // m; cabinets are less wide from their middle
+  constexpr int kDirections = 16;
+  const auto leaves = [&](const Vector3d& from, const Vector3d& ray) {
+    return std::ranges::none_of(all,
+                                [&](const WorldTriangle& other) { return hit(other, from, ray, kOutside); });
+  };
+  return std::ranges::any_of(patch, [&](const WorldTriangle* triangle) {
+    const Vector3d from = (triangle->corners[0] + triangle->corners[1] + triangle->corners[2]) / 3;
+    for (const double rise : {45 * kDegree, 10 * kDegree})
+      for (int i = 0; i < kDirections; ++i) {
+        const double angle = 2 * kPi * i / kDirections;
+        if (leaves(from,
+                   {std::cos(angle) * std::cos(rise), std::sin(angle) * std::cos(rise), std::sin(rise)}))
+          return true;
+      }
+    return false;
+  });
+}
+
 void add_supports(const World& world, const std::vector<WorldTriangle>& triangles, MapStructure& structure) {
   const std::vector<bool> moving = moving_links(world);
   std::map<std::pair<size_t, long>, std::vector<const WorldTriangle*>> patches;
@@ -69,23 +106,10 @@ void add_supports(const World& world, const std::vector<WorldTriangle>& triangle
     if (area < kMinSurface) continue;
     surface.height /= area;
     surface.name = world.links[key.first].name;
-    surface.main = !moving[key.first] && open_fraction(patch, triangles) > 0.5;
+    surface.main =
+        !moving[key.first] && open_fraction(patch, triangles) > 0.5 && seen_from_outside(patch, triangles);
     structure.supports.push_back(std::move(surface));
   }
-}
-
-/// Whether a ray hits a triangle.
-bool hit(const WorldTriangle& triangle, const Vector3d& origin, const Vector3d& ray) {
-  const double slope = triangle.normal.dot(ray);
-  if (std::abs(slope) < 1e-9) return false;
-  const double distance = triangle.normal.dot(triangle.corners[0] - origin) / slope;
-  if (distance < 1e-3) return false;
-  const Vector3d at = origin + distance * ray;
-  for (size_t k = 0; k < 3; ++k) {
-    const Vector3d edge = triangle.corners[(k + 1) % 3] - triangle.corners[k];
-    if (edge.cross(at - triangle.corners[k]).dot(triangle.normal) < 0) return false;
-  }
-  return true;
 }
 
 /// Whether a wall's face looks into the world, not away from it: something stands before a part of it.
@@ -95,6 +119,34 @@ bool looks_inwards(const std::vector<const WorldTriangle*>& patch, const std::ve
     return std::any_of(all.begin(), all.end(),
                        [&](const WorldTriangle& other) { return hit(other, middle, triangle->normal); });
   });
+}
+
+/// Whether a link is called a wall and carries no furniture that opens: a wall cupboard does.
+bool is_called_wall(const World& world, const std::string& name) {
+  if (name.find("wall") == std::string::npos) return false;
+  return std::ranges::none_of(world.joints, [&](const Joint& joint) {
+    if (joint.type == JointType::fixed) return false;
+    for (const Joint* above = &joint; above != nullptr; above = world.parent_joint(above->parent))
+      if (above->child == name || above->parent == name) return true;
+    return false;
+  });
+}
+
+/// Whether nearly all of a world lies before a wall that reaches up to where no furniture does.
+bool bounds_room(const WallPatch& wall, const std::vector<WorldTriangle>& triangles) {
+  constexpr double kMinTop = 1.9, kThickness = 0.5;  // m
+  constexpr double kMaxBeyond = 0.02;                // of the world's surface
+  constexpr double kMinLength = 1;                   // m
+  if (wall.top < kMinTop || wall.along_max - wall.along_min < kMinLength) return false;
+  double all = 0, beyond = 0, before = 0;
+  for (const WorldTriangle& triangle : triangles) {
+    const Vector3d middle = (triangle.corners[0] + triangle.corners[1] + triangle.corners[2]) / 3;
+    const double distance = wall.normal.dot(middle) - wall.offset;
+    all += triangle.area;
+    if (distance < -kThickness) beyond += triangle.area;
+    if (distance > 0) before += triangle.area;
+  }
+  return beyond < kMaxBeyond * all && before > all / 2;
 }
 
 void add_walls(const World& world, const std::vector<WorldTriangle>& triangles, MapStructure& structure) {
@@ -124,12 +176,15 @@ void add_walls(const World& world, const std::vector<WorldTriangle>& triangles, 
     }
     if (area < kMinWall || wall.top < 1.2) continue;
     wall.name = world.links[static_cast<size_t>(key[0])].name;
-    // Sides of furniture are vertical planes too; only links that are called so are walls to be found, on the
-    // side that faces the room, and reveals and ends of walls need not be.
-    wall.main = wall.name.find("wall") != std::string::npos && wall.along_max - wall.along_min > kReveal &&
+    // Sides of furniture are vertical planes too; links that are called so are walls to be found, on the side
+    // that faces the room, and reveals and ends of walls need not be. Where none is called so, those that
+    // bound all else are.
+    wall.main = is_called_wall(world, wall.name) && wall.along_max - wall.along_min > kReveal &&
                 looks_inwards(patch, triangles);
     structure.walls.push_back(std::move(wall));
   }
+  if (std::ranges::any_of(structure.walls, &WallPatch::main)) return;
+  for (WallPatch& wall : structure.walls) wall.main = bounds_room(wall, triangles);
 }
 
 }  // namespace

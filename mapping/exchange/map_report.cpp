@@ -157,6 +157,11 @@ std::string doubts_about(const Front& front) {
                         text.empty() ? front.name + ":" : ";", front.class_name,
                         front.fixture ? "and handle" : "and neighbours, as no handle was found",
                         100 * probability_of(*front.joint));
+  if (!front.joint && front.fixture && front.evidence.contains("pulled"))
+    text += fmt::format("{} it has a {} but was not seen to open when it was pulled: {}",
+                        text.empty() ? front.name + ":" : ";",
+                        front.fixture->kind == Fixture::Kind::knob ? "knob" : "handle",
+                        front.evidence["pulled"].get<std::string>());
   return text;
 }
 

@@ -6,6 +6,7 @@
 #include "mapping/exchange/furniture_structure.h"
 #include "mapping/world/furniture_classes.h"
 #include "mapping/world/urdf.h"
+#include "mapping/world/world_triangles.h"
 
 namespace loci::mapping {
 namespace {
@@ -63,6 +64,7 @@ void add_openings(const Json& openings, const WallPatch& wall, MapStructure& str
 MapStructure structure_from_sidecar(const SemanticMap& sidecar, const World& world, const std::string& file) {
   MapStructure structure;
   structure.source = "sidecar";
+  structure.map_from_input = sidecar.map_from_input;
   for (const auto& [name, link] : sidecar.links) {
     const Json& geometry = link.geometry;
     try {
@@ -128,7 +130,23 @@ MapStructure structure_from_truth(const Json& truth, const std::string& file) {
   return structure;
 }
 
-MapStructure read_structure(const std::filesystem::path& path, const MeshSearch& search, Warnings& warnings) {
+World moved_world(World world, const Isometry3d& map_from_world) {
+  std::string root = "map";
+  while (world.find_link(root) != nullptr) root += "_";
+  Joint joint;
+  joint.name = root + "_joint";
+  joint.parent = root;
+  joint.child = world.root;
+  joint.parent_from_joint = map_from_world;
+  Link link;
+  link.name = world.root = root;
+  world.links.push_back(std::move(link));
+  world.joints.push_back(std::move(joint));
+  return world;
+}
+
+MapStructure read_structure(const std::filesystem::path& path, const MeshSearch& search, Warnings& warnings,
+                            const std::optional<Isometry3d>& map_from_input) {
   if (path.extension() == ".json") {
     const Json json = read_json(path);
     if (json.contains("support_surfaces")) return structure_from_truth(json, path.string());
@@ -143,11 +161,14 @@ MapStructure read_structure(const std::filesystem::path& path, const MeshSearch&
     throw Error("this JSON file is neither a truth (support_surfaces or fronts) nor a sidecar (links)",
                 {path.string(), 0, ""});
   }
-  const World world = read_urdf(path);
+  const World world = read_urdf(path, warnings);
   const std::filesystem::path sidecar = sidecar_path(path);
   if (std::filesystem::exists(sidecar))
     return structure_from_sidecar(read_semantic_map(sidecar), world, sidecar.string());
-  return structure_from_geometry(world, search, warnings);
+  Warnings later;  // The meshes are read again.
+  const auto floor = floor_height(world, triangles_of(world, search, later));
+  const bool is_moved = map_from_input && floor && !is_at_zero(*floor);
+  return structure_from_geometry(is_moved ? moved_world(world, *map_from_input) : world, search, warnings);
 }
 
 }  // namespace loci::mapping

@@ -63,6 +63,7 @@ struct MapStructure {
   std::vector<KnownFront> fronts;
   std::vector<KnownFixture> fixtures;
   std::optional<double> floor_height;
+  std::optional<Isometry3d> map_from_input;  ///< of a sidecar
   bool only_listed_faces =
       false;  ///< of a truth that lists some faces' fronts and is silent about the others
   std::map<std::string, Eigen::AlignedBox3d> regions;  ///< where they are, of a truth that says so
@@ -70,12 +71,16 @@ struct MapStructure {
 
 /// Reads a URDF (its sidecar where there is one, otherwise the upward and the vertical faces of its visual
 /// geometry, all joints at 0), a JSON file with `support_surfaces`, `walls`, `handles`, `joints`, or one with
-/// `fronts` that were measured in a real room. Error for other files.
-MapStructure read_structure(const std::filesystem::path& path, const MeshSearch& search, Warnings& warnings);
+/// `fronts` that were measured in a real room. Error for other files. `map_from_input` is that of a map which
+/// it is compared with: it moves a URDF without sidecar whose floor is not at 0 into that map's frame.
+MapStructure read_structure(const std::filesystem::path& path, const MeshSearch& search, Warnings& warnings,
+                            const std::optional<Isometry3d>& map_from_input = {});
 
 /// The joints are the world's; a sidecar without its world knows of none.
 MapStructure structure_from_sidecar(const SemanticMap& sidecar, const World& world, const std::string& file);
 MapStructure structure_from_truth(const Json& truth, const std::string& file);
 MapStructure structure_from_geometry(const World& world, const MeshSearch& search, Warnings& warnings);
+/// The world below a new root, the map.
+World moved_world(World world, const Isometry3d& map_from_world);
 
 }  // namespace loci::mapping

@@ -170,6 +170,7 @@ InterpretedMap interpret(const ScanSet& scans, const InterpretationOptions& opti
   progress.check(0.35, "walls");
   WallSearch vertical = find_walls(
       surface, floor_height, room.ceiling ? std::optional(room.ceiling->height) : std::nullopt, options);
+  room.yaw = yaw_of_walls(vertical.walls, room.yaw);
   lap("levels and walls");
   PartialProgress supporting(progress, 0.45, 0.7);
   SupportSearch horizontal = find_supports(surface, floor_height, room.yaw, vertical, options, supporting);

@@ -244,6 +244,10 @@ std::string ScenarioPlay::resolve_joint(const Action& action) const {
     const Joint* joint = world_.find_joint(action.subject + suffix);
     if (joint != nullptr && joint->type != JointType::fixed) return joint->name;
   }
+  for (const char* suffix : {"", "_front"}) {
+    const Joint* joint = world_.parent_joint(action.subject + suffix);
+    if (joint != nullptr && joint->type != JointType::fixed) return joint->name;
+  }
   std::vector<std::string> candidates;
   for (const Joint& joint : world_.joints) {
     if (joint.type == JointType::fixed) continue;

@@ -14,6 +14,7 @@
 #include "mapping/render/render.h"
 #include "mapping/simulation/play.h"
 #include "mapping/world/urdf.h"
+#include "mapping/world/world_triangles.h"
 
 namespace loci::mapping {
 namespace {
@@ -241,6 +242,14 @@ Json configuration_of(const Scenario& scenario, const RecordOptions& options) {
           {"camera", table_of(sensor).to_json()}};
 }
 
+/// What the world's frame is called: a "map" has its floor at z = 0.
+std::string frame_of(const Scenario& scenario, const World& world, const MeshSearch& search) {
+  Warnings later;  // The renderer reads the meshes again.
+  const double floor =
+      scenario.floor.value_or(floor_height(world, triangles_of(world, search, later)).value_or(0));
+  return is_at_zero(floor) ? "map" : "world";
+}
+
 }  // namespace
 
 TriangleMesh floor_mesh(double height) {
@@ -271,10 +280,10 @@ RecordResult record(const Scenario& scenario, const std::filesystem::path& folde
                     const RecordOptions& options, Progress& progress, Warnings& warnings) {
   RecordOptions checked = options;
   table_of(checked).validate();
-  const World world = read_urdf(scenario.world);
+  const World world = read_urdf(scenario.world, warnings);
   const MeshSearch search{options.package_paths, scenario.world.parent_path()};
   const ScenarioPlay play(scenario, world, search);
-  RecordingWriter writer(folder, scenario.camera, "map",
+  RecordingWriter writer(folder, scenario.camera, frame_of(scenario, world, search),
                          {.time_zone = scenario.time_zone, .force = options.force});
   ScenarioRenderer renderer(scenario, world, search, play, warnings);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -13,6 +14,7 @@
 #include "mapping/world/inspection.h"
 #include "mapping/world/kinematics.h"
 #include "mapping/world/urdf.h"
+#include "mapping/world/world_triangles.h"
 
 namespace loci::mapping {
 namespace {
@@ -58,7 +60,83 @@ std::pair<double, double> range_of(const Joint& joint) {
   return {joint.limits->lower, joint.limits->upper};
 }
 
+/// Places that walls enclose, each with the distance to the nearest surface, less by openings.
+std::vector<std::pair<double, PlanarPose>> places_inside(const RayScene& scene, const LaserModel& laser) {
+  constexpr double kStep = 0.2;
+  constexpr int kDirections = 24;
+  const Eigen::AlignedBox3d box = scene.bounds();
+  std::vector<std::pair<double, PlanarPose>> places;
+  for (double y = box.min().y(); y <= box.max().y(); y += kStep) {
+    for (double x = box.min().x(); x <= box.max().x(); x += kStep) {
+      double clearance = std::numeric_limits<double>::infinity();
+      int walled = 0;
+      for (int i = 0; i < kDirections; ++i) {
+        const double angle = 2 * kPi * i / kDirections;
+        const Eigen::Vector3f along(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)),
+                                    0);
+        for (const double height : {0.15, 0.5, 0.85, laser.height_m}) {
+          const RayHit hit =
+              scene.cast(Vector3d(x, y, height).cast<float>(), along, static_cast<float>(laser.range_max_m));
+          clearance = std::min(clearance, static_cast<double>(hit.distance));
+          if (height == laser.height_m && hit.link >= 0) ++walled;
+        }
+      }
+      // Outside there is more room still, but walls at most on one side; windows let rays out of a room.
+      const double enclosed = static_cast<double>(walled) / kDirections;
+      if (enclosed > 0.6) places.push_back({clearance * enclosed, {x, y, 0}});
+    }
+  }
+  return places;
+}
+
+/// Places round furniture that no walls enclose, from which the robot looks at its middle; nearest the
+/// distance from which it shows well first.
+std::vector<std::pair<double, PlanarPose>> places_beside(const Eigen::AlignedBox3d& box) {
+  constexpr double kDistance = 1.2;  // m, from what is scanned
+  constexpr int kSides = 16;
+  std::vector<std::pair<double, PlanarPose>> places;
+  const Vector3d middle = box.center();
+  const Vector2d reach = box.sizes().head<2>() / 2 + Vector2d::Constant(kDistance);
+  for (int i = 0; i < kSides; ++i) {
+    // From the long sides first: fronts and the most of a top are seen from there.
+    const double angle = 2 * kPi * i / kSides - (reach.x() < reach.y() ? 0 : kPi / 2);
+    const Vector2d out(std::cos(angle), std::sin(angle));
+    const Vector2d at = middle.head<2>() + out / (out.cwiseQuotient(reach)).cwiseAbs().maxCoeff();
+    places.push_back({-(at - middle.head<2>()).norm(), {at.x(), at.y(), std::atan2(-out.y(), -out.x())}});
+  }
+  return places;
+}
+
 }  // namespace
+
+std::optional<double> floor_of_world(const std::string& asked, const fs::path& urdf,
+                                     const std::vector<fs::path>& package_paths, Warnings& warnings) {
+  if (asked == "none") return std::nullopt;
+  if (asked != "auto") {
+    double height = 0;
+    const auto [end, error] = std::from_chars(asked.data(), asked.data() + asked.size(), height);
+    if (error == std::errc() && end == asked.data() + asked.size() && std::isfinite(height)) return height;
+    throw Error(fmt::format("'{}' is not the height of a floor", asked), {},
+                "give --floor auto, none, or metres");
+  }
+  Warnings later;  // The robot reads the world again.
+  const World world = read_urdf(urdf, later);
+  const std::vector<WorldTriangle> triangles =
+      triangles_of(world, {package_paths, urdf.parent_path()}, later);
+  if (const auto height = floor_height(world, triangles)) return is_at_zero(*height) ? 0 : *height;
+  double lowest = 0;
+  for (const WorldTriangle& triangle : triangles)
+    for (const Vector3d& corner : triangle.corners) lowest = std::min(lowest, corner.z());
+  if (!is_at_zero(lowest))
+    warnings.add(
+        fmt::format("the floor is taken to lie at 0, but the world reaches down to {:.2f} m; --floor "
+                    "sets its height",
+                    lowest),
+        {urdf.string(), 0, {}});
+  return 0;
+}
+
+constexpr double kOpenFloor = 3;  // m, of the floor that is added round a world without walls
 
 struct SimulatedRobot::Impl {
   SimulatedRobotOptions options;
@@ -66,6 +144,7 @@ struct SimulatedRobot::Impl {
   Isometry3d map_from_world;
   JointState joints;
   RayScene scene;
+  Eigen::AlignedBox3d world_box;                ///< without an added floor and ceiling
   Isometry3d map_from_true, map_from_believed;  ///< the robot's base
   Covariance covariance = Covariance::Zero();
   double scanner_height;
@@ -74,7 +153,7 @@ struct SimulatedRobot::Impl {
 
   Impl(const fs::path& urdf, const SimulatedRobotOptions& chosen, const PlanarPose& start, Warnings& warnings)
       : options(chosen),
-        world(read_urdf(urdf)),
+        world(read_urdf(urdf, warnings)),
         map_from_world(Eigen::Translation3d(0, 0, -chosen.floor.value_or(0))),
         map_from_true(map_from_base(start)),
         map_from_believed(map_from_base(start)),
@@ -84,12 +163,17 @@ struct SimulatedRobot::Impl {
     const Eigen::AlignedBox3d box = scene.bounds();
     if (box.isEmpty()) throw Error("the world has nothing that a laser can see", {urdf.string(), 0, {}});
     require_metres(box, urdf.string());
-    for (const bool is_floor : {true, false}) {
-      const std::string name = is_floor ? "floor" : "ceiling";
-      const std::optional<double> height = is_floor ? options.floor : options.ceiling;
-      if (height && world.find_link(name) == nullptr)
-        scene.add(name, level_rectangle(box, *height, is_floor), map_from_world);
+    world_box = box;
+    const auto missing = [&](const char* name) { return world.find_link(name) == nullptr; };
+    if (options.floor && missing("floor")) {
+      // Without walls the robot goes round what is there.
+      Vector3d around = Vector3d::Zero();
+      if (places_inside(scene, options.laser).empty()) around = {kOpenFloor, kOpenFloor, 0};
+      scene.add("floor", level_rectangle({box.min() - around, box.max() + around}, *options.floor, true),
+                map_from_world);
     }
+    if (options.ceiling && missing("ceiling"))
+      scene.add("ceiling", level_rectangle(box, *options.ceiling, false), map_from_world);
   }
 
   Isometry3d base_from_scanner() const {
@@ -296,36 +380,15 @@ void SimulatedRobot::put_at(const PlanarPose& pose) {
 }
 
 PlanarPose SimulatedRobot::open_place() const {
-  constexpr double kStep = 0.2, kRoom = 0.4;
-  constexpr int kDirections = 24;
+  constexpr double kRoom = 0.4;
   const RayScene& scene = impl_->scene;
-  const Eigen::AlignedBox3d box = scene.bounds();
-  std::vector<std::pair<double, PlanarPose>> places;  // nearest surface, less by openings
-  for (double y = box.min().y(); y <= box.max().y(); y += kStep) {
-    for (double x = box.min().x(); x <= box.max().x(); x += kStep) {
-      double clearance = std::numeric_limits<double>::infinity();
-      int walled = 0;
-      for (int i = 0; i < kDirections; ++i) {
-        const double angle = 2 * kPi * i / kDirections;
-        const Eigen::Vector3f along(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)),
-                                    0);
-        for (const double height : {0.15, 0.5, 0.85, impl_->options.laser.height_m}) {
-          const RayHit hit = scene.cast(Vector3d(x, y, height).cast<float>(), along,
-                                        static_cast<float>(impl_->options.laser.range_max_m));
-          clearance = std::min(clearance, static_cast<double>(hit.distance));
-          if (height == impl_->options.laser.height_m && hit.link >= 0) ++walled;
-        }
-      }
-      // Outside there is more room still, but walls at most on one side; windows let rays out of a room.
-      const double enclosed = static_cast<double>(walled) / kDirections;
-      if (enclosed > 0.6) places.push_back({clearance * enclosed, {x, y, 0}});
-    }
-  }
+  std::vector<std::pair<double, PlanarPose>> places = places_inside(scene, impl_->options.laser);
+  if (places.empty()) places = places_beside(impl_->world_box);
   std::stable_sort(places.begin(), places.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [clearance, place] : places)  // Rays pass over and under a table's top.
     if (scene.link_in_cylinder({place.x, place.y}, kRoom, kRobotBottom, kRobotTop) < 0) return place;
-  throw Error("no place inside the world is open enough to start from", {}, "give --start");
+  throw Error("no place in the world is open enough to start from", {}, "give --start");
 }
 
 PlanarPose SimulatedRobot::true_pose() const {

@@ -31,6 +31,13 @@ struct SimulatedRobotOptions {
   int threads = 0;
 };
 
+/// The height at which a robot finds the floor of a world by what people ask for: a number, "none" (no floor
+/// is added; it stands at 0), or "auto": that of the world's own floor, 0 where there is none or it lies
+/// about there. Warns where nothing shows it and the world reaches below 0.
+std::optional<double> floor_of_world(const std::string& asked, const std::filesystem::path& urdf,
+                                     const std::vector<std::filesystem::path>& package_paths,
+                                     Warnings& warnings);
+
 /// A robot in a simulated kitchen that scans and pulls handles. The map frame is the world's with the floor
 /// at z = 0; the first pose is exact, later ones drift until localize().
 class SimulatedRobot : public Robot {
@@ -65,7 +72,8 @@ class SimulatedRobot : public Robot {
 
   /// Sets the true and the believed pose; for the start.
   void put_at(const PlanarPose& pose);
-  /// The middle of the most open floor inside the world: a place to start from.
+  /// The middle of the most open floor inside the world, or beside furniture without walls: a place to start
+  /// from.
   PlanarPose open_place() const;
 
   /// From the frame of the URDF to the map's: down by the height of the floor.

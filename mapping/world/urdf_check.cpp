@@ -230,11 +230,8 @@ class Checker {
       fail(joint, owner + " is " + type + " without limits",
            "add <limit lower=… upper=… effort=… velocity=…/>");
     if (limit) {
-      const std::vector<double> lower = check_numbers(*limit, "lower", 1, owner);
-      const std::vector<double> upper = check_numbers(*limit, "upper", 1, owner);
-      const double low = lower.empty() ? 0 : lower[0], high = upper.empty() ? 0 : upper[0];
-      if (low > high && (type == "revolute" || type == "prismatic"))
-        fail(*limit, "the lower limit of " + owner + " is above the upper one");
+      check_numbers(*limit, "lower", 1, owner);
+      check_numbers(*limit, "upper", 1, owner);
       check_numbers(*limit, "effort", 1, owner, true);
       check_numbers(*limit, "velocity", 1, owner, true);
     }

@@ -1,4 +1,6 @@
 #include <console_bridge/console.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tinyxml2.h>
 #include <urdf_parser/urdf_parser.h>
 
@@ -265,9 +267,23 @@ Joint joint_from(const urdf::Joint& parsed, const XMLElement& element) {
   return joint;
 }
 
+void swap_reversed_limits(World& world, const std::string& file, Warnings& warnings) {
+  std::vector<std::string> swapped;
+  for (Joint& joint : world.joints) {
+    const bool limited = joint.type == JointType::revolute || joint.type == JointType::prismatic;
+    if (!limited || !joint.limits || joint.limits->lower <= joint.limits->upper) continue;
+    std::swap(joint.limits->lower, joint.limits->upper);
+    swapped.push_back(joint.name);
+  }
+  if (!swapped.empty())
+    warnings.add(
+        fmt::format("the lower limit is above the upper one: swapped, of {}", fmt::join(swapped, ", ")),
+        {file, 0, {}});
+}
+
 }  // namespace
 
-World parse_urdf(const std::string& text, const std::string& file) {
+World parse_urdf(const std::string& text, const std::string& file, Warnings& warnings) {
   tinyxml2::XMLDocument document;
   urdf_detail::parse_xml(document, urdf_detail::utf8_text(text, file), file);
   const XMLElement& robot = urdf_detail::check_urdf(document, file);
@@ -286,11 +302,22 @@ World parse_urdf(const std::string& text, const std::string& file) {
     world.joints.push_back(joint_from(*model->getJoint(e->Attribute("name")), *e));
   collect_attributes(robot, {"name"}, "", world.attributes);
   world.extensions = unknown_children(robot, {"material", "link", "joint"});
+  swap_reversed_limits(world, file, warnings);
   return world;
 }
 
+World parse_urdf(const std::string& text, const std::string& file) {
+  Warnings unread;
+  return parse_urdf(text, file, unread);
+}
+
+World read_urdf(const std::filesystem::path& path, Warnings& warnings) {
+  return parse_urdf(read_file(path), path.string(), warnings);
+}
+
 World read_urdf(const std::filesystem::path& path) {
-  return parse_urdf(read_file(path), path.string());
+  Warnings unread;
+  return read_urdf(path, unread);
 }
 
 }  // namespace loci::mapping

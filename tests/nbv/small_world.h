@@ -34,6 +34,11 @@ class SmallWorld {
     joint(name, "prismatic", {x, face, z},
           "<axis xyz='0 -1 0'/><limit lower='0' upper='0.4' effort='1' velocity='1'/>" + more);
   }
+  /// What looks like a drawer, but does not open.
+  void fixed_front(const std::string& name, double x, double face, double z, double width, double height) {
+    front(name, width, height, 0, {0}, 0.2);
+    joint(name, "fixed", {x, face, z}, "");
+  }
   /// A drawer with two bars in line, each over a part of its width.
   void two_bar_drawer(const std::string& name, double x, double face, double z, double width, double height) {
     front(name, width, height, 0, {-0.25 * width, 0.25 * width}, 0.3 * width);

@@ -122,6 +122,21 @@ TEST_F(Survey, PullsHaveTheNamesThatFrontsGetWhenTheyAreNumberedAnew) {
   EXPECT_EQ(result.report()["interactions"][0]["pulled_as"], result.interactions[0].pulled_as);
 }
 
+TEST_F(Survey, WhatDidNotGiveWayHasNoJointAndIsUncertain) {
+  SmallWorld world;
+  world.box("cupboard", {0, 1.26, 0.45}, {1.2, 0.48, 0.8});
+  world.box("top", {0, 1.24, 0.87}, {1.24, 0.54, 0.04});
+  world.fixed_front("upper", 0, 1, 0.65, 0.8, 0.38);
+  world.drawer("lower", 0, 1, 0.26, 0.8, 0.38);
+  const SurveyResult result = explore(world, "map", 0, quiet_);
+  ASSERT_EQ(result.map.fronts.size(), 2U);
+  const auto upper = std::ranges::max_element(result.map.fronts, {},
+                                              [](const mapping::Front& front) { return front.centre.z(); });
+  EXPECT_EQ(upper->class_name, "front");
+  EXPECT_FALSE(upper->joint && upper->joint->type != mapping::ArticulationType::rigid);
+  EXPECT_THAT(bytes("map/report.html"), HasSubstr("was not seen to open when it was pulled"));
+}
+
 TEST_F(Survey, WhatComesOutTogetherSideBySideIsOneDrawer) {
   SmallWorld world;
   world.box("cupboard", {0, 1.26, 0.45}, {1.2, 0.48, 0.8});

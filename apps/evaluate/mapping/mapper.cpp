@@ -36,6 +36,7 @@ mapping::MeshSearch search_of(const Run& run, const std::filesystem::path& file)
 mapping::SimulatedRobotOptions world_of(const Run& run) {
   mapping::SimulatedRobotOptions options;
   options.package_paths = run.package_paths;
+  options.floor = run.floor;
   options.ceiling = run.ceiling;
   options.laser = run.survey.exploration.laser;
   options.seed = run.seed;
@@ -72,6 +73,8 @@ nbv::SurveyResult survey_from_poses(const Run& run, Progress& progress, Warnings
   const Stopwatch watch;
   result.map = interpret(result.scans, options, progress);
   result.seconds = watch.seconds();
+  if (run.floor.value_or(0) != 0)
+    result.map.semantics.map_from_input = Isometry3d(Eigen::Translation3d(0, 0, -*run.floor));
   write_map(run, result);
   return result;
 }
@@ -156,6 +159,7 @@ nbv::SurveyResult survey_by_exploring(const Run& run, Progress& progress, Warnin
   nbv::SurveyOptions options = run.survey;
   options.exploration.seed = run.seed;
   options.exploration.threads = run.threads;
+  if (run.floor.value_or(0) != 0) options.map_from_input = robot.map_from_world();
   return survey(robot, start, run.folder, false, options, progress, warnings);
 }
 
@@ -194,7 +198,8 @@ MappedWorld map_world(const Run& run, Progress& progress, Warnings& warnings) {
   mapped.contacts = mapping::closed_contacts(made.map.world).size();
   for (const mapping::Joint& joint : made.map.world.joints)
     if (joint.limits && !mapping::free_range(made.map.world, joint).blocker.empty()) ++mapped.jammed;
-  const mapping::MapStructure truth = read_structure(run.truth, search_of(run, run.truth), warnings);
+  const mapping::MapStructure truth =
+      read_structure(run.truth, search_of(run, run.truth), warnings, made.map.semantics.map_from_input);
   mapping::ComparisonOptions comparison = run.comparison;
   comparison.observable_height_m = std::min(comparison.observable_height_m, observable_height(run, made));
   const auto compared = [&] {

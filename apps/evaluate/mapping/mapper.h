@@ -22,7 +22,7 @@ struct Run {
   std::optional<mapping::PlanarPose> start;  ///< of the exploration; unset: the most open floor
   bool walk = false;                         ///< a person walks through the world with a simulated Kinect
   bool track = false;                        ///< poses of walks and recordings are tracked
-  std::optional<double> ceiling;
+  std::optional<double> floor = 0, ceiling;
   uint64_t seed = 1;
   int threads = 0;
   nbv::SurveyOptions survey;

@@ -6,9 +6,9 @@
 
 #include "mapping/base/error.h"
 #include "mapping/base/options.h"
-#include "mapping/exchange/world_triangles.h"
 #include "mapping/occupancy/occupancy.h"
 #include "mapping/sensor/scan.h"
+#include "mapping/world/world_triangles.h"
 
 namespace octomap {
 class OcTree;

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "mapping/exchange/world_triangles.h"
 #include "mapping/sensor/colored_mesh.h"
 #include "mapping/sensor/scan.h"
+#include "mapping/world/world_triangles.h"
 
 namespace loci::mapping {
 

@@ -15,32 +15,44 @@ inline constexpr LayerParameters kLayers;
 
 /// The search for horizontal supports.
 struct SupportParameters {
-  double min_height_m = 0.2;     ///< above the floor; plinths and steps are lower
-  double cell_m = 0.02;          ///< a depth camera's point distance at 4 m
-  double coarse_cell_m = 0.04;   ///< for the search of the yaw
-  double reach_m = 0.4;          ///< objects part pieces of one surface by this much
-  double lookout_m = 0.9;        ///< around the pieces: a slab may continue behind an object
-  double margin_m = 0.1;         ///< around the pieces, of the raster
-  double through_m = 0.05;       ///< a ray that ends this far below passed through
-  double rim_depth_m = 0.03;     ///< thickness of usual slabs: their vertical edge
-  double below_m = 0.15;         ///< body below a slab, with which the edge is compared
-  double max_shadow_m = 1.0;     ///< from an object to the end of what it hides
-  double max_tilt = 0.03;        ///< slope; drift makes less
-  double touch_m = 0.06;         ///< between rectangles of one support: two raster cells and noise
-  double tilt_prior = 60;        ///< weighs as so many cells 1 m away that are level
-  size_t min_piece_cells = 6;    ///< smaller pieces are noise
-  double tall_m = 0.6;           ///< objects on a counter are lower
-  double tall_cell_m = 0.05;     ///< of the columns in which tall objects are sought
-  unsigned tall_slices = 5;      ///< all of them must be occupied
-  double min_yaw_area_m2 = 0.3;  ///< less surface does not determine a yaw of its own
-  double yaw_gain = 1.05;        ///< times the score at the room's yaw
-  int max_rectangles = 8;        ///< of one plane; bounds the time
-  double min_fill = 0.3;         ///< of a rectangle that was seen as surface
-  double row_m = 0.04;           ///< rectangles of one row agree in front and back within this
-  double same_level_m = 0.01;    ///< between two pieces of one slab
-  double same_yaw = 0.01;        ///< radians, between two pieces of one slab
+  double min_height_m = 0.2;   ///< above the floor; plinths and steps are lower
+  double cell_m = 0.02;        ///< a depth camera's point distance at 4 m
+  double reach_m = 0.4;        ///< objects part pieces of one surface by this much
+  double lookout_m = 0.9;      ///< around the pieces: a slab may continue behind an object
+  double margin_m = 0.1;       ///< around the pieces, of the raster
+  double through_m = 0.05;     ///< a ray that ends this far below passed through
+  double rim_depth_m = 0.03;   ///< thickness of usual slabs: their vertical edge
+  double below_m = 0.15;       ///< body below a slab, with which the edge is compared
+  double max_shadow_m = 1.0;   ///< from an object to the end of what it hides
+  double max_tilt = 0.03;      ///< slope; drift makes less
+  double touch_m = 0.06;       ///< between rectangles of one support: two raster cells and noise
+  double tilt_prior = 60;      ///< weighs as so many cells 1 m away that are level
+  size_t min_piece_cells = 6;  ///< smaller pieces are noise
+  double tall_m = 0.6;         ///< objects on a counter are lower
+  double tall_cell_m = 0.05;   ///< of the columns in which tall objects are sought
+  unsigned tall_slices = 5;    ///< all of them must be occupied
+  int max_rectangles = 8;      ///< of one plane; bounds the time
+  double min_fill = 0.3;       ///< of a rectangle that was seen as surface
+  double row_m = 0.04;         ///< rectangles of one row agree in front and back within this
+  double same_level_m = 0.01;  ///< between two pieces of one slab
+  double same_yaw = 0.01;      ///< radians, between two pieces of one slab
 };
 inline constexpr SupportParameters kSupports;
+
+/// The direction of a support's edges, over which the walls' wins within the noise.
+struct DirectionParameters {
+  double min_area_m2 = 0.3;     ///< less surface does not determine a yaw of its own
+  double coarse_cell_m = 0.04;  ///< of the raster in which a first yaw is sought
+  double gain = 1.05;           ///< of another yaw's score, times the one at the room's
+  double step = 0.0524;         ///< radians, of that search: within the window on a side of 2 m
+  double window_m = 0.1;        ///< how far off the coarse raster's edge may be, turned by a step
+  double min_noise_m = 0.002;   ///< of an edge's position in a strip
+  double min_straight = 0.4;    ///< of the strips that lie on one line: round tops have no edges
+  int rounds = 8;               ///< of a fit
+  double same = 2e-4;           ///< radians, by which a fit that has converged turns
+  double edge_noise_m = 0.015;  ///< between the ends of an edge: range noise and registration at both
+};
+inline constexpr DirectionParameters kDirections;
 
 /// Scores per cell: evidence for and against a rectangle; tuned on the sample kitchens.
 struct RasterParameters {

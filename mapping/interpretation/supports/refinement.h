@@ -15,6 +15,10 @@ namespace loci::mapping {
 /// Fraction of the first rectangle of `inner` within `outer`, sampled at `steps` per side.
 double covered_fraction(const Support& inner, const Support& outer, int steps, double margin = 0);
 
+/// The yaw of a support's axes, from its own edges. The room's where they lie along it within the noise, or
+/// too little surface was seen. `seed`: points of the surface.
+double support_yaw(const PlaneEvidence& evidence, const std::vector<Vector2d>& seed, double room_yaw);
+
 /// Measures a support whose rectangles are roughly known: exact edges and their kinds, height (median over
 /// scans), areas, inliers, scans, walls.
 void measure(Support& support, const PlaneEvidence& evidence, const PlaneRaster& raster,

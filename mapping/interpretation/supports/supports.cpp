@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 #include <set>
 #include <vector>
 
@@ -277,43 +276,6 @@ PlaneEvidence collect(const Surface& surface, const Seed& seed, const std::vecto
   return evidence;
 }
 
-/// The yaw of the smallest rectangle around the surface.
-double box_yaw(const PlaneEvidence& evidence) {
-  std::vector<cv::Point2f> points;
-  for (const auto& point : evidence.support)
-    points.emplace_back(static_cast<float>(point.position.x()), static_cast<float>(point.position.y()));
-  if (points.size() < 3) return 0;
-  return cv::minAreaRect(points).angle * kDegree;
-}
-
-/// The yaw at which one rectangle scores highest: the room's, one near it, or that of the smallest box. The
-/// room's unless another is clearly better and enough surface was seen.
-double local_yaw(const PlaneEvidence& evidence, const Seed& seed, double room_yaw) {
-  constexpr double kQuarter = kPi / 2;
-  const auto score_at = [&](double yaw) {
-    double score = 0;
-    PlaneRaster(evidence, seed.points, yaw, kSupports.coarse_cell_m, kSupports.margin_m)
-        .best_rectangle(&score);
-    return score;
-  };
-  double best_yaw = room_yaw;
-  const double at_room_yaw = score_at(room_yaw);
-  if (at_room_yaw < kSupports.min_yaw_area_m2) return room_yaw;
-  double best = kSupports.yaw_gain * at_room_yaw;
-  const auto try_yaw = [&](double yaw) {
-    const double score = score_at(yaw);
-    if (score <= best) return;
-    best = score;
-    best_yaw = yaw;
-  };
-  for (int step = -10; step <= 10; ++step) try_yaw(room_yaw + step * kDegree);
-  if (best_yaw == room_yaw) try_yaw(room_yaw + std::remainder(box_yaw(evidence) - room_yaw, kQuarter));
-  if (best_yaw == room_yaw) return room_yaw;
-  const double around = best_yaw;
-  for (int step = -5; step <= 5; ++step) try_yaw(around + 0.4 * step * kDegree);
-  return best_yaw;
-}
-
 bool touch(const Extent& a, const Extent& b) {
   const Vector2d low = a.min.cwiseMax(b.min);
   const Vector2d high = a.max.cwiseMin(b.max);
@@ -502,13 +464,13 @@ SupportSearch find_supports(const Surface& surface, double floor_height, double 
     if (static_cast<double>(cells.size()) * cell_area < options.min_support_area_m2 / 2) continue;
     const Seed seed = grow_seed(layers, cells, consumed);
     const PlaneEvidence evidence = collect(surface, seed, result.supports, options.plane_tolerance_m);
-    const double support_yaw = local_yaw(evidence, seed, yaw);
-    PlaneRaster raster(evidence, seed.points, support_yaw, kSupports.cell_m, kSupports.margin_m);
+    const double own_yaw = support_yaw(evidence, seed.points, yaw);
+    PlaneRaster raster(evidence, seed.points, own_yaw, kSupports.cell_m, kSupports.margin_m);
     const PlaneRaster whole = raster;
     for (std::vector<Extent>& parts : grouped(rectangles(raster, options))) {
       if (parts.size() > 1) tighten(parts, whole);
       Support support;
-      support.yaw = support_yaw;
+      support.yaw = own_yaw;
       support.parts = std::move(parts);
       support.height =
           seed.plane.height + seed.plane.slope.dot(support.map_from_axes() * support.parts.front().centre());

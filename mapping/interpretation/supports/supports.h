@@ -80,7 +80,7 @@ struct SupportSearch {
 };
 
 /// Horizontal surfaces between floor and max_support_height_m. As objects leave holes and glossy tops give
-/// few points, the outline is the set of rectangles, aligned with the room or slightly rotated, with the
+/// few points, the outline is the set of rectangles, along its own edges or the walls, with the
 /// highest score: surface that was seen, minus rays that passed through.
 SupportSearch find_supports(const Surface& surface, double floor_height, double yaw,
                             const WallSearch& vertical, const InterpretationOptions& options,

@@ -33,6 +33,7 @@ struct LevelParameters {
   double height_bin_m = 0.01;   ///< of the height histogram; below a depth camera's noise
   double bin_m = 0.02;          ///< of heights along a possible floor normal
   size_t yaw_bins = 180;        ///< over 90 degrees: half a degree each
+  double wall_yaw = 0.035;      ///< radians, between the room's rough yaw and a wall along it
 };
 inline constexpr LevelParameters kLevels;
 

@@ -326,4 +326,15 @@ WallSearch find_walls(const Surface& surface, double floor_height, std::optional
   return result;
 }
 
+double yaw_of_walls(const std::vector<VerticalPlane>& walls, double rough_yaw) {
+  double turn = 0, area = 0;
+  for (const VerticalPlane& wall : walls) {
+    const double off = std::remainder(std::atan2(wall.normal.y(), wall.normal.x()) - rough_yaw, kPi / 2);
+    if (std::abs(off) > kLevels.wall_yaw) continue;
+    turn += wall.area * off;
+    area += wall.area;
+  }
+  return area > 0 ? rough_yaw + turn / area : rough_yaw;
+}
+
 }  // namespace loci::mapping

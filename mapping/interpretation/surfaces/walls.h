@@ -21,4 +21,7 @@ struct WallSearch {
 WallSearch find_walls(const Surface& surface, double floor_height, std::optional<double> ceiling_height,
                       const InterpretationOptions& options);
 
+/// The yaw of the walls that agree with a rough one of the room modulo quarter turns; that one without any.
+double yaw_of_walls(const std::vector<VerticalPlane>& walls, double rough_yaw);
+
 }  // namespace loci::mapping

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -163,6 +164,7 @@ class MovedFronts : public testing::Test {
     SimulatedRobotOptions options;
     options.laser.tilt_step_deg = options.laser.azimuth_step_deg = 0.4;
     options.seed = seed;
+    options.floor.reset();  // Fronts are judged by themselves.
     options.threads = 1;
     return {folder_ / "row.urdf", options, {1.5, 0, 0}, warnings_};
   }
@@ -327,6 +329,38 @@ TEST_F(MovedFronts, NeighbourThatMovedIsNotTakenForTheFront) {
   EXPECT_TRUE(articulate(set_of(closed), set_of(open), believed(kParts[4]), {}, {}).joint);
 }
 
+/// A hand that was led about an upright hinge at `hinge` by 0.3 m, from the handle of a front 0.5 m wide.
+std::vector<Isometry3d> led_about(const Vector3d& hinge, const Vector3d& handle) {
+  std::vector<Isometry3d> path;
+  const double radius = (handle - hinge).head<2>().norm();
+  Random noise(1);
+  for (int i = 0; i <= 30; ++i) {
+    const Eigen::AngleAxisd turn(-0.01 * i / radius, Vector3d::UnitZ());
+    Isometry3d pose = Isometry3d::Identity();
+    pose.linear() = turn.toRotationMatrix();
+    pose.translation() = hinge + turn * (handle - hinge);
+    for (int k = 0; k < 3; ++k) pose.translation()[k] += 0.001 * noise.normal();
+    path.push_back(pose);
+  }
+  return path;
+}
+
+TEST_F(MovedFronts, TheHandShowsTheJointOfAFrontOfWhichAnotherPartStayed) {
+  SimulatedRobot world = robot(8);
+  world.put_at({1.5, 0, 0});
+  const Scan closed = world.scan_at({1.5, 0, 0});
+  const Part& left = kParts[3];
+  Front both = believed(left, 0);  // Two doors, taken for one.
+  both.centre.y() = 0.26;
+  both.width = 1.01;
+  const DifferenceResult result =
+      articulate(set_of(closed), set_of(closed), both, led_about(left.hinge, both.fixture->centre), {});
+  ASSERT_TRUE(result.joint) << result.reason;
+  EXPECT_EQ(result.joint->type, ArticulationType::revolute);
+  EXPECT_LT((result.joint->origin - left.hinge).head<2>().norm(), 0.02);
+  EXPECT_THAT(result.reason, testing::HasSubstr("the joint is from the path of the hand"));
+}
+
 /// Points of a door 3 cm thick, hinged at its left edge and opened by `angle`: its broad side, and, seen from
 /// above and ten times as densely, its upper edge.
 std::vector<Vector3d> thick_door(double angle, double width, double height) {
@@ -355,22 +389,6 @@ TEST(MovedFaces, UpperEdgeOfAThickDoorDoesNotTiltItsHinge) {
   ASSERT_TRUE(turned);
   EXPECT_LT(std::acos(std::abs(turned->motion.axis.z())) / kDegree, 0.3) << turned->motion.axis.transpose();
   EXPECT_NEAR(turned->motion.position, 30 * kDegree, kDegree);
-}
-
-/// A hand that was led about an upright hinge at `hinge` by 0.3 m, from the handle of a front 0.5 m wide.
-std::vector<Isometry3d> led_about(const Vector3d& hinge, const Vector3d& handle) {
-  std::vector<Isometry3d> path;
-  const double radius = (handle - hinge).head<2>().norm();
-  Random noise(1);
-  for (int i = 0; i <= 30; ++i) {
-    const Eigen::AngleAxisd turn(-0.01 * i / radius, Vector3d::UnitZ());
-    Isometry3d pose = Isometry3d::Identity();
-    pose.linear() = turn.toRotationMatrix();
-    pose.translation() = hinge + turn * (handle - hinge);
-    for (int k = 0; k < 3; ++k) pose.translation()[k] += 0.001 * noise.normal();
-    path.push_back(pose);
-  }
-  return path;
 }
 
 TEST(Articulation, HingeFarOutsideAFrontIsNotItsHinge) {

@@ -1,11 +1,14 @@
 #include "mapping/exchange/comparison/compare.h"
 #include "mapping/base/temporary_folder.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
+#include "mapping/base/files.h"
 #include "mapping/base/text/json.h"
 #include "mapping/world/urdf.h"
 
@@ -154,6 +157,71 @@ TEST(Compare, SampleKitchenEqualsItselfBySidecarAndByGeometry) {
   const Comparison result = compare(sidecar, geometry, {});
   EXPECT_EQ(result.counts("wall").matched, 4U) << result.text();
   EXPECT_EQ(result.counts("support").extra, 0U) << result.text();
+}
+
+std::string furniture(const std::string& name, const Vector3d& centre, const Vector3d& size,
+                      const std::string& parent = "world") {
+  return fmt::format(
+      "<link name='{0}'><visual><geometry><box size='{1} {2} {3}'/></geometry></visual></link>"
+      "<joint name='{0}_joint' type='fixed'><parent link='{7}'/><child link='{0}'/>"
+      "<origin xyz='{4} {5} {6}'/></joint>",
+      name, size.x(), size.y(), size.z(), centre.x(), centre.y(), centre.z(), parent);
+}
+
+/// A room of 4 × 3 m without names that say so, a counter, and a closed cabinet with a board.
+std::string foreign_room(const std::string& wall, double floor) {
+  std::string text = "<robot name='r'><link name='world'/>";
+  for (const int side : {-1, 1}) {
+    const std::string name = side < 0 ? "1" : "2";
+    text += furniture(wall + "_x" + name, {side * 2.05, 0, floor + 1.25}, {0.1, 3.2, 2.5}) +
+            furniture(wall + "_y" + name, {0, side * 1.55, floor + 1.25}, {4, 0.1, 2.5});
+    text += furniture("seite_" + name, {1.7, side * 0.4, floor + 1}, {0.6, 0.02, 1.8}) +
+            furniture("decke_" + name, {1.7, 0, floor + 1 + side * 0.9}, {0.6, 0.82, 0.02}) +
+            furniture("blende_" + name, {1.7 + side * 0.3, 0, floor + 1}, {0.02, 0.82, 1.8});
+  }
+  return text + furniture("floor", {0, 0, floor - 0.05}, {4, 3, 0.1}) +
+         furniture("theke", {-1.7, 0, floor + 0.88}, {0.6, 2, 0.04}) +
+         furniture("brett", {1.7, 0, floor + 1}, {0.56, 0.76, 0.02}) + "</robot>";
+}
+
+TEST(Compare, WallsOfAForeignWorldAreWhatBoundsItAndBoardsInClosedCabinetsAreNotAskedFor) {
+  Warnings warnings;
+  const MapStructure structure =
+      structure_from_geometry(parse_urdf(foreign_room("mauer", 0), "room.urdf"), {}, warnings);
+  EXPECT_EQ(std::ranges::count_if(structure.walls, &WallPatch::main), 4);
+  for (const SurfacePatch& surface : structure.supports)
+    if (surface.name == "brett" || surface.name == "theke") {
+      EXPECT_EQ(surface.main, surface.name == "theke") << surface.name;
+    }
+}
+
+TEST(Compare, ACabinetCalledAWallIsNone) {
+  std::string text = foreign_room("wall", 0);
+  text.replace(text.find("</robot>"), 8,
+               furniture("wall_stack", {0, 1.2, 1}, {0.6, 0.6, 2}) +
+                   "<link name='door'/><joint name='hinge' type='continuous'><parent link='wall_stack'/>"
+                   "<child link='door'/></joint></robot>");
+  Warnings warnings;
+  for (const WallPatch& patch : structure_from_geometry(parse_urdf(text, "room.urdf"), {}, warnings).walls)
+    if (patch.name == "wall_stack") {
+      EXPECT_FALSE(patch.main);
+    }
+}
+
+TEST(Compare, AWorldWhoseFloorIsNotAtZeroIsMovedIntoTheFrameOfTheMap) {
+  const TemporaryFolder folder("compare");
+  const std::filesystem::path level = folder.path() / "level.urdf", low = folder.path() / "low.urdf";
+  write_file_atomically(level, foreign_room("wall", 0));
+  write_file_atomically(low, foreign_room("wall", -0.45));
+  Warnings warnings;
+  const Isometry3d up(Eigen::Translation3d(0, 0, 0.45));
+  const MapStructure map = read_structure(level, {}, warnings);
+  const auto missed = [&](const MapStructure& truth) {
+    return compare(map, truth, {}).counts("support").missed;
+  };
+  EXPECT_GT(missed(read_structure(low, {}, warnings)), 0U);
+  EXPECT_EQ(missed(read_structure(low, {}, warnings, up)), 0U);
+  EXPECT_EQ(missed(read_structure(level, {}, warnings, up)), 0U);  // It is level as it is.
 }
 
 TEST(Compare, ReadsTruthJsonWithRegions) {

@@ -65,6 +65,47 @@ TEST(Interpretation, FindsFloorWallsTableAndCounterOfANoisyRoom) {
   EXPECT_NEAR(north.at("offset").get<double>(), -3, 0.01);
 }
 
+/// The largest distance from a corner of a rectangle, turned about its middle, to the nearest of an outline.
+double corner_error(const InterpretedMap& map, const std::string& name, const Vector2d& middle,
+                    const Vector2d& size, double yaw) {
+  double worst = 0;
+  for (const double x : {-0.5, 0.5})
+    for (const double y : {-0.5, 0.5}) {
+      const Vector2d corner = middle + Eigen::Rotation2Dd(yaw) * Vector2d(x * size.x(), y * size.y());
+      double nearest = 1e9;
+      for (const Json& at : map.semantics.links.at(name).geometry.at("outline"))
+        nearest =
+            std::min(nearest, (Vector2d(at.at(0).get<double>(), at.at(1).get<double>()) - corner).norm());
+      worst = std::max(worst, nearest);
+    }
+  return worst;
+}
+
+TEST(Interpretation, ATableStandsAtAnyAngleToTheWalls) {
+  for (const double yaw_deg : {5.0, 25.0, 60.0}) {
+    AnalyticRoom room;
+    room.solids.push_back({{1.4, 1.1, 0.71}, {2.6, 1.9, 0.74}, yaw_deg * kDegree});
+    const InterpretedMap map = interpreted(scan_room(room, kOrigins, 0.002, 1));
+    EXPECT_EQ(map.semantics.links.at("table_1").geometry.at("outline").size(), 4) << yaw_deg;
+    EXPECT_LT(corner_error(map, "table_1", {2, 1.5}, {1.2, 0.8}, yaw_deg * kDegree), 0.02) << yaw_deg;
+  }
+}
+
+TEST(Interpretation, SupportsOfATurnedRoomLieAlongItsWalls) {
+  const double yaw = 30.2 * kDegree;  // Between two bins of the search for the room's direction.
+  ScanSet scans = scan_room(kitchen(), kOrigins, 0.002, 1);
+  const Isometry3d turn(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()));
+  for (Scan& scan : scans.scans) scan.map_from_scan = turn * scan.map_from_scan;
+  const InterpretedMap map = interpreted(scans);
+  const Json& outline = map.semantics.links.at("counter_1").geometry.at("outline");
+  for (size_t i = 0; i < outline.size(); ++i) {
+    const Json &from = outline.at(i), &to = outline.at((i + 1) % outline.size());
+    const double direction = std::atan2(to.at(1).get<double>() - from.at(1).get<double>(),
+                                        to.at(0).get<double>() - from.at(0).get<double>());
+    EXPECT_NEAR(std::remainder(direction - yaw, kPi / 2) / kDegree, 0, 0.05);
+  }
+}
+
 TEST(Interpretation, ATableHasTheLegsThatWereSeenButNotThoseOfChairs) {
   AnalyticRoom room = kitchen();
   for (const double x : {1.75, 2.05}) room.solids.push_back({{x, 0.9, 0}, {x + 0.04, 0.94, 0.45}});

@@ -81,6 +81,12 @@ TEST_F(Record, WhatWasWrittenIsReadAsARecording) {
   EXPECT_EQ(recording->frame(1).joints.at("drawer_1_front_joint"), 0.2);
 }
 
+TEST_F(Record, AWorldWhoseFloorIsNotAtZeroIsNoMapFrame) {
+  const std::string text = read_file(folder_ / "s.yaml");
+  write_file_atomically(folder_ / "s.yaml", "floor: -0.45\n" + text);
+  EXPECT_EQ(open_recording(play("low", 1, 2))->info().map_frame, "world");
+}
+
 TEST_F(Record, WithoutNoiseDepthIsThatOfTheTruth) {
   const fs::path folder = play("rec", 1, 2, "none");
   const RgbdFrame frame = open_recording(folder)->frame(0);

@@ -105,6 +105,15 @@ TEST_F(ScenarioFile, ASolidDrawerHasNoInside) {
               HasSubstr("give the world a link 'drawer_1_bottom'"));
 }
 
+TEST_F(ScenarioFile, WhatOpensIsNamedByItsLinkOrByItsJoint) {
+  world_ = folder_ / "other.urdf";
+  write_file_atomically(world_, R"(<robot name="r"><link name="map"/><link name="lade"/>
+    <joint name="gleiter" type="prismatic"><parent link="map"/><child link="lade"/><axis xyz="1 0 0"/>
+    <limit lower="0" upper="0.4" effort="1" velocity="1"/></joint></robot>)");
+  EXPECT_EQ(state_after("      - {open: lade, to: 0.3}\n").joints.at("gleiter"), 0.3);
+  EXPECT_EQ(state_after("      - {open: gleiter, to: 0.2}\n").joints.at("gleiter"), 0.2);
+}
+
 TEST_F(ScenarioFile, ObjectOnAnObjectFollowsIt) {
   state_after(
       "      - {place: plate, on: table_1}\n      - {place: cup, on: plate}\n"

@@ -246,6 +246,40 @@ TEST_F(ScannedCabinet, AFloorThatIsNotAtZeroIsThatOfTheMap) {
   EXPECT_NEAR(pulled.hand_path.back().translation().z(), 0.7, 1e-6);
 }
 
+TEST_F(ScannedCabinet, TheFloorIsTheWorldsOwnUnlessItIsGiven) {
+  const auto floor_of = [&](const std::string& links, const std::string& asked) {
+    write_file_atomically(folder_ / "low.urdf",
+                          "<robot name=\"r\"><link name=\"map\"/>" + links + "</robot>");
+    return floor_of_world(asked, folder_ / "low.urdf", {}, warnings_);
+  };
+  const auto slab = [](const std::string& name, double top) {
+    return "<link name=\"" + name + "\"><visual><origin xyz=\"0 0 " + std::to_string(top - 0.05) +
+           "\"/><geometry><box size=\"4 3 0.1\"/></geometry></visual></link><joint name=\"" + name +
+           "_joint\" type=\"fixed\"><parent link=\"map\"/><child link=\"" + name + "\"/></joint>";
+  };
+  EXPECT_NEAR(*floor_of(slab("floor", -0.45) + slab("cellar", -3), "auto"), -0.45, 1e-9);
+  EXPECT_NEAR(*floor_of(slab("boden", -0.45) + slab("decke", 2), "auto"), -0.45, 1e-9);
+  EXPECT_EQ(floor_of(slab("floor", 0.002), "auto"), 0);  // As measured ones are.
+  EXPECT_EQ(floor_of(slab("floor", -0.45), "0.3"), 0.3);
+  EXPECT_EQ(floor_of(slab("floor", -0.45), "none"), std::nullopt);
+  EXPECT_THROW(floor_of(slab("floor", -0.45), "low"), Error);
+  EXPECT_TRUE(warnings_.empty());
+  write_file_atomically(folder_ / "low.urdf", R"(<robot name="r"><link name="post"><visual>
+    <origin xyz="0 0 -0.5"/><geometry><sphere radius="0.5"/></geometry></visual></link></robot>)");
+  EXPECT_EQ(floor_of_world("auto", folder_ / "low.urdf", {}, warnings_), 0);
+  EXPECT_THAT(warnings_.texts().at(0), testing::HasSubstr("reaches down to -1.00 m"));
+}
+
+TEST_F(ScannedCabinet, WithoutWallsItStartsBesideTheFurnitureAndLooksAtIt) {
+  write_file_atomically(folder_ / "table.urdf", R"(<robot name="r"><link name="table"><visual>
+    <origin xyz="5 2 0.4"/><geometry><box size="1.6 0.8 0.8"/></geometry></visual></link></robot>)");
+  const SimulatedRobot beside(folder_ / "table.urdf", coarse(), {0, 0, 0}, warnings_);
+  const PlanarPose start = beside.open_place();
+  const Vector2d to_table = Vector2d(5, 2) - Vector2d(start.x, start.y);
+  EXPECT_NEAR(to_table.norm(), 1.6, 0.3);
+  EXPECT_GT(to_table.normalized().dot(Vector2d(std::cos(start.yaw), std::sin(start.yaw))), 0.99);
+}
+
 TEST_F(ScannedCabinet, AWorldInMillimetresIsRefused) {
   write_file_atomically(folder_ / "large.urdf",
                         R"(<robot name="r"><link name="room"><visual><geometry><box size="4000 3000 2500"/>

@@ -233,6 +233,21 @@ TEST(Urdf, AcceptedRobotsReadBackEqual) {
   }
 }
 
+TEST(Urdf, LimitsInReverseOrderAreSwappedWithOneWarning) {
+  const std::string text = robot(
+      "<link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>" +
+      joint("left", "a", "b", "<limit lower=\"0\" upper=\"-1.5\" effort=\"1\" velocity=\"1\"/>", "revolute") +
+      joint("right", "a", "c", "<limit lower=\"0.2\" upper=\"0\" effort=\"1\" velocity=\"1\"/>",
+            "prismatic"));
+  Warnings warnings;
+  const World world = parse_urdf(text, "file.urdf", warnings);
+  EXPECT_EQ(world.find_joint("left")->limits->lower, -1.5);
+  EXPECT_EQ(world.find_joint("left")->limits->upper, 0);
+  EXPECT_EQ(world.find_joint("right")->limits->upper, 0.2);
+  ASSERT_EQ(warnings.texts().size(), 1U);
+  EXPECT_THAT(warnings.texts()[0], HasSubstr("swapped, of left, right"));
+}
+
 TEST(Urdf, RejectedRobotsAreRefusedWithTheReason) {
   if (!fs::exists(kRobots)) GTEST_SKIP() << "no shared data";
   const std::map<std::string, std::vector<std::string>> reasons = {
