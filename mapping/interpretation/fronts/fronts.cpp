@@ -178,7 +178,9 @@ FaceResult interpret_face(const FaceRays& rays, bool wall, const Random& random)
   const SeamMap seams(rays, found.fixtures);
   const FrontLayout layout = lay_out_fronts(seams, rays.face, found.fixtures);
   for (const PlacedFront& placed : layout.fronts)
-    if (is_accepted(placed, found.fixtures, wall) && (placed.fixture >= 0 || !is_in_niche(placed.rect, rays)))
+    if (is_accepted(placed, found.fixtures, wall) &&
+        std::abs(slope_of(placed.rect, rays)) < kFronts.max_slope &&
+        (placed.fixture >= 0 || !is_in_niche(placed.rect, rays)))
       result.fronts.push_back(front_of(placed, rays, found.fixtures));
   if (wall && result.fronts.size() < kFronts.min_wall_fronts) result.fronts.clear();
   if (result.fronts.empty() && result.ribs.empty())

@@ -192,6 +192,7 @@ struct FrontParameters {
   double max_corner_cosine = 0.3;             ///< between the normals of fronts at a corner …
   double max_corner_m = 0.06;                 ///< … and from one to the edge of the other
   double depth_inset_m = -0.01;               ///< edges and seams are left out
+  double max_slope = 0.1;                     ///< against its face; more spans a corner of other planes
   size_t min_rays = 50;                       ///< of a front and of the rest of its face
   double dark = 0.4;                          ///< an oven's pane returns less of the others' intensity
 };
