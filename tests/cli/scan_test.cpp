@@ -67,7 +67,8 @@ TEST(ScanCommand, RefusesWhatItCannotDo) {
       {"--poses '2,3,0'", "island_1"},
       {"--poses '2,1.2,0' --joints drawer_1_front_jont=0.2", "drawer_1_front_joint"},
       {"--poses '2,1.2,0' --joints drawer_1_front_joint=2", "0.42"},
-      {"--poses '2,1.2,0' --joints drawer_1_front_joint", "joint=value"}};
+      {"--poses '2,1.2,0' --joints drawer_1_front_joint", "joint=value"},
+      {"--poses '2,1.2,0' --floor low", "'low' is not the height of a floor"}};
   for (const auto& [arguments, says] : cases) {
     const Outcome outcome = run(kScan + arguments + out);
     EXPECT_EQ(outcome.exit_code, 1) << arguments;
@@ -75,7 +76,7 @@ TEST(ScanCommand, RefusesWhatItCannotDo) {
     EXPECT_THAT(outcome.error, HasSubstr(says)) << arguments;
   }
   EXPECT_EQ(run("loci-simulate scan none.urdf --poses '0,0,0'" + out).exit_code, 1);
-  const Outcome usage = run(kScan + "--poses '2,1.2,0' --floor low" + out);
+  const Outcome usage = run(kScan + "--poses '2,1.2,0' --tilt-step-deg low" + out);
   EXPECT_EQ(usage.exit_code, 2);
   EXPECT_THAT(usage.error, HasSubstr("'low' is not a number"));
   const Outcome out_of_range = run(kScan + "--poses '2,1.2,0' --tilt-step-deg 0" + out);

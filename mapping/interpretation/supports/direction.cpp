@@ -128,20 +128,37 @@ std::vector<EdgeSample> edge_samples(const PlaneEvidence& evidence, const Extent
   return samples;
 }
 
-/// The turn that makes the sides of a rectangle parallel to the edges that were seen; unset without edges.
-std::optional<double> turn_to_edges(const PlaneEvidence& evidence, const Extent& rectangle, double yaw) {
+/// By how much the edges of a rectangle turn it, radians.
+struct Turn {
+  double angle = 0;
+  double spread = 0;  ///< by which the edges disagree: objects and people hide parts of some
+};
+
+/// The turn that makes the sides of a rectangle parallel to the edges that were seen: the median, by the
+/// evidence for each. Unset without edges.
+std::optional<Turn> turn_to_edges(const PlaneEvidence& evidence, const Extent& rectangle, double yaw) {
   const Eigen::Rotation2Dd axes_from_map(-yaw);
-  double turn = 0, weight = 0;
+  std::vector<std::pair<double, double>> turns;  // angle, weight
+  double all = 0;
   for (const int axis : {0, 1})
     for (const bool upper : {false, true}) {
       const EdgeLine line = line_through(edge_samples(evidence, rectangle, axis, upper, axes_from_map));
+      if (line.weight <= 0) continue;
       // Seen along y, "across" is ±x; along x it is ±y.
       const double sign = (upper ? 1 : -1) * (axis == 1 ? 1 : -1);
-      turn += line.weight * sign * std::atan(line.slope);
-      weight += line.weight;
+      turns.emplace_back(sign * std::atan(line.slope), line.weight);
+      all += line.weight;
     }
-  if (weight <= 0) return std::nullopt;
-  return turn / weight;
+  if (turns.empty()) return std::nullopt;
+  std::ranges::sort(turns);
+  Turn turn;
+  double below = 0;
+  for (const auto& [angle, weight] : turns) {
+    turn.angle = angle;
+    if ((below += weight) >= all / 2) break;
+  }
+  for (const auto& [angle, weight] : turns) turn.spread += weight / all * std::abs(angle - turn.angle);
+  return turn;
 }
 
 }  // namespace
@@ -149,16 +166,17 @@ std::optional<double> turn_to_edges(const PlaneEvidence& evidence, const Extent&
 double support_yaw(const PlaneEvidence& evidence, const std::vector<Vector2d>& seed, double room_yaw) {
   ScoredYaw at = best_scored(evidence, seed, room_yaw);
   if (at.score < kDirections.min_area_m2) return room_yaw;
+  double spread = 0;
   for (int round = 0; round < kDirections.rounds; ++round) {
     const auto turn = turn_to_edges(evidence, at.rectangle, at.yaw);
     if (!turn) break;
-    const double yaw = at.yaw + std::clamp(*turn, -kDirections.step, kDirections.step);
-    at = score_at(evidence, seed, yaw);
-    if (std::abs(*turn) < kDirections.same) break;
+    spread = turn->spread;
+    at = score_at(evidence, seed, at.yaw + std::clamp(turn->angle, -kDirections.step, kDirections.step));
+    if (std::abs(turn->angle) < kDirections.same) break;
   }
   const double off = std::remainder(at.yaw - room_yaw, kQuarter);
   const double length = at.rectangle.size().maxCoeff();
-  return std::abs(off) * length < kDirections.edge_noise_m ? room_yaw : room_yaw + off;
+  return std::abs(off) < std::max(kDirections.edge_noise_m / length, spread) ? room_yaw : room_yaw + off;
 }
 
 }  // namespace loci::mapping
