@@ -198,7 +198,8 @@ Catalogue examples_of(const Store& store, const std::vector<Seen>& objects) {
   Catalogue examples;
   examples.home = kOwnHome;
   for (const FactRow& fact : store.facts()) {
-    if (!fact.object || !fact.value || fact.key != kTaughtKey || fact.clock.source == kCatalogueSource) continue;
+    if (!fact.object || !fact.value || fact.key != kTaughtKey || fact.clock.source == kCatalogueSource)
+      continue;
     const auto seen = std::ranges::find(objects, *fact.object, &Seen::object);
     if (seen == objects.end()) continue;
     CatalogueEntry& entry = examples.entries.emplace_back();
