@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include "mapping/base/math/random.h"
 #include "mapping/base/progress.h"
 #include "mapping/interpretation/fronts/face.h"
 #include "mapping/interpretation/fronts/front_layout.h"
+#include "mapping/interpretation/fronts/seams.h"
 #include "tests/mapping/interpretation/synthetic_furniture.h"
 
 namespace loci::mapping::test {
@@ -292,24 +294,21 @@ TEST(Fronts, ALowDrawerWithoutHandleOverThePlinthIsReportedAndACoverOverAFrontIs
   EXPECT_NE(front_at(fronts, oven, -0.3, 0.3, 0.1, 0.2), nullptr);
 }
 
-TEST(Fronts, ATallUnitBesideALowRowDoesNotCutTheRowsFronts) {
-  // Over the row, rays meet the wall behind it.
-  Furniture row;
-  row.parts.push_back({{-0.65, -3, 0}, {-0.6, 3, 2.5}});
-  row.add_body(-1.5, -0.9, 0, 2.1);
-  row.add_panel(-1.497, -0.903, 0.1, 2.1);
-  row.add_upright_bar(-0.95, 1.1, 0.4);
-  row.add_body(-0.9, 1.5, 0, 0.9);
-  for (int unit = 0; unit < 3; ++unit) {
-    const double u = -0.9 + 0.8 * unit;
-    row.add_panel(u + 0.003, u + 0.797, 0.1, 0.9);
-    row.add_level_bar(u + 0.4, 0.84, 0.4);
+TEST(Fronts, TheNoiseOfAFaceIsNotThatOfTheWallBehindIt) {
+  // Over the lower part, which is face, rays end far behind: a low row beside a tall unit.
+  FaceRays rays;
+  rays.face.u_max = rays.face.v_max = 1;
+  rays.sigma = 0.015;
+  Random random(7);
+  for (int i = 0; i < 100'000; ++i) {
+    FaceRay ray;
+    ray.u = static_cast<float>(random.uniform());
+    ray.v = static_cast<float>(random.uniform());
+    ray.depth = ray.v < 0.3F ? static_cast<float>(random.normal(rays.sigma)) : -0.6F;
+    rays.rays.push_back(ray);
   }
-  const std::vector<Front> fronts = fronts_of_furniture(row, 7);
-  EXPECT_EQ(fronts.size(), 4U);
-  EXPECT_NE(front_at(fronts, row, -1.497, -0.903, 0.1, 2.1), nullptr);
-  for (int unit = 0; unit < 3; ++unit)
-    EXPECT_NE(front_at(fronts, row, -0.9 + 0.8 * unit, -0.1 + 0.8 * unit, 0.1, 0.9), nullptr) << unit;
+  const SeamMap seams(rays, {});
+  for (double u = 0.1; u < 0.9; u += 0.004) EXPECT_LT(seams.line(true, u, 0.02, 0.28).z, kLayout.min_z) << u;
 }
 
 TEST(Fronts, TwoScansThatLieApartDoNotDoubleAFront) {
