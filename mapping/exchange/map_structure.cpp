@@ -165,9 +165,12 @@ MapStructure read_structure(const std::filesystem::path& path, const MeshSearch&
   const std::filesystem::path sidecar = sidecar_path(path);
   if (std::filesystem::exists(sidecar))
     return structure_from_sidecar(read_semantic_map(sidecar), world, sidecar.string());
-  Warnings later;  // The meshes are read again.
-  const auto floor = floor_height(world, triangles_of(world, search, later));
-  const bool is_moved = map_from_input && floor && !is_at_zero(*floor);
+  const auto is_off_zero = [&] {
+    Warnings later;  // The meshes are read again.
+    const auto floor = floor_height(world, triangles_of(world, search, later));
+    return floor && !is_at_zero(*floor);
+  };
+  const bool is_moved = map_from_input && is_off_zero();
   return structure_from_geometry(is_moved ? moved_world(world, *map_from_input) : world, search, warnings);
 }
 

@@ -60,6 +60,8 @@ std::pair<double, double> range_of(const Joint& joint) {
   return {joint.limits->lower, joint.limits->upper};
 }
 
+constexpr double kOpenFloor = 3;  // m, of the floor that is added round a world without walls
+
 /// Places that walls enclose, each with the distance to the nearest surface, less by openings.
 std::vector<std::pair<double, PlanarPose>> places_inside(const RayScene& scene, const LaserModel& laser) {
   constexpr double kStep = 0.2;
@@ -135,8 +137,6 @@ std::optional<double> floor_of_world(const std::string& asked, const fs::path& u
         {urdf.string(), 0, {}});
   return 0;
 }
-
-constexpr double kOpenFloor = 3;  // m, of the floor that is added round a world without walls
 
 struct SimulatedRobot::Impl {
   SimulatedRobotOptions options;

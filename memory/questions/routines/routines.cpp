@@ -617,10 +617,6 @@ std::vector<SentenceForm> contents_history_sentences() {
   };
 }
 
-}  // namespace
-
-namespace {
-
 constexpr const char* kDuringHelp =
     "Only what was seen then: \"noon\", \"9 to 11\", \"Mondays\", \"weekend morning\"";
 
